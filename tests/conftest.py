@@ -1,0 +1,16 @@
+"""Fixtures shared by all tests: where measured logs lie, if they are here at all."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Folder of the public measured logs; skips the test where it is absent."""
+    fallback = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("FRICTIONJOINT_DATA", fallback))
+    if not folder.is_dir():
+        pytest.skip(f"no measured logs: set FRICTIONJOINT_DATA (looked in {folder})")
+    return folder
