@@ -1,1 +1,22 @@
-""""""
+"""Joint friction for MuJoCo: presliding memory, identified from logs, and what is still missing."""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from frictionjoint.law.motion import friction_torque
+    from frictionjoint.parameters import FrictionParameters
+
+# Kernels and MuJoCo load on first use, so that the import itself stays quick.
+_HOMES = {
+    "FrictionParameters": "frictionjoint.parameters",
+    "friction_torque": "frictionjoint.law.motion",
+}
+
+__all__ = ["FrictionParameters", "friction_torque"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(_HOMES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,210 @@
+"""One step of the integrated friction model, integrated in displacement.
+
+Ganseman, Swevers, Prajogo and Al-Bender (1997):
+
+    F     = Fh(z) + sigma1 dz/dt + sigma2 v
+    Fh(z) = Fb + Fd(z)
+    dz/dt = v (1 - sgn(r) |r|**n)      r = Fd(z) / (S(v) - Fb)      variant ganseman1997
+                                       r = Fh(z) / S(v)             variant lampaert2002
+
+The state is Fh itself: Fd is invertible in closed form, so z = Fd^-1(Fh - Fb) carries nothing
+more, and Fh is continuous by construction through reversals, closings and resets. Within one
+step the motion has one direction and one speed, S is constant, and the step is a chain of exact
+pieces between events (a knot of Fd, a closing loop, a reset), each located in displacement. So
+the result does not depend on how a motion at constant speed is cut into steps.
+
+Everything is written for motion in the positive direction; the other one is its mirror image.
+
+Decisions where the paper is silent
+* A reset fires on the inequality Fh >= (1 - RESET_MARGIN) S(v), not on dz/dt = 0: at constant
+  speed Fh only approaches S, and when S falls below Fb inside presliding r would change sign and
+  the torque would diverge. Past the reset the base is a limit, so S - Fb > 0 and r > 0 always.
+* Fb jumps when a loop closes while S does not; in the 1997 form dz/dt, and with it sigma1 dz/dt,
+  jumps. That is the published law; the 2002 form has no such jump because Fb is not in its r.
+* A loop that opened on the first-loading curve returns to it when it closes: wiping out holds for
+  the first loading as for every other curve.
+"""
+
+import math
+
+from numba import njit
+
+from frictionjoint.law.memory import (
+    BOUND,
+    CAPACITY,
+    DIRECTION,
+    FB,
+    FH,
+    HEADER,
+    N_MAX,
+    N_MIN,
+    RATE,
+    VIRGIN,
+)
+from frictionjoint.law.relaxation import advance, distance, rate
+from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
+from frictionjoint.law.transition import knot_torque, segment_of_torque, slope
+
+RESET_MARGIN = 1e-3
+
+# Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
+LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = 0, 1, 2, 3, 4
+NEGATIVE = POSITIVE + 5
+KNOTS = NEGATIVE + 5
+
+_KNOT, _CLOSING, _RESET = 0, 1, 2
+
+
+@njit(cache=True)
+def start(P, p, X, h, s):
+    """State of a joint at rest that never moved: Fh = 0, the stacks hold only the limits."""
+    for i in range(HEADER):
+        X[h + i] = 0.0
+    X[h + N_MIN] = 1.0
+    X[h + N_MAX] = 1.0
+    X[h + VIRGIN] = 1.0
+    X[h + RATE] = 1.0
+    X[s] = -P[p + NEGATIVE + FS]
+    X[s + CAPACITY] = P[p + POSITIVE + FS]
+
+
+@njit(cache=True, inline="always")
+def _on_virgin(X, h):
+    return X[h + VIRGIN] == 1.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
+
+
+@njit(cache=True, inline="always")
+def _reverse(P, p, X, h, s, direction):
+    """The torque at the turning point becomes an extremum and the base of the new curve."""
+    Fh = X[h + FH]
+    from_masing_virgin = P[p + MASING] == 1.0 and _on_virgin(X, h)
+    n_min = int(X[h + N_MIN])
+    n_max = int(X[h + N_MAX])
+    # On the Masing first-loading curve the loop closes at the mirror image of its extremum.
+    if direction < 0.0 or from_masing_virgin:
+        X[s + CAPACITY + n_max] = abs(Fh) if from_masing_virgin else Fh
+        X[h + N_MAX] = n_max + 1
+    if direction > 0.0 or from_masing_virgin:
+        X[s + n_min] = -abs(Fh) if from_masing_virgin else Fh
+        X[h + N_MIN] = n_min + 1
+    X[h + FB] = Fh
+
+
+@njit(cache=True, inline="always")
+def _close(P, p, X, h, s, direction):
+    """The closed loop's extremum and its partner leave; the curve below them goes on."""
+    n_min = X[h + N_MIN] - 1.0
+    n_max = X[h + N_MAX] - 1.0
+    # The first Masing extremum also stands, mirrored, on the other stack: both leave together.
+    if P[p + MASING] == 1.0 and X[h + VIRGIN] == 1.0 and min(n_min, n_max) == 1.0:
+        n_min = n_max = 1.0
+    X[h + N_MIN] = n_min
+    X[h + N_MAX] = n_max
+    if _on_virgin(X, h):
+        X[h + FB] = 0.0
+    elif direction > 0.0:
+        X[h + FB] = X[s + int(n_min) - 1]
+    else:
+        X[h + FB] = X[s + CAPACITY + int(n_max) - 1]
+
+
+@njit(cache=True, inline="always")
+def _reset(X, h, s, direction):
+    """Full sliding wipes the memory; the base becomes the limit behind the motion."""
+    X[h + N_MIN] = 1.0
+    X[h + N_MAX] = 1.0
+    X[h + VIRGIN] = 0.0
+    X[h + BOUND] = 0.0
+    X[h + FB] = X[s] if direction > 0.0 else X[s + CAPACITY]
+
+
+@njit(cache=True, inline="always")
+def _closing_torque(X, h, s, direction):
+    """Torque, mirrored, at which the innermost open loop closes; infinite without one."""
+    if direction > 0.0:
+        tops = int(X[h + N_MAX])
+        return X[s + CAPACITY + tops - 1] if tops > 1 else math.inf
+    tops = int(X[h + N_MIN])
+    return -X[s + tops - 1] if tops > 1 else math.inf
+
+
+@njit(cache=True)
+def _slide(P, p, X, h, s, direction, S, dx):
+    """Move by dx > 0 in `direction` at the constant level S > 0; f and b are mirrored torques."""
+    n = P[p + EXPONENT]
+    k = p + KNOTS
+    last = int(P[k]) - 1
+    lampaert = P[p + LAMPAERT] == 1.0
+    reset_torque = (1.0 - RESET_MARGIN) * S
+    f = direction * X[h + FH]
+    j = -1  # segment of Fd; -1 asks for it anew because the base has changed
+    while True:
+        wiped = X[h + VIRGIN] == 0.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
+        if not wiped and f >= reset_torque:
+            _reset(X, h, s, direction)
+            wiped = True
+            j = -1
+        b = direction * X[h + FB]
+        # First loading under Masing's rule is Fd(2z)/2: torques of the knots halve, slopes stay.
+        scale = 0.5 if P[p + MASING] == 1.0 and _on_virgin(X, h) else 1.0
+        span = S if lampaert else S - b
+        origin = 0.0 if lampaert else b
+        r = (f - origin) / span
+        if r == 1.0:
+            break
+        if j < 0:
+            j = segment_of_torque(P, k, max(0.0, (f - b) / scale))
+        event = _KNOT
+        if r < 1.0:
+            target = b + scale * knot_torque(P, k, j) if j < last else math.inf
+            top = _closing_torque(X, h, s, direction)
+            if top <= target:
+                target, event = top, _CLOSING
+            if not wiped and reset_torque < target:
+                target, event = reset_torque, _RESET
+        else:
+            # S has fallen below Fh: the torque relaxes down to S through the knots below.
+            target = b + scale * knot_torque(P, k, j - 1) if j > 0 else -math.inf
+        K = slope(P, k, j)
+        reach = distance(r, (target - origin) / span, n) * span / K
+        if dx < reach:
+            r = advance(r, dx * K / span, n)
+            f = origin + r * span
+            break
+        # Rounding can put a target a bit behind f; it is then reached at once.
+        dx -= max(0.0, reach)
+        f = target
+        X[h + FH] = direction * f
+        if event == _CLOSING:
+            _close(P, p, X, h, s, direction)
+            j = -1
+        elif event == _KNOT:
+            j += 1 if r < 1.0 else -1
+    X[h + FH] = direction * f
+    X[h + RATE] = rate(r, n)
+
+
+@njit(cache=True)
+def step(P, p, X, a, h, s, dq, dt, v):
+    """Friction torque after the displacement dq taken in the time dt, arriving with velocity v.
+
+    Args:
+        P, p: parameters and where the law's block begins; X: state, with header `a` of the
+        starting point, header `h` of the result (may be `a`) and stacks at `s`; dq in rad, dt in
+        s (0 only with dq = 0 or for a start), v in rad/s.
+    Returns: F in N m, opposing the motion.
+    """
+    if h != a:
+        for i in range(HEADER):
+            X[h + i] = X[a + i]
+    if dq != 0.0:
+        direction = 1.0 if dq > 0.0 else -1.0
+        if X[h + DIRECTION] == -direction:
+            _reverse(P, p, X, h, s, direction)
+        X[h + DIRECTION] = direction
+        side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
+        dx = abs(dq)
+        S = stribeck_level(P, side, dx / dt if dt > 0.0 else 0.0)
+        _slide(P, p, X, h, s, direction, S, dx)
+    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
+    return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v

@@ -1,0 +1,63 @@
+"""A law driven along a given motion: the friction torque at each sample, from rest."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from frictionjoint.errors import LogError
+from frictionjoint.law.kernel import commit, row_size, start_row, step_row
+from frictionjoint.parameters import Friction
+
+
+@njit(cache=True)
+def drive(P, p, time, position, velocity, F):
+    """Fill F with the torque along a motion that is linear between samples.
+
+    Without a measured velocity (an empty array) the velocity of sample k is the mean over the
+    interval that ends there, and zero at the first one.
+    """
+    X = np.zeros(row_size(P, p))
+    start_row(P, p, X, 0)
+    F[0] = 0.0
+    own = len(velocity) == 0
+    for k in range(1, len(position)):
+        dq = position[k] - position[k - 1]
+        dt = time[k] - time[k - 1]
+        v = dq / dt if own else velocity[k]
+        F[k] = step_row(P, p, X, 0, dq, dt, v)
+        commit(P, p, X, 0)
+
+
+def friction_torque(
+    parameters: Friction, time: ArrayLike, position: ArrayLike
+) -> NDArray[np.float64]:
+    """Friction torque along a motion, starting at rest and never moved.
+
+    The motion is linear between the samples, so the velocity of an interval is its mean velocity,
+    and the torque of a sample is that at the end of its interval (zero at the first sample).
+
+    Args:
+        parameters: of any law in this package.
+        time: shape (n,), s, strictly increasing.
+        position: shape (n,), rad (m for a slide joint).
+    Returns:
+        shape (n,), N m (N for a slide joint), positive against positive motion.
+    Raises:
+        LogError: the arrays differ in length, are not finite, or time does not increase.
+    """
+    t = np.ascontiguousarray(time, dtype=np.float64)
+    q = np.ascontiguousarray(position, dtype=np.float64)
+    if t.ndim != 1 or t.shape != q.shape:
+        raise LogError(f"time {t.shape} and position {q.shape} must be 1-D and of one length")
+    if t.size == 0:
+        return np.zeros(0)
+    for name, x in (("time", t), ("position", q)):
+        bad = np.flatnonzero(~np.isfinite(x))
+        if bad.size:
+            raise LogError(f"{name}[{bad[0]}] is {x[bad[0]]}: give finite values")
+    bad = np.flatnonzero(np.diff(t) <= 0.0)
+    if bad.size:
+        raise LogError(f"time[{bad[0] + 1}] does not increase: sort or remove repeated samples")
+    F = np.empty_like(q)
+    drive(parameters.pack(), 0, t, q, np.empty(0), F)
+    return F

@@ -1,0 +1,29 @@
+"""The sliding level S(v) of equation (6) in Ganseman et al. (1997), one direction at a time.
+
+The paper writes S(v) without sgn(v); for v < 0 every symbol takes its negative-direction value.
+Here the level of a direction is a positive magnitude, and the caller applies the sign.
+A direction occupies ``P[d:d+5]``: Fs, Fc, Vs, delta, sigma2.
+"""
+
+import math
+
+from numba import njit
+
+FS, FC, VS, DELTA, SIGMA2 = range(5)
+
+
+@njit(cache=True, inline="always")
+def stribeck_level(P, d, speed):
+    """|S(v)| = Fc + (Fs - Fc) exp(-(|v|/Vs)**delta) of the direction stored at d, in N m."""
+    Fs = P[d + FS]
+    Fc = P[d + FC]
+    if Fs == Fc or speed == 0.0:
+        return Fs
+    x = speed / P[d + VS]
+    delta = P[d + DELTA]
+    # pow costs more than the rest of a sliding step; these two exponents are the usual ones.
+    if delta == 2.0:
+        x = x * x
+    elif delta != 1.0:
+        x = x**delta
+    return Fc + (Fs - Fc) * math.exp(-x)

@@ -1,0 +1,58 @@
+"""The transition curve Fd: odd, increasing, concave for z > 0, piecewise linear.
+
+Ganseman, Swevers, Prajogo and Al-Bender (1997) fit the measured curve by three segments. A curve
+is stored in ``P`` from ``k`` on as its number of knots N, then N knots (z_i, F_i, slope_i), where
+slope_i belongs to the segment that ends in knot i. The first segment starts in (0, 0); beyond the
+last knot the last slope goes on, so that the inverse exists for every torque.
+"""
+
+from numba import njit
+
+KNOT_STRIDE = 3
+
+
+@njit(cache=True, inline="always")
+def knot_torque(P, k, j):
+    """Torque F_j of knot j; knot -1 is the origin."""
+    if j < 0:
+        return 0.0
+    return P[k + 1 + KNOT_STRIDE * j + 1]
+
+
+@njit(cache=True, inline="always")
+def segment_of_torque(P, k, F):
+    """Index of the segment that holds the torque F >= 0, F in (F_{j-1}, F_j]."""
+    last = int(P[k]) - 1
+    j = 0
+    while j < last and knot_torque(P, k, j) < F:
+        j += 1
+    return j
+
+
+@njit(cache=True, inline="always")
+def slope(P, k, j):
+    """Stiffness dFd/dz on segment j."""
+    return P[k + 1 + KNOT_STRIDE * j + 2]
+
+
+@njit(cache=True)
+def transition(P, k, z):
+    """Fd(z)."""
+    last = int(P[k]) - 1
+    w = abs(z)
+    j = 0
+    while j < last and P[k + 1 + KNOT_STRIDE * j] < w:
+        j += 1
+    start = 0.0 if j == 0 else P[k + 1 + KNOT_STRIDE * (j - 1)]
+    F = knot_torque(P, k, j - 1) + slope(P, k, j) * (w - start)
+    return F if z >= 0.0 else -F
+
+
+@njit(cache=True)
+def inverse_transition(P, k, F):
+    """Fd^-1(F)."""
+    f = abs(F)
+    j = segment_of_torque(P, k, f)
+    start = 0.0 if j == 0 else P[k + 1 + KNOT_STRIDE * (j - 1)]
+    z = start + (f - knot_torque(P, k, j - 1)) / slope(P, k, j)
+    return z if F >= 0.0 else -z

@@ -1,0 +1,222 @@
+"""What a joint's friction is: fields, units, validation, and the numbers a kernel reads."""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Protocol, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.errors import ParameterError
+
+Variant = Literal["ganseman1997", "lampaert2002"]
+Virgin = Literal["literal", "masing"]
+Knots = tuple[tuple[float, float], ...]
+
+MOST_KNOTS = 16
+MOST_EXPONENT = 1000.0
+_INTEGRATED = 1
+
+
+class Friction(Protocol):
+    """What every law's parameters offer to kernels, files and models."""
+
+    law: ClassVar[str]
+
+    def pack(self) -> NDArray[np.float64]:
+        """The law's block of numbers, as its kernel reads them."""
+        ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by field name, `law` included, for TOML and JSON."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionParameters:
+    """Parameters of the integrated friction model (Ganseman et al. 1997), one joint.
+
+    Torques are magnitudes in N m, also those of the negative direction (the paper writes Fs-,
+    Fc- with a negative sign). For a slide joint read N for N m and m for rad.
+
+    Attributes:
+        Fs_pos, Fs_neg: breakaway (static) torque, N m, > 0.
+        Fc_pos, Fc_neg: Coulomb torque, N m, 0 < Fc <= Fs.
+        Vs_pos, Vs_neg: Stribeck velocity, rad/s, > 0.
+        delta_pos, delta_neg: Stribeck exponent, 0 < delta <= 10.
+        sigma2_pos, sigma2_neg: viscous coefficient, N m s/rad, >= 0.
+        sigma1: presliding damping, N m s/rad, >= 0.
+        n: exponent of the transition to sliding, 1 <= n <= 1000.
+        knots: ((z, F), ...) of the transition curve Fd for z > 0, rad and N m; it starts in
+            (0, 0), increases, is concave, and its last torque is at least Fs_pos + Fs_neg.
+        variant: "ganseman1997", or "lampaert2002" with r = Fh / S.
+        virgin: first loading: "literal" Fd(z), or "masing" Fd(2z)/2.
+
+    Raises:
+        ParameterError: a value out of its range; the message names it and the range.
+    """
+
+    Fs_pos: float
+    Fs_neg: float
+    Fc_pos: float
+    Fc_neg: float
+    Vs_pos: float
+    Vs_neg: float
+    delta_pos: float = 2.0
+    delta_neg: float = 2.0
+    sigma2_pos: float = 0.0
+    sigma2_neg: float = 0.0
+    sigma1: float = 0.0
+    n: float = 1.0
+    knots: Knots
+    variant: Variant = "ganseman1997"
+    virgin: Virgin = "literal"
+
+    law: ClassVar[str] = "integrated"
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            if field.name in ("knots", "variant", "virgin"):
+                continue
+            object.__setattr__(self, field.name, _number(field.name, getattr(self, field.name)))
+        for side in ("pos", "neg"):
+            Fs, Fc = getattr(self, f"Fs_{side}"), getattr(self, f"Fc_{side}")
+            _require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
+            _require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
+            Vs = getattr(self, f"Vs_{side}")
+            _require(Vs > 0, f"Vs_{side}", Vs, "> 0")
+            delta = getattr(self, f"delta_{side}")
+            _require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
+            sigma2 = getattr(self, f"sigma2_{side}")
+            _require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
+        _require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
+        _require(1 <= self.n <= MOST_EXPONENT, "n", self.n, f"in [1, {MOST_EXPONENT:g}]")
+        _require(self.variant in get_args(Variant), "variant", self.variant, _one_of(Variant))
+        _require(self.virgin in get_args(Virgin), "virgin", self.virgin, _one_of(Virgin))
+        object.__setattr__(self, "knots", _checked_knots(self.knots, self.Fs_pos + self.Fs_neg))
+
+    @classmethod
+    def symmetric(
+        cls,
+        *,
+        Fs: float,
+        Fc: float,
+        Vs: float,
+        delta: float = 2.0,
+        sigma2: float = 0.0,
+        **others: Any,
+    ) -> "FrictionParameters":
+        """The same levels in both directions; `others` are the remaining fields."""
+        pairs = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
+        both = {f"{name}_{side}": x for name, x in pairs.items() for side in ("pos", "neg")}
+        return cls(**both, **others)
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness at a reversal, N m/rad: the first slope of Fd."""
+        z, F = self.knots[0]
+        return F / z
+
+    def pack(self) -> NDArray[np.float64]:
+        """The block ``law.integrated`` reads, the number of the law in front."""
+        sides = [
+            getattr(self, f"{name}_{side}")
+            for side in ("pos", "neg")
+            for name in ("Fs", "Fc", "Vs", "delta", "sigma2")
+        ]
+        head = [
+            float(_INTEGRATED),
+            float(self.variant == "lampaert2002"),
+            float(self.virgin == "masing"),
+            self.n,
+            self.sigma1,
+        ]
+        knots = [x for z, F, K in _segments(self.knots) for x in (z, F, K)]
+        return np.array([*head, *sides, float(len(self.knots)), *knots])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by field name, `law` first."""
+        values = dataclasses.asdict(self)
+        values["knots"] = [list(knot) for knot in self.knots]
+        return {"law": self.law, **values}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "FrictionParameters":
+        """Inverse of `to_dict`.
+
+        Raises:
+            ParameterError: a key is unknown or missing.
+        """
+        given = {key: x for key, x in values.items() if key != "law"}
+        check_keys(cls, given)
+        return cls(**given)
+
+
+def check_keys(cls: type, given: Mapping[str, Any]) -> None:
+    """Raise ParameterError where `given` has an unknown key or lacks a required one."""
+    fields = {f.name: f for f in dataclasses.fields(cls)}
+    unknown = sorted(set(given) - set(fields))
+    if unknown:
+        raise ParameterError(f"unknown parameter {unknown[0]!r}: known are {', '.join(fields)}")
+    missing = [
+        name for name, f in fields.items() if f.default is dataclasses.MISSING and name not in given
+    ]
+    if missing:
+        raise ParameterError(f"missing parameter {', '.join(missing)}: add it")
+
+
+def _segments(knots: Knots) -> Iterator[tuple[float, float, float]]:
+    z0 = F0 = 0.0
+    for z, F in knots:
+        yield z, F, (F - F0) / (z - z0)
+        z0, F0 = z, F
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise ParameterError(f"{name} is {value!r}: give a number")
+    if not math.isfinite(value):
+        raise ParameterError(f"{name} is {value}: give a finite number")
+    return float(value)
+
+
+def _require(holds: bool, name: str, value: Any, allowed: str) -> None:
+    if not holds:
+        shown = f"{value:g}" if isinstance(value, float) else repr(value)
+        raise ParameterError(f"{name} is {shown}: it must be {allowed}")
+
+
+def _one_of(literal: Any) -> str:
+    return "one of " + ", ".join(repr(choice) for choice in get_args(literal))
+
+
+def _checked_knots(knots: Any, reach: float) -> Knots:
+    try:
+        pairs = tuple((_number("knots", z), _number("knots", F)) for z, F in knots)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, ParameterError):
+            raise
+        raise ParameterError("knots must be pairs [z, F] of numbers: rad and N m") from None
+    _require(1 <= len(pairs) <= MOST_KNOTS, "number of knots", len(pairs), f"1 to {MOST_KNOTS}")
+    z0 = F0 = 0.0
+    previous = math.inf
+    for i, (z, F) in enumerate(pairs):
+        if not (z > z0 and F > F0):
+            raise ParameterError(f"knots[{i}] is [{z:g}, {F:g}]: z and F must increase from (0, 0)")
+        slope = (F - F0) / (z - z0)
+        # Rounding in files may break equality of slopes by parts in 1e15, not concavity.
+        if not 0 < slope <= previous * (1 + 1e-9):
+            raise ParameterError(
+                f"knots[{i}] makes Fd convex ({slope:g} N m/rad after {previous:g}): "
+                "slopes must fall, or inner hysteresis curves leave the outer ones"
+            )
+        if not math.isfinite(slope):
+            raise ParameterError(f"knots[{i}] is [{z:g}, {F:g}]: its slope overflows")
+        z0, F0, previous = z, F, slope
+    if reach * (1 - 1e-12) > F0:
+        raise ParameterError(
+            f"knots end at {F0:g} N m: Fd must reach Fs_pos + Fs_neg = {reach:g} N m, add a knot"
+        )
+    return pairs
