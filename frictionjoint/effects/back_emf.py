@@ -1,0 +1,26 @@
+"""back-emf: the voltage a turning motor induces, seen as a torque proportional to speed."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import V
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """kt**2/R v."""
+    return P[e] * sig[V]
+
+
+EFFECT = Effect(
+    name="back-emf",
+    effect_id=10,
+    coefficients=("kt2_over_R",),
+    units=("T s/x",),
+    cause="motor driven by voltage: current falls with speed",
+    form="kt^2/R v",
+    source="equation of the DC motor",
+    signature="voltage-driven joint; linear in velocity, larger than viscous friction",
+    separating_motion="measure the current, or the winding resistance at standstill",
+    bounds=((0.0, float("inf")),),
+)

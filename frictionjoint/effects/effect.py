@@ -1,0 +1,59 @@
+"""The contract of an effect: physical cause, form, units, bounds, source, and how to spot it.
+
+An effect adds the torque ``sum_i c_i * column_i(signals; shape)`` to the friction law. The
+coefficients c enter linearly; shape numbers (a period, a time constant) do not, and
+`shapes` proposes the grid on which they are searched before they are refined. The numba function
+behind `effect_id` (see kernel.py) computes the sum both for a log and in a simulation.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Shape = tuple[float, ...]
+Entry = Literal["adds torque", "scales the friction level", "acts on the measurement"]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect beyond the friction law.
+
+    Attributes:
+        name: canonical name; two forms of one effect share it and differ in `form`.
+        effect_id: number of its kernel.
+        coefficients: names of the linear coefficients; units: one unit a coefficient, with
+            "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
+        shape: names of the shape numbers; shape_units: their units.
+        shapes: grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS).
+        needs: signal columns without which the effect cannot be tested.
+        entry: how it enters. cause, form, source, signature: for people.
+        bounds: of each coefficient, in units of its column; physical signs live here.
+        memory: float64 of state the kernel keeps.
+        separating_motion: what to record when it cannot be told from its nearest neighbours.
+    """
+
+    name: str
+    effect_id: int
+    coefficients: tuple[str, ...]
+    units: tuple[str, ...]
+    cause: str
+    form: str
+    source: str
+    signature: str
+    separating_motion: str
+    entry: Entry = "adds torque"
+    shape: tuple[str, ...] = ()
+    shape_units: tuple[str, ...] = ()
+    shapes: Callable[[Array], list[Shape]] = field(default=lambda signals: [()])
+    needs: tuple[int, ...] = ()
+    bounds: tuple[tuple[float, float], ...] = ()
+    memory: int = 0
+
+    @property
+    def size(self) -> int:
+        """Length of the number block: shape numbers, then coefficients."""
+        return len(self.shape) + len(self.coefficients)

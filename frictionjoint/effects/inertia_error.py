@@ -1,0 +1,26 @@
+"""inertia-error: inertia the MJCF does not know."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import A
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """dJ a."""
+    return P[e] * sig[A]
+
+
+EFFECT = Effect(
+    name="inertia-error",
+    effect_id=3,
+    coefficients=("inertia",),
+    units=("T s^2/x",),
+    cause="rotor inertia through the gear, payload, wrong link inertia",
+    form="dJ a",
+    source="Armstrong, Khatib and Burdick (1986)",
+    signature="proportional to acceleration at every frequency",
+    separating_motion="fast motion at two frequencies at least a factor of two apart",
+    needs=(A,),
+)

@@ -1,0 +1,128 @@
+"""One entry to all effects, for a log and for a simulation.
+
+A block ``P[e:]`` holds the number of effects, then for each its id, the length of its numbers, and
+the numbers (shape first, then coefficients). Memory ``X[x:]`` holds `MEMORY` numbers an effect.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from frictionjoint.effects import (
+    back_emf,
+    backlash,
+    direction_asymmetry,
+    dwell_time,
+    end_stop,
+    frictional_lag,
+    gravity_error,
+    inertia_error,
+    joint_elasticity,
+    load_dependent,
+    measurement_delay,
+    nonlinear_viscous,
+    position_periodic,
+    spring,
+    temperature_dependent,
+    torque_bias,
+    torque_gain,
+    warm_up_drift,
+)
+
+MEMORY = 3
+
+_bias = torque_bias.torque
+_gravity = gravity_error.torque
+_inertia = inertia_error.torque
+_spring = spring.torque
+_asymmetry = direction_asymmetry.torque
+_viscous = nonlinear_viscous.torque
+_load = load_dependent.torque
+_temperature = temperature_dependent.torque
+_warm_up = warm_up_drift.torque
+_emf = back_emf.torque
+_periodic = position_periodic.torque
+_periodic_level = position_periodic.level_torque
+_gain = torque_gain.torque
+_delay = measurement_delay.torque
+_elasticity = joint_elasticity.torque
+_stop = end_stop.torque
+_lag = frictional_lag.torque
+_dwell = dwell_time.torque
+_backlash = backlash.torque
+
+
+@njit(cache=True)
+def effect_torque(effect_id, P, e, sig, X, x):
+    """Torque of one effect; numba cannot cache a table of functions, hence the chain."""
+    if effect_id == 1:
+        return _bias(P, e, sig, X, x)
+    if effect_id == 2:
+        return _gravity(P, e, sig, X, x)
+    if effect_id == 3:
+        return _inertia(P, e, sig, X, x)
+    if effect_id == 4:
+        return _spring(P, e, sig, X, x)
+    if effect_id == 5:
+        return _asymmetry(P, e, sig, X, x)
+    if effect_id == 6:
+        return _viscous(P, e, sig, X, x)
+    if effect_id == 7:
+        return _load(P, e, sig, X, x)
+    if effect_id == 8:
+        return _temperature(P, e, sig, X, x)
+    if effect_id == 9:
+        return _warm_up(P, e, sig, X, x)
+    if effect_id == 10:
+        return _emf(P, e, sig, X, x)
+    if effect_id == 11:
+        return _periodic(P, e, sig, X, x)
+    if effect_id == 12:
+        return _periodic_level(P, e, sig, X, x)
+    if effect_id == 13:
+        return _gain(P, e, sig, X, x)
+    if effect_id == 14:
+        return _delay(P, e, sig, X, x)
+    if effect_id == 15:
+        return _elasticity(P, e, sig, X, x)
+    if effect_id == 16:
+        return _stop(P, e, sig, X, x)
+    if effect_id == 17:
+        return _lag(P, e, sig, X, x)
+    if effect_id == 18:
+        return _dwell(P, e, sig, X, x)
+    if effect_id == 19:
+        return _backlash(P, e, sig, X, x)
+    return np.nan
+
+
+@njit(cache=True)
+def total_torque(P, e, sig, X, x):
+    """Sum over the block's effects at one instant."""
+    total = 0.0
+    at = e + 1
+    for i in range(int(P[e])):
+        total += effect_torque(int(P[at]), P, at + 2, sig, X, x + MEMORY * i)
+        at += 2 + int(P[at + 1])
+    return total
+
+
+@njit(cache=True)
+def _columns(effect_id, numbers, n_shape, signals, out):
+    X = np.zeros(MEMORY)
+    for c in range(out.shape[1]):
+        numbers[n_shape:] = 0.0
+        numbers[n_shape + c] = 1.0
+        X[:] = 0.0
+        for k in range(signals.shape[0]):
+            out[k, c] = effect_torque(effect_id, numbers, 0, signals[k], X, 0)
+
+
+def columns(
+    effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Torque per unit of each coefficient along a log, shape (n, n_coefficients)."""
+    numbers = np.array([*shape, *([0.0] * n_coefficients)])
+    out = np.empty((len(signals), n_coefficients))
+    _columns(effect_id, numbers, len(shape), signals, out)
+    return out

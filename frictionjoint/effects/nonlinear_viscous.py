@@ -1,0 +1,36 @@
+"""nonlinear-viscous: viscous friction that is not proportional to speed."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.effects.signals import V
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """c sgn(v) |v|**p."""
+    v = sig[V]
+    if v == 0.0:
+        return 0.0
+    magnitude = P[e + 1] * abs(v) ** P[e]
+    return magnitude if v > 0.0 else -magnitude
+
+
+def _exponents(signals: Array) -> list[Shape]:
+    return [(p,) for p in (0.3, 0.5, 0.7, 1.5, 2.0, 3.0)]
+
+
+EFFECT = Effect(
+    name="nonlinear-viscous",
+    effect_id=6,
+    coefficients=("c",),
+    units=("T (s/x)^p",),
+    cause="grease and hydrodynamic lubrication; churning losses",
+    form="c sgn(v) |v|**p; concave (p < 1) in geared joints, quadratic in churning",
+    source="Waiboer, Aarts and Jonker (2005) for the concave form",
+    signature="odd in velocity, curvature that the Stribeck and linear terms leave",
+    separating_motion="constant velocities over the whole speed range, both directions",
+    shape=("p",),
+    shape_units=("1",),
+    shapes=_exponents,
+)

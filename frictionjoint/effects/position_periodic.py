@@ -1,0 +1,51 @@
+"""position-periodic: cogging, torque ripple, eccentric gears; one harmonic of position each."""
+
+import math
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import H, Q
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """a sin(N q) + b cos(N q)."""
+    angle = P[e] * sig[Q]
+    return P[e + 1] * math.sin(angle) + P[e + 2] * math.cos(angle)
+
+
+@njit(cache=True)
+def level_torque(P, e, sig, X, x):
+    """(a sin(N q) + b cos(N q)) Fh/Fc."""
+    return torque(P, e, sig, X, x) * sig[H]
+
+
+EFFECT = Effect(
+    name="position-periodic",
+    effect_id=11,
+    coefficients=("sin", "cos"),
+    units=("T", "T"),
+    cause="cogging, current ripple, eccentric gears: fixed in angle",
+    form="a sin(N q) + b cos(N q)",
+    source="Jahns and Soong (1996) on cogging and ripple",
+    signature="fixed in position, same sign in both directions",
+    separating_motion="slow motion over several periods, both directions",
+    shape=("N",),
+    shape_units=("1/x",),
+)
+
+PERIODIC_LEVEL = Effect(
+    name="position-periodic",
+    effect_id=12,
+    coefficients=("sin", "cos"),
+    units=("T", "T"),
+    cause="a friction level that varies along the teeth",
+    form="(a sin(N q) + b cos(N q)) Fh/Fc",
+    source="Armstrong-Helouvry (1991), position-dependent friction",
+    signature="fixed in position, sign turns with the velocity",
+    separating_motion="slow motion over several periods, both directions",
+    entry="scales the friction level",
+    shape=("N",),
+    shape_units=("1/x",),
+)

@@ -1,0 +1,15 @@
+"""What an effect may look at: one row of numbers a sample, the same in a log and in a simulation.
+
+TIME   s since the start of the log or simulation
+Q V A  position, velocity, acceleration (rad or m)
+JERK SNAP  third and fourth derivative of the position; zero in simulation
+LOAD   torque the gear transmits: rigid-body torque of the MJCF at this joint, N m
+GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
+TEMP   temperature, deg C
+H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding
+DTAU   time derivative of the predicted torque, N m/s; zero in simulation
+DT     s since the last sample
+"""
+
+TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT = range(13)
+N_SIGNALS = 13

@@ -1,0 +1,26 @@
+"""spring: a cable, a hose or a balancer pulling towards a rest position."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import Q
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """k q + c, with the rest position q0 = -c / k."""
+    return P[e] * sig[Q] + P[e + 1]
+
+
+EFFECT = Effect(
+    name="spring",
+    effect_id=4,
+    coefficients=("stiffness", "preload"),
+    units=("T/x", "T"),
+    cause="cable, hose, balancing spring",
+    form="k (q - q0), stored as k q + c",
+    source="linear elasticity",
+    signature="same sign in both directions, linear in position over the whole range",
+    separating_motion="slow motion over more than half a turn, both directions",
+    bounds=((0.0, float("inf")), (-float("inf"), float("inf"))),
+)

@@ -1,0 +1,24 @@
+"""torque-bias: a constant torque."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """c."""
+    return P[e]
+
+
+EFFECT = Effect(
+    name="torque-bias",
+    effect_id=1,
+    coefficients=("bias",),
+    units=("T",),
+    cause="current sensor offset, preload of a seal or a balancer",
+    form="c",
+    source="Gautier (1997), offset term of the identification model",
+    signature="same sign in both directions, depends on nothing",
+    separating_motion="move through the same range in both directions and stop in between",
+)

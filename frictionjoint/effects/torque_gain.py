@@ -1,0 +1,27 @@
+"""torque-gain: a motor constant that is off, seen as a share of the known load."""
+
+from numba import njit
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import LOAD
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """e tau_load."""
+    return P[e] * sig[LOAD]
+
+
+EFFECT = Effect(
+    name="torque-gain",
+    effect_id=13,
+    coefficients=("gain",),
+    units=("1",),
+    cause="motor constant, gear efficiency or current scale other than assumed",
+    form="(1 + e) tau, seen against the rigid-body torque; friction scales along unseen",
+    source="Gautier and Briot (2014), on drive gains",
+    signature="scales inertia and gravity torque alike",
+    separating_motion="a known extra load, and motion both fast and slow",
+    entry="acts on the measurement",
+    needs=(LOAD,),
+)
