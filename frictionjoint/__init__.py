@@ -6,14 +6,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from frictionjoint.law.motion import friction_torque
     from frictionjoint.parameters import FrictionParameters
+    from frictionjoint.simulate.attach import attach
+    from frictionjoint.simulate.carrier import install, load_model
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
+    "attach": "frictionjoint.simulate.attach",
+    "install": "frictionjoint.simulate.carrier",
+    "load_model": "frictionjoint.simulate.carrier",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
 
-__all__ = ["FrictionParameters", "friction_torque"]
+__all__ = ["FrictionParameters", "attach", "friction_torque", "install", "load_model"]
 
 
 def __getattr__(name: str) -> Any:

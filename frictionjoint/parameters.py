@@ -136,6 +136,27 @@ class FrictionParameters:
         knots = [x for z, F, K in _segments(self.knots) for x in (z, F, K)]
         return np.array([*head, *sides, float(len(self.knots)), *knots])
 
+    @classmethod
+    def unpack(cls, block: NDArray[np.float64]) -> "FrictionParameters":
+        """Inverse of `pack`.
+
+        Raises:
+            ParameterError: the block is too short or its values are out of range.
+        """
+        values = [float(x) for x in block]
+        n = int(values[15]) if len(values) > 15 and math.isfinite(values[15]) else -1
+        if n < 1 or len(values) != 16 + 3 * n:
+            raise ParameterError("the friction block is damaged: install the friction anew")
+        names = [f"{x}_{s}" for s in ("pos", "neg") for x in ("Fs", "Fc", "Vs", "delta", "sigma2")]
+        return cls(
+            **dict(zip(names, values[5:15], strict=True)),
+            n=values[3],
+            sigma1=values[4],
+            knots=tuple((values[16 + 3 * i], values[17 + 3 * i]) for i in range(n)),
+            variant="lampaert2002" if values[1] else "ganseman1997",
+            virgin="masing" if values[2] else "literal",
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values by field name, `law` first."""
         values = dataclasses.asdict(self)

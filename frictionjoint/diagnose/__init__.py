@@ -1,1 +1,1 @@
-""""""
+"""What the model lacks: residual, trace, the loop."""

@@ -9,7 +9,8 @@ evaluation the new starting point.
 from numba import njit
 
 from frictionjoint.law import integrated
-from frictionjoint.law.memory import CAPACITY, HEADER, make_room
+from frictionjoint.law.memory import CAPACITY, FH, HEADER, make_room
+from frictionjoint.law.stribeck import FC
 
 INTEGRATED = 1
 
@@ -43,3 +44,15 @@ def commit(P, p, X, x):
     for i in range(HEADER):
         X[x + i] = X[x + HEADER + i]
     make_room(X, x, x + 2 * HEADER)
+
+
+@njit(cache=True)
+def hysteresis_torque(P, p, X, x):
+    """Fh of the last evaluation, N m."""
+    return X[x + HEADER + FH]
+
+
+@njit(cache=True)
+def coulomb_level(P, p):
+    """Mean of the two directions' Coulomb torques, N m."""
+    return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])

@@ -1,0 +1,274 @@
+"""Least squares of the torque balance: friction law plus terms, on one or several logs.
+
+    torque  = load + Fc H(q; shape) + sigma2 v + sum of terms            (torque known)
+    voltage = (load + Fc H(q; shape) + sum of terms) / g                 (gain g unknown)
+
+Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
+trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has no sigma2:
+what is linear in velocity there is the effect `back-emf`, which no log of voltages can tell from
+viscous friction.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, lsq_linear
+
+from frictionjoint.effects.signals import DTAU, LOAD, TIME, H, Q, V
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import EffectTerm, Term
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    Attributes:
+        shape: of the law; terms: beside it.
+        beta: linear coefficients, one a column, in the drive's units (see `gain`).
+        gain: torque per unit of drive; 1 where the torque is measured.
+        names: of the columns, "Fc" first ("load" before it on a voltage-driven joint).
+        residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
+        jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
+        stderr: of the parameters in the order of the jacobian, block-robust.
+        log_index: which log each sample belongs to, shape (n,).
+        target_rms: rms of the measured torque.
+    """
+
+    shape: Shape
+    terms: tuple[Term, ...]
+    beta: Array
+    gain: float
+    names: tuple[str, ...]
+    residual: Array
+    jacobian: Array
+    log_index: NDArray[np.int64]
+    target_rms: float
+
+    @property
+    def rms(self) -> float:
+        """rms of the residual, N m."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+    def coefficient(self, name: str) -> float:
+        """A linear coefficient in N m per unit of its column."""
+        return float(self.beta[self.names.index(name)] * self.gain)
+
+    def term_coefficients(self, i: int) -> Array:
+        """Coefficients of term i in N m per unit of their columns."""
+        first = len(self.names) - sum(len(t.coefficients) for t in self.terms[i:])
+        return self.beta[first : first + len(self.terms[i].coefficients)] * self.gain
+
+
+def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
+    """Signals with H and DTAU filled in for a law."""
+    signals = segment.signals.copy()
+    signals[:, H] = shape.hysteresis(segment.signals[:, TIME], segment.signals[:, Q])
+    torque = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
+    signals[:, DTAU] = np.gradient(torque, segment.dt)
+    return signals
+
+
+def base_columns(signals: Array, voltage_driven: bool) -> Array:
+    """Columns of the law alone: H and v, or load and H where the gain is unknown."""
+    pair = (LOAD, H) if voltage_driven else (H, V)
+    return signals[:, pair]
+
+
+def base_names(voltage_driven: bool) -> tuple[str, ...]:
+    """Names of `base_columns`."""
+    return ("load", "Fc") if voltage_driven else ("Fc", "sigma2")
+
+
+def design(
+    prepared: Prepared, shape: Shape, terms: tuple[Term, ...], level: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Columns and target on the kept samples of all logs, filtered and decimated."""
+    X, y = [], []
+    for segment in prepared.segments:
+        signals = full_signals(segment, shape, *level)
+        parts = [base_columns(signals, prepared.voltage_driven)]
+        parts += [term.columns(segment, signals) for term in terms]
+        target = segment.drive - (0.0 if prepared.voltage_driven else signals[:, LOAD])
+        both = segment.lowpass(np.column_stack([*parts, target]))[segment.kept]
+        X.append(both[:, :-1])
+        y.append(both[:, -1])
+    return np.concatenate(X), np.concatenate(y)
+
+
+def coefficient_bounds(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[Array, Array]:
+    """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
+    low = [1e-12, 1e-12] if voltage_driven else [1e-12, 0.0]
+    high = [np.inf, np.inf]
+    for term in terms:
+        bounds: tuple[tuple[float, float], ...] = ()
+        if isinstance(term, EffectTerm):
+            bounds = term.effect.bounds
+        free = ((-np.inf, np.inf),) * len(term.coefficients)
+        # with an unknown gain only the sign of a bound survives
+        for lo, hi in bounds or free:
+            low.append(lo if lo == 0.0 or not voltage_driven else -np.inf)
+            high.append(hi if not voltage_driven else np.inf)
+    return np.array(low), np.array(high)
+
+
+def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
+    """Linear least squares, bounded only where the free solution breaks a bound."""
+    scale = np.linalg.norm(X, axis=0)
+    scale[scale == 0.0] = 1.0
+    beta: Array = np.linalg.lstsq(X / scale, y, rcond=1e-10)[0] / scale
+    if np.all(beta >= low) and np.all(beta <= high):
+        return beta
+    Q_, R = np.linalg.qr(X / scale)
+    found = lsq_linear(R, Q_.T @ y, (low * scale, high * scale))
+    return np.asarray(found.x / scale)
+
+
+def fit(
+    prepared: Prepared,
+    terms: tuple[Term, ...] = (),
+    start: Shape | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Fit:
+    """Fit the law and the terms.
+
+    Args:
+        start: shape to start from (a refit); without one several starts are tried.
+    """
+    outer = _Outer(prepared, terms, start)
+    starts = [outer.vector(start)] if start else outer.grid()
+    best = None
+    for i, x0 in enumerate(starts):
+        progress(f"fit {i + 1} of {len(starts)}")
+        found = least_squares(
+            outer.residual,
+            x0,
+            bounds=outer.bounds,
+            diff_step=1e-3,
+            x_scale=outer.scale,
+            max_nfev=30,
+            xtol=1e-5,
+            ftol=1e-7,
+        )
+        if best is None or found.cost < best.cost:
+            best = found
+    assert best is not None
+    return outer.result(best.x)
+
+
+class _Outer:
+    """The search over shapes; the rest is solved for at each point."""
+
+    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], start: Shape | None) -> None:
+        self.prepared = prepared
+        self.terms = terms
+        speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
+        self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
+        self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
+        self.level = (0.0, 0.0)
+        low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span)]
+        high = [3.0, np.log(2.0 * self.vmax), 3.0, np.log(0.1 * self.span)]
+        for term in terms:
+            for x in term.shape:
+                reach = self._reach(term, x)
+                low.append(x - reach)
+                high.append(x + reach)
+        self.bounds = (np.array(low), np.array(high))
+        self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
+        self.low, self.high = coefficient_bounds(prepared.voltage_driven, terms)
+
+    def _reach(self, term: Term, x: float) -> float:
+        if term.name == "position-periodic":
+            return np.pi / self.span / 2.0
+        return 0.3 * abs(x) + 1e-12
+
+    def vector(self, shape: Shape) -> Array:
+        law = [shape.excess, np.log(shape.Vs), shape.delta, np.log(shape.length)]
+        x = np.array([*law, *(n for term in self.terms for n in term.shape)])
+        inside = 1e-6 * (self.bounds[1] - self.bounds[0])
+        return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
+
+    def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
+        shape = Shape(float(x[0]), float(np.exp(x[1])), float(x[2]), float(np.exp(x[3])))
+        at, terms = 4, []
+        for term in self.terms:
+            k = len(term.shape)
+            terms.append(term.with_shape(tuple(float(n) for n in x[at : at + k])))
+            at += k
+        return shape, tuple(terms)
+
+    def grid(self) -> list[Array]:
+        """Best few of a coarse grid over Vs and length."""
+        trials = []
+        for Vs in (0.02, 0.1, 0.4):
+            for length in (1e-4, 1e-3, 1e-2):
+                x = self.vector(Shape(0.2, Vs * self.vmax, 1.0, length * self.span))
+                trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
+        return [x for _, _, x in sorted(trials)[:2]]
+
+    def solved(self, x: Array) -> tuple[Array, Array, Array]:
+        shape, terms = self.split(x)
+        X, y = design(self.prepared, shape, terms, self.level)
+        return X, y, solve(X, y, self.low, self.high)
+
+    def residual(self, x: Array) -> Array:
+        X, y, beta = self.solved(x)
+        out: Array = y - X @ beta
+        return out
+
+    def result(self, x: Array) -> Fit:
+        X, y, beta = self.solved(x)
+        shape, terms = self.split(x)
+        names = (*base_names(self.prepared.voltage_driven),)
+        names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
+        gain = float(1.0 / beta[0]) if self.prepared.voltage_driven else 1.0
+        model = X @ beta
+        shape_columns = []
+        for i in range(len(x)):
+            h = 1e-3 * self.scale[i]
+            inward = -h if x[i] + h > self.bounds[1][i] else h
+            moved = x.copy()
+            moved[i] += inward
+            other_shape, other_terms = self.split(moved)
+            X2, _ = design(self.prepared, other_shape, other_terms, self.level)
+            shape_columns.append((X2 @ beta - model) / inward)
+        index = np.concatenate(
+            [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
+        )
+        total = y + (0.0 if self.prepared.voltage_driven else self._load())
+        return Fit(
+            shape=shape,
+            terms=terms,
+            beta=beta,
+            gain=gain,
+            names=names,
+            residual=(y - model) * gain,
+            jacobian=np.column_stack([X, *shape_columns]) * gain,
+            log_index=index,
+            target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
+        )
+
+    def _load(self) -> Array:
+        return np.concatenate(
+            [s.lowpass(s.signals[:, LOAD])[s.kept] for s in self.prepared.segments]
+        )
+
+
+def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
+    """Measured and predicted torque on the kept samples of each log, N m, without refitting."""
+    measured, predicted = [], []
+    for i in range(len(prepared)):
+        one = prepared.subset([i])
+        segment = one.segments[0]
+        X, y = design(one, fitted.shape, fitted.terms, (0.0, 0.0))
+        model = X @ fitted.beta * fitted.gain
+        load = segment.lowpass(segment.signals[:, LOAD])[segment.kept]
+        known = 0.0 if prepared.voltage_driven else load
+        measured.append(y * fitted.gain + known)
+        predicted.append(model + known)
+    return measured, predicted

@@ -1,0 +1,128 @@
+"""Rigid-body torque at one joint along a measured motion, from the user's own MJCF.
+
+MuJoCo's inverse dynamics does the work. Contacts, limits and every friction or damping the MJCF
+declares at the joint are left out, because friction is what the log is about to tell.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.errors import ModelError
+
+Array = NDArray[np.float64]
+ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+
+
+@dataclass(frozen=True)
+class RigidBodyTorque:
+    """Along a motion, each of shape (n,).
+
+    Attributes:
+        load: torque the rigid body asks of the joint, N m (N for a slide).
+        gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint,
+            N m per kg m; zero for a slide joint.
+    """
+
+    load: Array
+    gx: Array
+    gy: Array
+
+
+class RigidBody:
+    """The MJCF around one hinge or slide joint.
+
+    Args:
+        mjcf: path of the MJCF, or its text.
+        joint: name of the joint under study.
+    Raises:
+        ModelError: the file does not compile, or has no such hinge or slide joint.
+    """
+
+    def __init__(self, mjcf: str | Path, joint: str) -> None:
+        self.model = compile_model(mjcf)
+        self.joint = joint
+        self.joint_names = {self.model.joint(i).name for i in range(self.model.njnt)} - {joint}
+        self.joint_id = _joint_id(self.model, joint)
+        self.slide = int(self.model.jnt_type[self.joint_id]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        off = (
+            mujoco.mjtDisableBit.mjDSBL_CONTACT
+            | mujoco.mjtDisableBit.mjDSBL_LIMIT
+            | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
+        )
+        self.model.opt.disableflags |= int(off)
+        self.model.dof_damping[self.model.jnt_dofadr[self.joint_id]] = 0.0
+
+    def torque(
+        self,
+        position: Array,
+        velocity: Array,
+        acceleration: Array,
+        others: Mapping[str, tuple[Array, Array, Array]] | None = None,
+    ) -> RigidBodyTorque:
+        """Inverse dynamics along a motion.
+
+        Args:
+            position, velocity, acceleration: of the joint, shape (n,), rad, rad/s, rad/s^2.
+            others: the same triple for other joints by name; joints not named stay at qpos0.
+        """
+        model, data = self.model, mujoco.MjData(self.model)
+        tracks = [(self.joint_id, (position, velocity, acceleration))]
+        tracks += [(_joint_id(model, name), track) for name, track in (others or {}).items()]
+        qpos = [int(model.jnt_qposadr[j]) for j, _ in tracks]
+        dofs = [int(model.jnt_dofadr[j]) for j, _ in tracks]
+        q, v, a = (np.stack([track[i] for _, track in tracks], axis=1) for i in range(3))
+        dof = dofs[0]
+        body = int(model.jnt_bodyid[self.joint_id])
+        e1, e2 = _across(model.jnt_axis[self.joint_id])
+        load, gx, gy = (np.zeros(len(position)) for _ in range(3))
+        for k in range(len(position)):
+            data.qpos[qpos] = q[k]
+            data.qvel[dofs] = v[k]
+            data.qacc[dofs] = a[k]
+            mujoco.mj_inverse(model, data)
+            load[k] = data.qfrc_inverse[dof]
+            if not self.slide:
+                R = data.xmat[body].reshape(3, 3)
+                turn = np.cross(model.opt.gravity, data.xaxis[self.joint_id])
+                # torque the joint must supply: -(e x g).axis = -e.(g x axis)
+                gx[k], gy[k] = -turn @ R @ e1, -turn @ R @ e2
+        return RigidBodyTorque(load, gx, gy)
+
+
+def compile_model(mjcf: str | Path) -> mujoco.MjModel:
+    """Compile an MJCF file or text; one clear line when that fails."""
+    try:
+        if isinstance(mjcf, str) and mjcf.lstrip().startswith("<"):
+            return mujoco.MjModel.from_xml_string(mjcf)
+        if not Path(mjcf).is_file():
+            raise ModelError(f"{mjcf}: no such MJCF file, check the path")
+        return mujoco.MjModel.from_xml_path(str(mjcf))
+    except ValueError as error:
+        if isinstance(error, ModelError):
+            raise
+        first = " ".join(str(error).split())
+        raise ModelError(f"{mjcf}: MuJoCo cannot compile it: {first}") from None
+
+
+def _joint_id(model: mujoco.MjModel, joint: str) -> int:
+    j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+    if j < 0:
+        names = [model.joint(i).name or f"unnamed #{i}" for i in range(model.njnt)]
+        raise ModelError(f"no joint {joint!r} in the MJCF: it has {', '.join(names) or 'none'}")
+    if int(model.jnt_type[j]) not in ONE_DOF:
+        kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
+        raise ModelError(f"joint {joint!r} is a {kind} joint: friction acts on hinge and slide")
+    return j
+
+
+def _across(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors across a unit axis, the same ones for the same axis."""
+    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    e1 = np.cross(axis, helper)
+    e1 /= np.linalg.norm(e1)
+    return e1, np.cross(axis, e1)

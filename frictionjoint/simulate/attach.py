@@ -1,0 +1,71 @@
+"""Install the friction callback for a while: ``with attach(model): ...``."""
+
+import contextlib
+import functools
+import warnings
+from collections.abc import Iterator
+from typing import Any, Literal
+
+import mujoco
+
+from frictionjoint.errors import ModelError
+from frictionjoint.simulate.callback import build_native, python_callback
+from frictionjoint.simulate.carrier import resolve
+from frictionjoint.simulate.layout import LayoutMismatchError
+
+Backend = Literal["native", "python"]
+
+# models attached now, by the address of their C structure: a nested second attach is a mistake
+_attached: set[int] = set()
+
+
+@functools.lru_cache(maxsize=1)
+def _native() -> Any:
+    return build_native()
+
+
+def _callback(backend: Backend) -> Any:
+    if backend == "python":
+        return python_callback
+    try:
+        return _native().ctypes
+    except LayoutMismatchError as error:
+        warnings.warn(f"{error}: using the slower backend='python'", RuntimeWarning, stacklevel=4)
+        return python_callback
+
+
+@contextlib.contextmanager
+def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoco.MjModel]:
+    """Friction of `model` acts inside the block; the previous callback returns after it.
+
+    The callback serves every model in the process that carries friction and leaves all others
+    alone, so several models may be attached at once, one inside another.
+
+    Args:
+        model: carries friction, see `install`.
+        backend: "native" (a C function, no GIL) or "python" (same kernel, slower).
+    Raises:
+        ModelError: no friction in the model, attached already, spring and damper flags both
+            disabled (MuJoCo then never calls back), or an unknown backend.
+    """
+    if backend not in ("native", "python"):
+        raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
+    if model._address in _attached:
+        raise ModelError("this model is attached already: leave the first attach before")
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    if (model.opt.disableflags & off) == off:
+        raise ModelError(
+            "spring and damper flags are both disabled, so MuJoCo calls no passive force: "
+            "enable one of them in <option><flag>"
+        )
+    if not resolve(model):
+        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    callback = _callback(backend)
+    previous = mujoco.get_mjcb_passive()
+    mujoco.set_mjcb_passive(callback)
+    _attached.add(model._address)
+    try:
+        yield model
+    finally:
+        _attached.discard(model._address)
+        mujoco.set_mjcb_passive(previous)

@@ -1,0 +1,215 @@
+"""Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
+
+MuJoCo writes six digits of a number into XML. So a block holds its numbers twice: plain, for a
+reader's eye and for the callback, and as four 16-bit integers each, from which the exact doubles
+come back when the block is resolved. A block is
+
+    0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
+    6 id of the joint   7 count of numbers N   8 where the effects begin
+    9.. N numbers: the law's block, then the effects' block       then 4 N integers
+
+Slots 2 to 6 belong to one compiled model and are written by `resolve`, by name, so that
+``MjSpec.attach`` with a prefix works and the callback never looks up a name.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.effects.catalogue import by_id
+from frictionjoint.effects.effect import Effect
+from frictionjoint.errors import ModelError
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.laws import unpack
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.row import row_size
+
+Array = NDArray[np.float64]
+
+MAGIC = 199797.0
+VERSION = 1.0
+RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
+HEAD = 9
+ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+_TAG = "frictionjoint:"
+
+
+@dataclass(frozen=True)
+class SimulatedEffect:
+    """An effect with its numbers, as it goes into a model."""
+
+    effect: Effect
+    shape: tuple[float, ...]
+    coefficients: tuple[float, ...]
+
+    def pack(self) -> Array:
+        """Id, length, numbers."""
+        numbers = (*self.shape, *self.coefficients)
+        return np.array([self.effect.effect_id, len(numbers), *numbers], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """What a model carries for one joint."""
+
+    parameters: Friction
+    effects: tuple[SimulatedEffect, ...] = ()
+
+
+def install(
+    spec: mujoco.MjSpec,
+    friction: Mapping[str, Friction],
+    effects: Mapping[str, Sequence[SimulatedEffect]] | None = None,
+) -> None:
+    """Write friction into a spec and make room for its state in ``userdata``.
+
+    User data the model already has stays in front. The joints' own ``frictionloss`` is left as it
+    is; `frictionjoint check` tells where both act.
+
+    Args:
+        spec: changed in place, only if every joint is fit for it.
+        friction: parameters by joint name.
+        effects: effects beyond the law by joint name.
+    Raises:
+        ModelError: unknown joint, not a hinge or slide, or friction there already.
+    """
+    joints = {joint.name: joint for joint in spec.joints}
+    taken = {numeric.name for numeric in spec.numerics}
+    for name in [*friction, *(effects or {})]:
+        if name not in joints:
+            raise ModelError(f"no joint {name!r}: the model has {', '.join(joints) or 'none'}")
+        if int(joints[name].type) not in ONE_DOF:
+            kind = mujoco.mjtJoint(joints[name].type).name.removeprefix("mjJNT_").lower()
+            raise ModelError(
+                f"joint {name!r} is a {kind} joint: only hinge and slide carry friction"
+            )
+        if name not in friction:
+            raise ModelError(f"joint {name!r} has effects but no friction law: give both")
+        if _TAG + name in taken:
+            raise ModelError(f"joint {name!r} carries friction already: delete its numeric first")
+    for name, parameters in friction.items():
+        block = _encode(parameters.pack(), list((effects or {}).get(name, ())))
+        numeric = spec.add_numeric(name=_TAG + name, data=block, size=len(block))
+        assert numeric is not None
+        n_effects = len((effects or {}).get(name, ()))
+        spec.nuserdata = max(spec.nuserdata, 0) + row_size(_law_row(parameters), n_effects)
+
+
+def _law_row(parameters: Friction) -> int:
+    return int(law_row_size(parameters.pack(), 0))
+
+
+def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
+    numbers = np.concatenate([law, [float(len(effects))], *(e.pack() for e in effects)])
+    head = np.array([MAGIC, VERSION, 0, 0, 0, 0, 0, len(numbers), HEAD + len(law)])
+    pieces = np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
+    return np.concatenate([head, numbers, pieces])
+
+
+def blocks(model: mujoco.MjModel) -> dict[str, int]:
+    """Address in ``numeric_data`` of each joint's block, by joint name."""
+    found = {}
+    for i in range(model.nnumeric):
+        prefix, tag, joint = (model.numeric(i).name or "").partition(_TAG)
+        if tag:
+            found[prefix + joint] = int(model.numeric_adr[i])
+    return found
+
+
+def resolve(model: mujoco.MjModel) -> dict[str, int]:
+    """Write addresses and exact numbers into a model's own blocks; returns their addresses.
+
+    Raises:
+        ModelError: a block without its joint, of another version or damaged, or too little
+            ``userdata``.
+    """
+    found = blocks(model)
+    sizes = {}
+    for name, at in found.items():
+        _check_block(model, name, at)
+        n = int(model.numeric_data[at + COUNT])
+        pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
+        exact = np.frombuffer(pieces.astype("<u2").tobytes(), dtype="<f8")
+        model.numeric_data[at + HEAD : at + HEAD + n] = exact
+        unpack(exact[: int(model.numeric_data[at + EFFECTS]) - HEAD])
+        n_effects = int(model.numeric_data[at + int(model.numeric_data[at + EFFECTS])])
+        sizes[name] = row_size(int(law_row_size(exact, 0)), n_effects)
+    need = sum(sizes.values())
+    if need > model.nuserdata:
+        raise ModelError(
+            f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
+            f'{model.nuserdata}: write <size nuserdata="{need}"/> in the MJCF'
+        )
+    row = model.nuserdata - need
+    for name, at in found.items():
+        joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        model.numeric_data[at + QPOS] = model.jnt_qposadr[joint]
+        model.numeric_data[at + DOF] = model.jnt_dofadr[joint]
+        model.numeric_data[at + JOINT] = joint
+        model.numeric_data[at + ROW] = row
+        model.numeric_data[at + RESOLVED] = 1.0
+        row += sizes[name]
+    return found
+
+
+def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
+    head = model.numeric_data[at : at + HEAD]
+    where = f"numeric {_TAG}{name}"
+    size = next(
+        int(model.numeric_size[i]) for i in range(model.nnumeric) if model.numeric_adr[i] == at
+    )
+    if size < HEAD or head[0] != MAGIC:
+        raise ModelError(f"{where} is no friction block: install the friction anew")
+    if head[1] != VERSION:
+        raise ModelError(f"{where} has version {head[1]:g}, this package reads {VERSION:g}")
+    n = int(head[COUNT])
+    if size != HEAD + 5 * n or not HEAD < head[EFFECTS] < HEAD + n:
+        raise ModelError(f"{where} has {size} numbers, not {HEAD + 5 * n}: install it anew")
+    pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
+    if np.any(pieces != np.round(pieces)) or pieces.min() < 0 or pieces.max() > 65535:
+        raise ModelError(f"{where} was edited by hand: install the friction anew")
+    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+    if joint < 0:
+        names = ", ".join(model.joint(i).name for i in range(model.njnt))
+        raise ModelError(f"{where} names joint {name!r}: the model has {names}")
+    if int(model.jnt_type[joint]) not in ONE_DOF:
+        raise ModelError(f"{where}: joint {name!r} is neither a hinge nor a slide")
+
+
+def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
+    """What a model carries, by joint name, exactly as it was installed."""
+    found = {}
+    for name, at in resolve(model).items():
+        n = int(model.numeric_data[at + COUNT])
+        numbers = np.array(model.numeric_data[at + HEAD : at + HEAD + n])
+        k = int(model.numeric_data[at + EFFECTS]) - HEAD
+        effects, i = [], k + 1
+        for _ in range(int(numbers[k])):
+            effect, size = by_id(int(numbers[i])), int(numbers[i + 1])
+            values = tuple(float(x) for x in numbers[i + 2 : i + 2 + size])
+            cut = len(effect.shape)
+            effects.append(SimulatedEffect(effect, values[:cut], values[cut:]))
+            i += 2 + size
+        found[name] = JointFriction(unpack(numbers[:k]), tuple(effects))
+    return found
+
+
+def load_model(path: str | Path) -> mujoco.MjModel:
+    """Load an MJCF that carries friction, ready for `attach`.
+
+    Raises:
+        ModelError: the file does not compile, or carries no friction or damaged friction.
+    """
+    if not Path(path).is_file():
+        raise ModelError(f"{path}: no such file, check the path")
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise ModelError(f"{path}: {' '.join(str(error).split())}") from None
+    if not resolve(model):
+        raise ModelError(f"{path} carries no friction: write it with `frictionjoint install`")
+    return model

@@ -1,0 +1,115 @@
+"""Byte offsets of the fields the native callback touches in mjModel and mjData.
+
+They differ between MuJoCo versions. They are worked out from `mujoco.introspect`, which lists the
+C structures of the running build, and checked against a live model before they are trusted.
+"""
+
+import ctypes
+import re
+from functools import lru_cache
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.introspect import ast_nodes, structs
+
+_SCALARS = {
+    "int": ctypes.c_int,
+    "float": ctypes.c_float,
+    "double": ctypes.c_double,
+    "mjtNum": ctypes.c_double,
+    "mjtSize": ctypes.c_int64,
+    "mjtByte": ctypes.c_uint8,
+    "mjtBool": ctypes.c_bool,
+    "size_t": ctypes.c_size_t,
+    "uintptr_t": ctypes.c_size_t,
+    "uint64_t": ctypes.c_uint64,
+    "char": ctypes.c_char,
+}
+MODEL_FIELDS = (
+    "nv",
+    "nnumeric",
+    "numeric_adr",
+    "numeric_data",
+    "opt",
+    "jnt_bodyid",
+    "jnt_axis",
+    "M_rowadr",
+    "M_rownnz",
+)
+DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis")
+
+
+class LayoutMismatchError(RuntimeError):
+    """The structures of this MuJoCo build are not what its own listing says."""
+
+
+def _ctype(declared: Any) -> Any:
+    if isinstance(declared, ast_nodes.PointerType):
+        return ctypes.c_void_p
+    if isinstance(declared, ast_nodes.ArrayType):
+        result = _ctype(declared.inner_type)
+        for extent in reversed(declared.extents):
+            result = result * extent
+        return result
+    if hasattr(declared, "fields"):
+        return _structure(declared.fields)
+    name = re.sub(r"^(const|struct|enum) ", "", declared.name)
+    if name in _SCALARS:
+        return _SCALARS[name]
+    if name in structs.STRUCTS:
+        return _structure(structs.STRUCTS[name].fields)
+    if name.startswith("mjt"):
+        return ctypes.c_int  # an enumeration
+    raise LayoutMismatchError(f"unknown C type {name!r}")
+
+
+def _structure(fields: Any) -> Any:
+    pairs = [(f.name, _ctype(f.type)) for f in fields]
+    return type("Layout", (ctypes.Structure,), {"_fields_": pairs})
+
+
+@lru_cache(maxsize=1)
+def offsets() -> tuple[dict[str, int], dict[str, int]]:
+    """Byte offsets in mjModel and mjData by field name.
+
+    Raises:
+        LayoutMismatchError: a live model does not hold what the offsets promise.
+    """
+    model_type = _structure(structs.STRUCTS["mjModel"].fields)
+    data_type = _structure(structs.STRUCTS["mjData"].fields)
+    model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
+    data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
+    option = _structure(structs.STRUCTS["mjOption"].fields)
+    model["gravity"] = model["opt"] + option.gravity.offset
+    _check(model, data)
+    return model, data
+
+
+def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><size nuserdata='3'/><option timestep='0.00137' gravity='0.3 0 -9'/>"
+        "<worldbody><body><joint/><geom size='1'/></body></worldbody>"
+        "<custom><numeric name='a' data='1'/><numeric name='b' data='2 3'/></custom></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    data.time = 0.731
+    expected = [
+        (model._address + model_at["nv"], np.int64, model.nv),
+        (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
+        (model._address + model_at["opt"], np.float64, model.opt.timestep),
+        (model._address + model_at["gravity"], np.float64, model.opt.gravity[0]),
+        (data._address + data_at["time"], np.float64, data.time),
+    ]
+    pairs = [(model, model_at, MODEL_FIELDS), (data, data_at, DATA_FIELDS)]
+    for owner, at, names in pairs:
+        for name in names:
+            array = getattr(owner, name)
+            if isinstance(array, np.ndarray):
+                expected.append((owner._address + at[name], np.int64, array.ctypes.data))
+    for address, kind, value in expected:
+        raw = (ctypes.c_char * 8).from_address(address)
+        if np.frombuffer(raw, dtype=kind)[0] != value:
+            raise LayoutMismatchError(
+                f"MuJoCo {mujoco.__version__} lays out its structures in a way not foreseen"
+            )

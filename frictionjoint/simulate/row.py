@@ -1,0 +1,68 @@
+"""A joint's state in ``mjData.userdata`` and the rule that commits it.
+
+MuJoCo calls the passive callback as often as it likes: once a step, four times with RK4, again in
+mj_forward and in finite differences. So a row keeps the last committed point and the last
+evaluated one:
+
+* a call at a later time commits the evaluated point, then evaluates;
+* a call at the same time evaluates again from the committed point;
+* a call at an earlier time, or an all-zero row, starts afresh: at rest and never moved.
+
+Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
+torque, committed velocity, then the law's row, then the effects' memory, committed and evaluated.
+"""
+
+from numba import njit
+
+from frictionjoint.effects.kernel import MEMORY
+from frictionjoint.law.kernel import commit, start_row, step_row
+from frictionjoint.law.kernel import row_size as law_row_size
+
+STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
+    range(8)
+)
+FRONT = 8
+
+
+def row_size(law_row: int, n_effects: int) -> int:
+    """float64 that a joint with this many effects takes in userdata."""
+    return FRONT + law_row + 2 * MEMORY * n_effects
+
+
+@njit(cache=True)
+def commit_effects(P, p, effects, X, x):
+    """The effects' evaluated memory becomes the committed one."""
+    n = MEMORY * int(P[effects])
+    if n > 0:
+        memory = x + FRONT + law_row_size(P, p)
+        for i in range(n):
+            X[memory + i] = X[memory + n + i]
+
+
+@njit(cache=True)
+def evaluate(P, p, effects, X, x, t, q, v):
+    """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects."""
+    law = x + FRONT
+    if X[x + STARTED] == 0.0 or t < X[x + T_EVALUATED]:
+        X[x + STARTED] = 1.0
+        X[x + T_COMMITTED] = t
+        X[x + Q_COMMITTED] = q
+        X[x + V_COMMITTED] = v
+        start_row(P, p, X, law)
+    elif t > X[x + T_EVALUATED]:
+        if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
+            commit(P, p, X, law)
+            commit_effects(P, p, effects, X, x)
+        X[x + V_COMMITTED] = X[x + V_EVALUATED]
+        X[x + T_COMMITTED] = X[x + T_EVALUATED]
+        X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
+    dt = t - X[x + T_COMMITTED]
+    if dt == 0.0:
+        # still at the start: no motion has led here, wherever "here" is put
+        X[x + Q_COMMITTED] = q
+    F = step_row(P, p, X, law, q - X[x + Q_COMMITTED], dt, v)
+    X[x + T_EVALUATED] = t
+    X[x + Q_EVALUATED] = q
+    X[x + V_EVALUATED] = v
+    X[x + TORQUE] = F
+    return F
