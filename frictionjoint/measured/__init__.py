@@ -1,1 +1,1 @@
-""""""
+"""Measured logs: formats, validation, derivatives, public data sets."""

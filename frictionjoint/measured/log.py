@@ -1,0 +1,85 @@
+"""One measured log of one joint."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.errors import LogError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointLog:
+    """A joint's motion and drive, one row a sample, all arrays of shape (n,).
+
+    Attributes:
+        name: of the log, as the report shows it. joint: of the joint.
+        time: s, increasing. position: rad (m for a slide).
+        velocity: rad/s, or None. torque: N m (N), or None. voltage: V, or None; a drive current of
+            unknown scale may stand here too.
+        temperature: deg C, or None. target: commanded position, or None.
+        motor_position: second encoder, rad at the motor, or None.
+        torque_enabled: False where the drive is off, or None where it is always on.
+        slide: True for a slide joint.
+        other_positions: positions of other joints by name.
+        metadata: figures that came with the log (gains, masses), by name.
+    """
+
+    name: str
+    joint: str
+    time: Array
+    position: Array
+    velocity: Array | None = None
+    torque: Array | None = None
+    voltage: Array | None = None
+    temperature: Array | None = None
+    target: Array | None = None
+    motor_position: Array | None = None
+    torque_enabled: NDArray[np.bool_] | None = None
+    slide: bool = False
+    other_positions: dict[str, Array] = field(default_factory=dict)
+    metadata: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n = len(self.time)
+        for name, x in self.columns().items():
+            if x.shape != (n,):
+                raise LogError(f"{self.name}: {name} has {x.shape}, time has {n} samples")
+        if self.torque is None and self.voltage is None:
+            raise LogError(f"{self.name}: neither torque nor voltage, add one of them")
+
+    def columns(self) -> dict[str, Array]:
+        """All arrays that are there, by field name."""
+        names = ("time", "position", "velocity", "torque", "voltage", "temperature", "target")
+        found = {name: getattr(self, name) for name in (*names, "motor_position", "torque_enabled")}
+        found |= {f"{name} (other joint)": x for name, x in self.other_positions.items()}
+        return {name: x for name, x in found.items() if x is not None}
+
+    def part(self, samples: slice, suffix: str) -> "JointLog":
+        """A stretch of the log under a new name."""
+        arrays = {
+            name: x[samples] for name, x in self.columns().items() if not name.endswith(" joint)")
+        }
+        others = {name: x[samples] for name, x in self.other_positions.items()}
+        return replace(self, name=f"{self.name}{suffix}", other_positions=others, **arrays)
+
+    @property
+    def duration(self) -> float:
+        """s from the first sample to the last."""
+        return float(self.time[-1] - self.time[0])
+
+
+def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
+    """The first part of a log, and its last `fraction` to hold out.
+
+    Raises:
+        LogError: the fraction is not inside (0, 1), or leaves a part too short.
+    """
+    if not 0.0 < fraction < 1.0:
+        raise LogError(f"held-out fraction is {fraction:g}: it must lie between 0 and 1")
+    cut = round(len(log.time) * (1.0 - fraction))
+    if min(cut, len(log.time) - cut) < 50:
+        raise LogError(f"{log.name}: holding out {fraction:g} leaves a part under 50 samples")
+    return log.part(slice(0, cut), " (first part)"), log.part(slice(cut, None), " (last part)")
