@@ -1,0 +1,176 @@
+"""What to try against a residual: the catalogue's effects, periods in position, smooth curves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.signals import H, Q
+from frictionjoint.identify.fit import Fit, full_signals
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import VARIABLES, EffectTerm, SmoothTerm, Term, quantity
+
+Array = NDArray[np.float64]
+
+_PERIODIC = (11, 12)
+_BACK_EMF = 10
+_POSITION_BINS = 4096
+_FEWEST_PERIODS = 2.0
+_PEAKS = 2
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A term with its columns on the kept samples.
+
+    Attributes:
+        term: effect at given shape numbers, or a smooth curve.
+        columns: filtered and decimated, N m per coefficient, shape (n, k).
+        search_p: p-value of a search that chose the shape (periods), else 0.
+    """
+
+    term: Term
+    columns: Array
+    search_p: float = 0.0
+
+    @property
+    def smooth(self) -> bool:
+        """Whether it is a curve without a physical name."""
+        return isinstance(self.term, SmoothTerm)
+
+
+def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
+    """Signals of each log under the fitted law."""
+    sigma2 = 0.0 if prepared.voltage_driven else fitted.coefficient("sigma2")
+    level = (fitted.coefficient("Fc"), sigma2)
+    return [full_signals(s, fitted.shape, *level) for s in prepared.segments]
+
+
+def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
+    """A term's columns on the kept samples of all logs."""
+    parts = [
+        s.lowpass(term.columns(s, x))[s.kept]
+        for s, x in zip(prepared.segments, signals, strict=True)
+    ]
+    return np.concatenate(parts)
+
+
+def effect_candidates(
+    prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]
+) -> list[Candidate]:
+    """Every effect that the logs can speak of and that is not in the model yet."""
+    everything = np.concatenate(signals)
+    names = {term.name for term in taken}
+    found = []
+    for effect in CATALOGUE:
+        if effect.effect_id in _PERIODIC or effect.name in names:
+            continue
+        if effect.effect_id == _BACK_EMF and not prepared.voltage_driven:
+            continue  # with the torque measured, sigma2 has taken what is linear in velocity
+        if prepared.voltage_driven and effect.name == "torque-gain":
+            continue  # the gain is a parameter of the fit already
+        if not all(_varies(everything[:, c]) for c in effect.needs):
+            continue
+        found += [
+            Candidate(
+                EffectTerm(effect, shape), columns_of(prepared, signals, EffectTerm(effect, shape))
+            )
+            for shape in effect.shapes(everything)
+        ]
+    return [c for c in found if np.all(np.isfinite(c.columns)) and np.any(c.columns)]
+
+
+def _varies(x: Array) -> bool:
+    return bool(np.ptp(x) > 1e-9 * (1.0 + np.abs(x).max()))
+
+
+def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidate]:
+    """A smooth curve in every measured quantity, alone and times the direction of friction."""
+    variables = [*VARIABLES, *prepared.segments[0].others]
+    found = []
+    for variable in variables:
+        try:
+            x = np.concatenate(
+                [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]
+            )
+        except KeyError:
+            continue  # another joint that only some logs have
+        if not _varies(x):
+            continue
+        low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
+        if high <= low:
+            continue
+        for odd in (False, True):
+            term = SmoothTerm(variable, low, high, odd)
+            found.append(Candidate(term, columns_of(prepared, signals, term)))
+    return found
+
+
+def periodic_candidates(
+    prepared: Prepared,
+    signals: list[Array],
+    residual: Array,
+    blocks: Blocks,
+    rng: np.random.Generator,
+    flips: int,
+) -> list[Candidate]:
+    """Harmonics of position: the strongest spatial frequencies of the residual.
+
+    The residual is summed into bins of position and transformed; the p-value of the best
+    frequency counts the search over all of them (sign flips by block).
+    """
+    x = np.concatenate(
+        [s.lowpass(g[:, [Q, H]])[s.kept] for s, g in zip(prepared.segments, signals, strict=True)]
+    )
+    q = x[:, 0]
+    span = float(np.ptp(q))
+    if span <= 0.0:
+        return []
+    bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
+    found = []
+    for effect_id, weight in zip(_PERIODIC, (np.ones(len(q)), x[:, 1]), strict=True):
+        effect = next(e for e in CATALOGUE if e.effect_id == effect_id)
+        sums = np.zeros((blocks.count, _POSITION_BINS))
+        np.add.at(sums, (blocks.of_sample, bins), residual * weight)
+        F = np.fft.rfft(sums, 2 * _POSITION_BINS, axis=1)
+        # twice oversampled: line k has k/2 periods over the span; a quarter of the bins' Nyquist
+        # frequency is the finest that the bins resolve without loss
+        first, last = int(2 * _FEWEST_PERIODS), _POSITION_BINS // 4
+        F = F[:, first:last]
+        norm = np.sum(np.abs(F) ** 2, axis=0) + 1e-300
+        power = np.abs(F.sum(axis=0)) ** 2
+        signs = rng.choice([-1.0, 1.0], size=(flips, blocks.count))
+        null = np.max(np.abs(signs @ F) ** 2 / norm, axis=1)
+        for line in _peaks(power, _PEAKS):
+            p = (1 + int(np.sum(null >= power[line] / norm[line]))) / (flips + 1)
+            N = np.pi * (line + first) / span
+            term = EffectTerm(effect, (float(N),))
+            term = _sharpened(prepared, signals, term, residual, span)
+            found.append(Candidate(term, columns_of(prepared, signals, term), p))
+    return found
+
+
+def _peaks(power: Array, count: int) -> list[int]:
+    left = power.copy()
+    found = []
+    for _ in range(count):
+        k = int(np.argmax(left))
+        found.append(k)
+        left[max(0, k - 3) : k + 4] = 0.0
+    return found
+
+
+def _sharpened(
+    prepared: Prepared, signals: list[Array], term: EffectTerm, residual: Array, span: float
+) -> EffectTerm:
+    """The frequency near a spectral line that explains most."""
+    (N,) = term.shape
+    trials = [term.with_shape((float(N + x),)) for x in np.linspace(-1, 1, 9) * np.pi / span / 2]
+    gains = []
+    for trial in trials:
+        X = columns_of(prepared, signals, trial)
+        fitted = X @ np.linalg.lstsq(X, residual, rcond=None)[0]
+        gains.append(float(fitted @ residual))
+    return trials[int(np.argmax(gains))]

@@ -1,0 +1,196 @@
+"""Which candidate explains a residual: a claim made on data it was not fitted to.
+
+1. The base model's own sensitivities are projected out of every candidate (Frisch and Waugh), so
+   that no candidate wins by undoing the fit.
+2. Gain: share of the residual's sum of squares that goes away on folds the coefficients were not
+   fitted to (whole logs where there are three or more).
+3. False alarms: score contributions of the blocks, their signs flipped at random; the p-value is
+   that of the maximum over all candidates, so the whole family is controlled.
+4. Runner-up: paired bootstrap over blocks of the difference in held-out squares; where the
+   interval holds zero the two are a tie, and of nested ones the simpler is taken.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.candidates import Candidate
+from frictionjoint.identify.terms import EffectTerm
+
+Array = NDArray[np.float64]
+
+FLIPS = 499
+_RESAMPLES = 300
+_TIE_QUANTILE = 0.05
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A candidate with its evidence.
+
+    Attributes:
+        held_out_gain: share of the residual variance taken away on held-out folds.
+        p_value: of no effect, controlled over all candidates.
+        coefficients: of the one-step fit, N m per column.
+        admissible: the coefficients keep the effect's physical bounds.
+        squares: held-out sum of squares by block.
+    """
+
+    candidate: Candidate
+    held_out_gain: float
+    p_value: float
+    coefficients: Array
+    admissible: bool
+    squares: Array = field(repr=False)
+
+    @property
+    def name(self) -> str:
+        """Name of the effect or variable."""
+        return self.candidate.term.name
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """All candidates, best first, one an effect (its best shape).
+
+    Attributes:
+        ranked: best first. base_squares: held-out squares by block without any candidate.
+    """
+
+    ranked: tuple[Ranked, ...]
+    base_squares: Array = field(repr=False)
+
+
+def rank(
+    candidates: list[Candidate],
+    jacobian: Array,
+    residual: Array,
+    blocks: Blocks,
+    rng: np.random.Generator,
+) -> Ranking:
+    """Rank candidates against a residual.
+
+    Args:
+        jacobian: sensitivities of the model so far, shape (n, p); residual: shape (n,).
+    """
+    J = _scaled(jacobian)
+    Z = [_scaled(c.columns) for c in candidates]
+    U = np.column_stack([J, *Z, residual])
+    grams = blocks.gram(U)
+    p = J.shape[1]
+    starts = np.cumsum([p, *(z.shape[1] for z in Z)])
+    sets = [np.arange(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    base = np.arange(p)
+    base_squares = _held_out(grams, base, blocks)
+    p_values = _flip_test(grams, base, sets, rng)
+    total = float(base_squares.sum())
+    rows = []
+    for i, (candidate, own) in enumerate(zip(candidates, sets, strict=True)):
+        squares = _held_out(grams, np.concatenate([base, own]), blocks)
+        scale = np.linalg.norm(candidate.columns, axis=0)
+        scale[scale == 0.0] = 1.0
+        beta = _solve(grams.sum(axis=0), np.concatenate([base, own]))[p:] / scale
+        p_value = max(p_values[i], min(1.0, 2.0 * candidate.search_p))
+        gain = 1.0 - float(squares.sum()) / total if total > 0.0 else 0.0
+        rows.append(Ranked(candidate, gain, p_value, beta, _admissible(candidate, beta), squares))
+    return Ranking(_best_of_each(rows), base_squares)
+
+
+def _scaled(X: Array) -> Array:
+    norm = np.linalg.norm(X, axis=0)
+    norm[norm == 0.0] = 1.0
+    return X / norm
+
+
+def _solve(G: Array, columns: NDArray[np.int64]) -> Array:
+    """Least squares of the last column on some others, from their Gram matrix.
+
+    Columns the data cannot tell apart share their coefficient (minimum norm).
+    """
+    A = G[np.ix_(columns, columns)]
+    return np.asarray(np.linalg.pinv(A, rcond=1e-9, hermitian=True) @ G[columns, -1])
+
+
+def _held_out(grams: Array, columns: NDArray[np.int64], blocks: Blocks) -> Array:
+    """Sum of squares of each block under coefficients fitted without its fold."""
+    total = grams.sum(axis=0)
+    squares = np.empty(blocks.count)
+    for fold in np.unique(blocks.fold):
+        inside = blocks.fold == fold
+        beta = _solve(total - grams[inside].sum(axis=0), columns)
+        G = grams[inside]
+        cross = G[:, columns, -1] @ beta
+        own = np.einsum("i,bij,j->b", beta, G[:, columns][:, :, columns], beta)
+        squares[inside] = G[:, -1, -1] - 2.0 * cross + own
+    return squares
+
+
+def _flip_test(
+    grams: Array, base: NDArray[np.int64], sets: list[NDArray[np.int64]], rng: np.random.Generator
+) -> Array:
+    """p-value of each candidate, the maximum over all candidates as its null distribution."""
+    total = grams.sum(axis=0)
+    inverse = np.linalg.pinv(total[np.ix_(base, base)], rcond=1e-9, hermitian=True)
+    signs = rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))
+    observed = np.zeros(len(sets))
+    null = np.full(FLIPS, -np.inf)
+    e_coefficients = inverse @ total[base, -1]
+    for i, own in enumerate(sets):
+        P = inverse @ total[np.ix_(base, own)]
+        # contribution of each block to the score of the projected candidate
+        score = grams[:, own, -1] - grams[:, base, -1] @ P
+        score -= np.einsum("bij,j->bi", grams[:, own][:, :, base], e_coefficients)
+        score += np.einsum("ki,bkl,l->bi", P, grams[:, base][:, :, base], e_coefficients)
+        spread = np.linalg.pinv(score.T @ score, rcond=1e-9, hermitian=True)
+        rank_ = max(1, int(np.linalg.matrix_rank(score.T @ score, hermitian=True)))
+
+        def evidence(s: Array, W: Array = spread, k: int = rank_) -> Array:
+            return np.asarray(-chi2.logsf(np.einsum("fi,ij,fj->f", s, W, s), k))
+
+        observed[i] = evidence(score.sum(axis=0)[None, :])[0]
+        null = np.maximum(null, evidence(signs @ score))
+    return np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in observed])
+
+
+def _admissible(candidate: Candidate, beta: Array) -> bool:
+    term = candidate.term
+    if not isinstance(term, EffectTerm) or not term.effect.bounds:
+        return True
+    low, high = np.array(term.effect.bounds).T
+    return bool(np.all(beta >= low) and np.all(beta <= high))
+
+
+def _best_of_each(rows: list[Ranked]) -> tuple[Ranked, ...]:
+    best: dict[tuple[str, bool], Ranked] = {}
+    for row in rows:
+        key = (row.name, row.candidate.smooth)
+        if not row.admissible:
+            continue
+        if key not in best or row.held_out_gain > best[key].held_out_gain:
+            best[key] = row
+    return tuple(sorted(best.values(), key=lambda r: -r.held_out_gain))
+
+
+def margin(
+    winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator
+) -> tuple[float, bool]:
+    """Difference in held-out gain, and whether it is a tie."""
+    draws = rng.integers(0, len(base), size=(_RESAMPLES, len(base)))
+    difference = other.squares - winner.squares
+    sample = difference[draws].sum(axis=1)
+    mean = float(difference.sum() / base.sum())
+    return mean, bool(np.quantile(sample, _TIE_QUANTILE) <= 0.0)
+
+
+def selection_frequency(
+    winner: Ranked, ranked: tuple[Ranked, ...], rng: np.random.Generator
+) -> float:
+    """How often the winner stays the best when blocks are drawn anew."""
+    squares = np.stack([r.squares for r in ranked])
+    n = squares.shape[1]
+    draws = rng.integers(0, n, size=(_RESAMPLES, n))
+    best = np.argmin(squares[:, draws].sum(axis=2), axis=0)
+    return float(np.mean([ranked[i] is winner for i in best]))
