@@ -1,0 +1,1 @@
+"""The shipped log with an undeclared effect; see README.md beside it."""

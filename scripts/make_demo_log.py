@@ -1,0 +1,66 @@
+"""Make the shipped log: one joint whose cogging its model does not mention.
+
+    python scripts/make_demo_log.py                     # rewrites frictionjoint/demo/
+    python scripts/make_demo_log.py --out /some/folder --json
+
+The plant is a geared arm with a gravity load, generalised Maxwell-slip friction and MuJoCo's own
+`dcmotor` cogging, stepped by MuJoCo at 0.1 ms. Nothing of the package under test takes part.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from plants.plant import (
+    Controller,
+    Effect,
+    Friction,
+    Instrument,
+    Motion,
+    PlantSpec,
+    simulate,
+    write,
+)
+
+SPEC = PlantSpec(
+    mass=1.2,
+    length=0.25,
+    inertia=0.1,
+    armature=0.05,
+    friction=Friction("gms", Fs=1.5, Fc=1.0, Vs=0.08, sigma2=0.35, presliding=4e-3),
+    controller=Controller(kp=80.0, kd=5.0, ki=60.0),
+    motions=(
+        Motion("pick-and-place", 11, amplitude=1.1, speed=2.0, duration=12.0),
+        Motion("ramps", 12, amplitude=0.9, speed=1.0, duration=12.0),
+        Motion("multisine", 13, amplitude=1.0, speed=2.2, duration=12.0),
+    ),
+    instrument=Instrument(rate=250.0, counts=65536, torque_noise=0.02, jitter=0.02),
+    seed=1997,
+    effects=(Effect("position-periodic", {"amplitude": 0.3, "cycles": 14.0, "phase": 0.7}),),
+)
+NAMES = ("pick_and_place.csv", "ramps.csv", "multisine.csv")
+DIGITS = {"time_s": "%.4f", "torque_nm": "%.3f", "target_rad": "%.4f", "position_rad": "%.5f"}
+
+
+def main(
+    out: Annotated[Path, typer.Option(help="folder to write to")] = Path(__file__).parents[1]
+    / "frictionjoint"
+    / "demo",
+    as_json: Annotated[bool, typer.Option("--json", help="print what was written as JSON")] = False,
+) -> None:
+    """Simulate the plant and write its three logs and the model its user believes in."""
+    trial = simulate(SPEC)
+    paths = write(trial, out, NAMES, DIGITS)
+    sizes = {path.name: path.stat().st_size for path in paths}
+    if as_json:
+        print(json.dumps({"files": sizes, "truth": trial.truth}))
+        return
+    for name, size in sizes.items():
+        print(f"{out / name}: {size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    typer.run(main)
