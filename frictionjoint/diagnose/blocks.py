@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -17,6 +19,7 @@ _FEWEST_BLOCKS = 24
 _MOST_BLOCKS = 240
 _CORRELATION_TIMES = 5.0
 _FOLDS = 5
+_AR_ORDER = 6
 
 
 @dataclass(frozen=True)
@@ -57,14 +60,37 @@ def correlation_time(residual: Array) -> float:
     return float(1.0 + 2.0 * rho[1:end].sum())
 
 
+def whitener(residual: Array, log_index: Index) -> Array:
+    """Prediction-error filter of a residual: coefficients (1, -a1, ... -ap), by Yule and Walker."""
+    lags = np.zeros(_AR_ORDER + 1)
+    for i in np.unique(log_index):
+        e = residual[log_index == i]
+        lags += [float(e[k:] @ e[: len(e) - k]) for k in range(_AR_ORDER + 1)]
+    if lags[0] <= 0.0:
+        return np.ones(1)
+    lags[0] *= 1.0 + 1e-6  # keeps the filter tame where the spectrum has deep holes
+    return np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
+
+
+def whiten(U: Array, log_index: Index, coefficients: Array) -> Array:
+    """Filter the columns of U, each log on its own."""
+    out = np.empty_like(U)
+    for i in np.unique(log_index):
+        out[log_index == i] = lfilter(coefficients, [1.0], U[log_index == i], axis=0)
+    return out
+
+
 def make_blocks(residual: Array, log_index: Index) -> Blocks:
     """Cut the logs into blocks, and the blocks into folds.
+
+    Blocks span several correlation times of the whitened residual.
 
     With three logs or more a fold is a set of whole logs; with fewer, every log is cut into
     contiguous stretches.
     """
     logs = np.unique(log_index)
-    longest = max(correlation_time(residual[log_index == i]) for i in logs)
+    white = whiten(residual[:, None], log_index, whitener(residual, log_index))[:, 0]
+    longest = max(correlation_time(white[log_index == i]) for i in logs)
     n = len(residual)
     length = int(np.clip(_CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / _FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)

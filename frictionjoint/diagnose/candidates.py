@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 _PERIODIC = (11, 12)
 _BACK_EMF = 10
 _POSITION_BINS = 4096
-_FEWEST_PERIODS = 2.0
+_FEWEST_PERIODS = 3.0
 _PEAKS = 2
 
 
@@ -136,8 +136,10 @@ def periodic_candidates(
         np.add.at(sums, (blocks.of_sample, bins), residual * weight)
         F = np.fft.rfft(sums, 2 * _POSITION_BINS, axis=1)
         # twice oversampled: line k has k/2 periods over the span; a quarter of the bins' Nyquist
-        # frequency is the finest that the bins resolve without loss
-        first, last = int(2 * _FEWEST_PERIODS), _POSITION_BINS // 4
+        # frequency is the finest that the bins resolve. Periods are counted over where the
+        # joint mostly is: a few excursions must not make a slow wave out of a smooth curve.
+        usual = float(np.subtract(*np.quantile(q, (0.95, 0.05))))
+        first, last = int(2 * _FEWEST_PERIODS * span / usual), _POSITION_BINS // 4
         F = F[:, first:last]
         norm = np.sum(np.abs(F) ** 2, axis=0) + 1e-300
         power = np.abs(F.sum(axis=0)) ** 2

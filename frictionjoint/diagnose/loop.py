@@ -30,6 +30,9 @@ Array = NDArray[np.float64]
 SIGNIFICANCE = 0.05
 # A gain below this changes the rms by under 1.5%: real or not, nobody's simulation gets better.
 SMALLEST_GAIN = 0.03
+_LARGE_GAIN = 0.5
+# Effects within this share of the best gain, and within chance of it, count as equals.
+_CLOSE = 0.1
 _MOST_STEPS = 8
 
 
@@ -90,14 +93,21 @@ def trace(
     ranking = None
     for number in range(_MOST_STEPS):
         progress(f"step {number + 1}: trying candidates")
-        ranking = _rank_all(prepared, current, rng)
+        # A motor driven by a voltage has a back-EMF: that is asked first and alone, for without
+        # it the gain of the drive, and with it every torque, is off.
+        known = "back-emf" if prepared.voltage_driven and number == 0 else None
+        ranking = _rank_all(prepared, current, rng, known)
         chosen = _choose(ranking, rng)
         if chosen is None:
+            if known:
+                continue
             break
         winner, ties = chosen
         progress(f"step {number + 1}: adding {winner.name}")
         terms = (*current.terms, winner.candidate.term)
-        refitted = fit(prepared, terms, start=current.shape)
+        # after a large change the old shape may sit in another valley: start from everywhere
+        start = current.shape if winner.held_out_gain < _LARGE_GAIN else None
+        refitted = fit(prepared, terms, start=start)
         others = [r for r in ranking.ranked if r is not winner and not r.candidate.smooth]
         runner = others[0] if others else None
         gap = margin(winner, runner, ranking.base_squares, rng)[0] if runner else 0.0
@@ -123,13 +133,18 @@ def trace(
     return Trace(base, tuple(steps), current, _unexplained(ranking), ranking)
 
 
-def _rank_all(prepared: Prepared, current: Fit, rng: np.random.Generator) -> Ranking:
+def _rank_all(
+    prepared: Prepared, current: Fit, rng: np.random.Generator, only: str | None = None
+) -> Ranking:
     blocks = make_blocks(current.residual, current.log_index)
     signals = signals_of(prepared, current)
     found = effect_candidates(prepared, signals, current.terms)
+    if only:
+        found = [c for c in found if c.term.name == only]
+        return rank(found, current.jacobian, current.residual, current.log_index, blocks, rng)
     found += periodic_candidates(prepared, signals, current.residual, blocks, rng, FLIPS)
     found += smooth_candidates(prepared, signals)
-    return rank(found, current.jacobian, current.residual, blocks, rng)
+    return rank(found, current.jacobian, current.residual, current.log_index, blocks, rng)
 
 
 def _justified(row: Ranked) -> bool:
@@ -145,7 +160,7 @@ def _choose(ranking: Ranking, rng: np.random.Generator) -> tuple[Ranked, tuple[s
     tied = [best]
     for row in named[1:]:
         gap, tie = margin(best, row, ranking.base_squares, rng)
-        if tie or gap < 0.1 * best.held_out_gain:
+        if tie and gap < _CLOSE * best.held_out_gain:
             tied.append(row)
     size = [len(r.coefficients) + len(r.candidate.term.shape) for r in tied]
     winner = tied[int(np.argmin(size))]

@@ -28,6 +28,7 @@ class Effect:
         coefficients: names of the linear coefficients; units: one unit a coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
         shape: names of the shape numbers; shape_units: their units.
+        shape_fixed: the shape numbers are a reference, not to be refined.
         shapes: grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS).
         needs: signal columns without which the effect cannot be tested.
         entry: how it enters. cause, form, source, signature: for people.
@@ -48,6 +49,7 @@ class Effect:
     entry: Entry = "adds torque"
     shape: tuple[str, ...] = ()
     shape_units: tuple[str, ...] = ()
+    shape_fixed: bool = False
     shapes: Callable[[Array], list[Shape]] = field(default=lambda signals: [()])
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()

@@ -30,6 +30,7 @@ EFFECT = Effect(
     entry="scales the friction level",
     shape=("T0",),
     shape_units=("deg C",),
+    shape_fixed=True,
     shapes=_reference,
     needs=(TEMP,),
 )

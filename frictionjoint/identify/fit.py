@@ -174,7 +174,7 @@ class _Outer:
         low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span)]
         high = [3.0, np.log(2.0 * self.vmax), 3.0, np.log(0.1 * self.span)]
         for term in terms:
-            for x in term.shape:
+            for x in term.free_shape:
                 reach = self._reach(term, x)
                 low.append(x - reach)
                 high.append(x + reach)
@@ -189,7 +189,7 @@ class _Outer:
 
     def vector(self, shape: Shape) -> Array:
         law = [shape.excess, np.log(shape.Vs), shape.delta, np.log(shape.length)]
-        x = np.array([*law, *(n for term in self.terms for n in term.shape)])
+        x = np.array([*law, *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
@@ -197,8 +197,9 @@ class _Outer:
         shape = Shape(float(x[0]), float(np.exp(x[1])), float(x[2]), float(np.exp(x[3])))
         at, terms = 4, []
         for term in self.terms:
-            k = len(term.shape)
-            terms.append(term.with_shape(tuple(float(n) for n in x[at : at + k])))
+            k = len(term.free_shape)
+            moved = tuple(float(n) for n in x[at : at + k])
+            terms.append(term.with_shape(moved) if k else term)
             at += k
         return shape, tuple(terms)
 

@@ -143,7 +143,7 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
         name=log.name,
         dt=dt,
         bandwidth_hz=bandwidth_hz,
-        step=max(1, int(1.0 / (dt * 8.0 * bandwidth_hz))),
+        step=max(1, int(1.0 / (dt * 4.0 * bandwidth_hz))),
         signals=signals,
         drive=uniform(log.time, drive, t),
         mask=mask,

@@ -42,6 +42,11 @@ class Term(Protocol):
         """Numbers that enter nonlinearly."""
         ...
 
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """Those of them a fit may refine."""
+        ...
+
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
         """The same term with other shape numbers."""
         ...
@@ -67,6 +72,11 @@ class EffectTerm:
     def coefficients(self) -> tuple[str, ...]:
         """Names of the linear coefficients."""
         return self.effect.coefficients
+
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """None where the shape is a fixed reference."""
+        return () if self.effect.shape_fixed else self.shape
 
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
         """The same effect elsewhere on its grid."""
@@ -103,6 +113,11 @@ class SmoothTerm:
     def coefficients(self) -> tuple[str, ...]:
         """Spline coefficients; the constant is not among them."""
         return tuple(f"b{i}" for i in range(self.pieces + 2))
+
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """None."""
+        return ()
 
     def with_shape(self, shape: tuple[float, ...]) -> "SmoothTerm":
         """A smooth term has no shape numbers."""
