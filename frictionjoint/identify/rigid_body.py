@@ -44,6 +44,7 @@ class RigidBody:
     """
 
     def __init__(self, mjcf: str | Path, joint: str) -> None:
+        self.mjcf = mjcf
         self.model = compile_model(mjcf)
         self.joint = joint
         self.joint_names = {self.model.joint(i).name for i in range(self.model.njnt)} - {joint}
@@ -56,6 +57,12 @@ class RigidBody:
         )
         self.model.opt.disableflags |= int(off)
         self.model.dof_damping[self.model.jnt_dofadr[self.joint_id]] = 0.0
+
+    def spec(self) -> mujoco.MjSpec:
+        """A fresh spec of the MJCF, to be changed."""
+        if isinstance(self.mjcf, str) and self.mjcf.lstrip().startswith("<"):
+            return mujoco.MjSpec.from_string(self.mjcf)
+        return mujoco.MjSpec.from_file(str(self.mjcf))
 
     def torque(
         self,

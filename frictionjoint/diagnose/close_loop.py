@@ -1,0 +1,237 @@
+"""From logs and an MJCF to a report: the whole loop in one call."""
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.loop import Step, Trace, trace
+from frictionjoint.diagnose.replay import friction_spec, replay
+from frictionjoint.diagnose.report_data import (
+    Added,
+    Curve,
+    Evidence,
+    LogEntry,
+    Report,
+    Rms,
+    Verdict,
+)
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.errors import LogError
+from frictionjoint.identify.fit import Fit, predict
+from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.terms import VARIABLES
+from frictionjoint.identify.uncertainty import covariance
+from frictionjoint.measured.log import JointLog
+
+Array = NDArray[np.float64]
+_RESAMPLES = 400
+
+
+def close_loop(
+    logs: Sequence[JointLog],
+    held_out: Sequence[JointLog],
+    mjcf: str | Path,
+    joint: str,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Report:
+    """Fit, trace, add, refit and report.
+
+    Args:
+        logs: to fit and to choose on, at least one; held_out: used for neither.
+        mjcf: path or text of the model the user believes in. joint: its name.
+        seed: equal seeds give equal reports.
+        progress: told what is being done.
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+    """
+    begin = time.perf_counter()
+    if not logs:
+        raise LogError("no log to fit: give at least one that is not held out")
+    body = RigidBody(mjcf, joint)
+    for log in [*logs, *held_out]:
+        if log.slide != body.slide:
+            kind = "slide" if body.slide else "hinge"
+            raise LogError(f"{log.name}: joint {joint!r} is a {kind}, the log's columns are not")
+    progress("rigid-body torque")
+    fitted_on = prepare(list(logs), body)
+    bandwidth = fitted_on.segments[0].bandwidth_hz
+    kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
+    found = trace(fitted_on, seed, progress)
+    progress("replay")
+    spec = body.spec()
+    friction_spec(spec, joint, found.final)
+    spec.compile()
+    before, after = (_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final))
+    torque = [_torque_rms(fitted_on, kept_back, f) for f in (found.base, found.final)]
+    entries = [
+        LogEntry(log.name, len(log.time), log.duration, role)
+        for role, group in (("fit", logs), ("held-out", held_out))
+        for log in group
+    ]
+    unexplained = _unexplained(found)
+    return Report(
+        joint=joint,
+        slide=body.slide,
+        logs=tuple(entries),
+        base=law_estimates(found.base, _covariance(found.base), body.slide),
+        final=law_estimates(found.final, _covariance(found.final), body.slide),
+        before_torque=torque[0],
+        before_replay=before,
+        added=_added(found, fitted_on, kept_back),
+        after_torque=torque[1],
+        after_replay=after,
+        torque_interval=_intervals(kept_back or fitted_on, found),
+        measured_rms=found.final.target_rms,
+        noise_floor=None,
+        unexplained=unexplained,
+        verdict=_verdict(found, unexplained),
+        mjcf=spec.to_xml(),
+        seconds=time.perf_counter() - begin,
+        curves=_curves(fitted_on, kept_back, found),
+        ranking=_ranking(found),
+        proposals=_proposals(found),
+    )
+
+
+def _covariance(fitted: Fit) -> Array:
+    blocks = make_blocks(fitted.residual, fitted.log_index)
+    return covariance(fitted, blocks.of_sample)
+
+
+def _replays(fitted_on: Prepared, kept_back: Prepared | None, body: RigidBody, f: Fit) -> Rms:
+    held = replay(kept_back, body, f).rms if kept_back else None
+    return Rms(replay(fitted_on, body, f).rms, held)
+
+
+def _errors(prepared: Prepared, fitted: Fit) -> Array:
+    measured, predicted = predict(prepared, fitted)
+    return np.concatenate(measured) - np.concatenate(predicted)
+
+
+def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit) -> Rms:
+    held = _root_mean_square(_errors(kept_back, f)) if kept_back else None
+    return Rms(_root_mean_square(_errors(fitted_on, f)), held)
+
+
+def _root_mean_square(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2)))
+
+
+def _intervals(prepared: Prepared, found: Trace) -> tuple[tuple[float, float], tuple[float, float]]:
+    """95% intervals of the rms before and after, by bootstrap over blocks of time."""
+    rng = np.random.default_rng(0)
+    results = []
+    for fitted in (found.base, found.final):
+        e = _errors(prepared, fitted)
+        blocks = make_blocks(e, np.zeros(len(e), dtype=np.int64))
+        sums = np.bincount(blocks.of_sample, e**2)
+        counts = np.bincount(blocks.of_sample)
+        draws = rng.integers(0, len(sums), size=(_RESAMPLES, len(sums)))
+        sample = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
+        low, high = np.quantile(sample, (0.025, 0.975))
+        results.append((float(low), float(high)))
+    return results[0], results[1]
+
+
+def _added(found: Trace, fitted_on: Prepared, kept_back: Prepared | None) -> tuple[Added, ...]:
+    """One entry an effect; further harmonics of a periodic effect join the first one's."""
+    cov = _covariance(found.final)
+    entries: dict[str, Added] = {}
+    for i, step in enumerate(found.steps):
+        parameters = term_estimates(found.final, cov, i, fitted_on.slide)
+        name = step.term.name
+        rms = _torque_rms(fitted_on, kept_back, step.fit)
+        if name in entries:
+            first = entries[name]
+            number = 2 + sum(1 for s in found.steps[:i] if s.term.name == name) - 1
+            more = {f"{key}_{number}": x for key, x in parameters.items()}
+            entries[name] = Added(name, first.parameters | more, first.evidence, rms)
+        else:
+            entries[name] = Added(name, parameters, _evidence(step), rms)
+    return tuple(entries.values())
+
+
+def _evidence(step: Step) -> Evidence:
+    return Evidence(
+        step.evidence.held_out_gain,
+        step.evidence.p_value,
+        step.frequency,
+        step.runner_up,
+        step.margin,
+        step.ties,
+    )
+
+
+def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
+    shares: dict[str, float] = {}
+    for row in found.unexplained:
+        shares[row.name] = max(shares.get(row.name, 0.0), row.held_out_gain)
+    return tuple(shares.items())
+
+
+def _verdict(found: Trace, unexplained: tuple[tuple[str, float], ...]) -> Verdict:
+    if unexplained:
+        return "partly-explained"
+    return "explained" if found.steps else "no-effect-found"
+
+
+def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
+    curves = []
+    for role, prepared in (("fit", fitted_on), ("held-out", kept_back)):
+        if prepared is None:
+            continue
+        measured, before = predict(prepared, found.base)
+        _, after = predict(prepared, found.final)
+        for s, m, b, a in zip(prepared.segments, measured, before, after, strict=True):
+            kept = s.signals[:: s.step][s.kept]
+            quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
+            for name, x in s.others.items():
+                quantities[name] = x[:: s.step][s.kept]
+            curves.append(
+                Curve(
+                    s.name,
+                    role,  # type: ignore[arg-type]
+                    kept[:, 0],
+                    kept[:, Q],
+                    kept[:, V],
+                    m,
+                    b,
+                    a,
+                    {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
+                )
+            )
+    return tuple(curves)
+
+
+def _ranking(found: Trace) -> tuple[tuple[str, float, float], ...]:
+    """Candidates of the first step, or of the last look where nothing was added."""
+    ranking = found.steps[0].ranking if found.steps else found.last_ranking
+    return tuple(
+        (r.name, r.held_out_gain, r.p_value) for r in ranking.ranked if not r.candidate.smooth
+    )
+
+
+def _proposals(found: Trace) -> tuple[str, ...]:
+    """What to record next: for every tie the motion that separates it."""
+    texts = []
+    for step in found.steps:
+        for other in step.ties:
+            effect = next(e for e in CATALOGUE if e.name == step.term.name)
+            texts.append(f"{step.term.name} or {other}: {effect.separating_motion}.")
+    return tuple(texts)
+
+
+def estimates_table(report: Report) -> list[tuple[str, Estimate]]:
+    """All parameters of the final model by name, for people."""
+    rows = list(report.final.items())
+    for effect in report.added:
+        rows += [(f"{effect.effect}: {name}", x) for name, x in effect.parameters.items()]
+    return rows

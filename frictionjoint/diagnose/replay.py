@@ -1,0 +1,173 @@
+"""Replay: MuJoCo runs restarted from measured states and driven by the measured torque.
+
+Every half second of the log the joint is put where it was measured, its friction memory as the
+law leaves it after the measured motion so far, and the simulation runs free until the next
+restart. Other joints of an arm follow their measured motion.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.carrier import ROW as ROW_SLOT
+from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
+
+Array = NDArray[np.float64]
+
+WINDOW_S = 0.5
+# Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
+_LONGEST_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Position error of the free runs, m or rad, one array a log, NaN where nothing was run."""
+
+    errors: tuple[Array, ...]
+
+    @property
+    def rms(self) -> float | None:
+        """Over all logs; None without a single run."""
+        e = np.concatenate(self.errors) if self.errors else np.zeros(0)
+        e = e[np.isfinite(e)]
+        return float(np.sqrt(np.mean(e**2))) if e.size else None
+
+
+def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
+    """The fit's effects as a model carries them; an inertia error goes into the armature."""
+    found = []
+    for i, term in enumerate(fitted.terms):
+        if isinstance(term, EffectTerm) and term.name != "inertia-error":
+            values = tuple(float(x) for x in fitted.term_coefficients(i))
+            found.append(SimulatedEffect(term.effect, term.shape, values))
+    return found
+
+
+def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
+    """Put a fitted model into a spec: law, effects, armature; native friction leaves the joint."""
+    target = spec.joint(joint)
+    target.frictionloss = 0.0
+    target.damping = np.zeros_like(target.damping)
+    for i, term in enumerate(fitted.terms):
+        if term.name == "inertia-error":
+            # never below nothing: the rest of a negative error is beyond what armature can say
+            extra = float(fitted.term_coefficients(i)[0])
+            target.armature = max(0.0, float(target.armature) + extra)
+    install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
+
+
+def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
+    """Run the windows of all logs.
+
+    Args:
+        body: of the same MJCF the logs were prepared with.
+    """
+    spec = body.spec()
+    friction_spec(spec, body.joint, fitted)
+    model = spec.compile()
+    off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    model.opt.disableflags |= int(off)
+    with attach(model):
+        return Replay(tuple(_one_log(model, body, s, fitted.gain) for s in prepared.segments))
+
+
+def _one_log(model: mujoco.MjModel, body: RigidBody, segment: Segment, gain: float) -> Array:
+    data = mujoco.MjData(model)
+    substeps = max(1, int(np.ceil(segment.dt / _LONGEST_STEP)))
+    model.opt.timestep = segment.dt / substeps
+    q, v = segment.signals[:, Q], segment.signals[:, V]
+    torque = segment.drive * gain
+    others = _others(model, segment)
+    qpos, dof = int(model.jnt_qposadr[body.joint_id]), int(model.jnt_dofadr[body.joint_id])
+    ours = _row(model, body.joint)
+    memory = _memories(model, data, segment, qpos, dof, ours)
+    errors = np.full(len(q), np.nan)
+    length = max(2, round(WINDOW_S / segment.dt))
+    for begin in range(0, len(q) - length, length):
+        window = slice(begin, begin + length)
+        if not segment.mask[window].all():
+            continue
+        data.time = begin * segment.dt
+        data.qpos[qpos], data.qvel[dof] = q[begin], v[begin]
+        data.userdata[ours] = memory[begin // length]
+        for k in range(begin, begin + length - 1):
+            _follow(model, data, others, k)
+            for i in range(substeps):
+                part = i / substeps
+                data.qfrc_applied[dof] = (1 - part) * torque[k] + part * torque[k + 1]
+                mujoco.mj_step(model, data)
+            errors[k + 1] = data.qpos[qpos] - q[k + 1]
+        if not np.all(np.isfinite(data.qpos)):
+            mujoco.mj_resetData(model, data)
+    return errors
+
+
+def _row(model: mujoco.MjModel, joint: str) -> slice:
+    block = resolve(model)[joint]
+    start = int(model.numeric_data[block + ROW_SLOT])
+    return slice(start, model.nuserdata)
+
+
+def _memories(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    segment: Segment,
+    qpos: int,
+    dof: int,
+    ours: slice,
+) -> list[Array]:
+    """State rows at the restarts: the callback driven along the measured motion."""
+    rows = []
+    length = max(2, round(WINDOW_S / segment.dt))
+    for k in range(len(segment.signals)):
+        data.time = k * segment.dt
+        data.qpos[qpos] = segment.signals[k, Q]
+        data.qvel[dof] = segment.signals[k, V]
+        if k == 0:
+            mujoco.mj_forward(model, data)
+        else:
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_fwdVelocity(model, data)
+        if k % length == 0:
+            rows.append(data.userdata[ours].copy())
+    return rows
+
+
+def _others(model: mujoco.MjModel, segment: Segment) -> list[tuple[int, int, Array, Array, Array]]:
+    found = []
+    names = {n.rpartition(".")[0] for n in segment.others}
+    for name in sorted(names):
+        j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        if j >= 0:
+            track = [
+                segment.others[f"{name}.{k}"] for k in ("position", "velocity", "acceleration")
+            ]
+            found.append((int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j]), *track))
+    return found  # type: ignore[return-value]
+
+
+def _follow(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    others: Sequence[tuple[int, int, Array, Array, Array]],
+    k: int,
+) -> None:
+    """Put the other joints where they were measured and give them their measured acceleration."""
+    if not others:
+        return
+    for qpos, other, q, v, a in others:
+        data.qpos[qpos], data.qvel[other] = q[k], v[k]
+        data.qacc[other] = a[k]
+    mujoco.mj_inverse(model, data)
+    for _, other, *_ in others:
+        data.qfrc_applied[other] = data.qfrc_inverse[other]

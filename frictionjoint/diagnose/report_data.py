@@ -1,0 +1,157 @@
+"""What the loop found, as plain data: the content of report.json and of the page."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.identify.result import Estimate
+
+Array = NDArray[np.float64]
+Verdict = Literal["explained", "partly-explained", "no-effect-found"]
+SCHEMA = "frictionjoint/report-1"
+
+
+@dataclass(frozen=True)
+class Rms:
+    """A pair of errors, on the logs fitted and on those held out."""
+
+    fit: float | None
+    held_out: float | None
+
+    def to_dict(self) -> dict[str, float | None]:
+        """As in report.json."""
+        return {"fit": self.fit, "held_out": self.held_out}
+
+
+@dataclass(frozen=True)
+class LogEntry:
+    """A log's line in the report."""
+
+    name: str
+    samples: int
+    duration_s: float
+    role: Literal["fit", "held-out"]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "name": self.name,
+            "samples": self.samples,
+            "duration_s": self.duration_s,
+            "role": self.role,
+        }
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Why an effect was added; see ``diagnose.trace``."""
+
+    held_out_gain: float
+    p_value: float
+    selection_frequency: float
+    runner_up: str | None
+    margin: float
+    ties: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json; ties are listed where there are any."""
+        found: dict[str, Any] = {
+            "held_out_gain": self.held_out_gain,
+            "p_value": self.p_value,
+            "selection_frequency": self.selection_frequency,
+            "runner_up": self.runner_up,
+            "margin": self.margin,
+        }
+        if self.ties:
+            found["ties"] = list(self.ties)
+        return found
+
+
+@dataclass(frozen=True)
+class Added:
+    """An effect that joined the model."""
+
+    effect: str
+    parameters: dict[str, Estimate]
+    evidence: Evidence
+    torque_rms: Rms
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "effect": self.effect,
+            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
+            "evidence": self.evidence.to_dict(),
+            "torque_rms": self.torque_rms.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Time series of one log for the plots, each of shape (n,)."""
+
+    name: str
+    role: Literal["fit", "held-out"]
+    time: Array
+    position: Array
+    velocity: Array
+    measured: Array
+    before: Array
+    after: Array
+    quantities: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Report:
+    """Outcome of `close_loop`.
+
+    Attributes follow report.json (design of the schema in the README); `curves`, `ranking` and
+    `proposals` serve the page. Torques in N m, positions in rad (N and m for a slide).
+    """
+
+    joint: str
+    slide: bool
+    logs: tuple[LogEntry, ...]
+    base: dict[str, Estimate]
+    final: dict[str, Estimate]
+    before_torque: Rms
+    before_replay: Rms
+    added: tuple[Added, ...]
+    after_torque: Rms
+    after_replay: Rms
+    torque_interval: tuple[tuple[float, float], tuple[float, float]]
+    measured_rms: float
+    noise_floor: float | None
+    unexplained: tuple[tuple[str, float], ...]
+    verdict: Verdict
+    mjcf: str
+    seconds: float
+    curves: tuple[Curve, ...] = field(repr=False)
+    ranking: tuple[tuple[str, float, float], ...] = field(repr=False)
+    proposals: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of report.json."""
+        return {
+            "schema": SCHEMA,
+            "joint": self.joint,
+            "logs": [log.to_dict() for log in self.logs],
+            "base": {
+                "law": "integrated",
+                "parameters": {name: x.to_dict() for name, x in self.base.items()},
+            },
+            "before": {
+                "torque_rms": self.before_torque.to_dict(),
+                "replay_rms": self.before_replay.to_dict(),
+            },
+            "added": [effect.to_dict() for effect in self.added],
+            "after": {
+                "torque_rms": self.after_torque.to_dict(),
+                "replay_rms": self.after_replay.to_dict(),
+            },
+            "noise_floor": self.noise_floor,
+            "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
+            "verdict": self.verdict,
+        }
