@@ -127,7 +127,7 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
             out[taken, 1], out[taken, 2], out[taken, 3] = command, temp, target[n // hold]
             out[taken, 5] = fric
             taken += 1
-        if looked < look_at.size and look_at[looked] == n:
+        while looked < look_at.size and look_at[looked] == n:
             out[looked, 0], out[looked, 4] = qpos[0], qpos[-1]
             looked += 1
         _mj_step(model, data)
