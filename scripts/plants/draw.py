@@ -1,8 +1,8 @@
 """Random trial plants, from micro servos to big arms, with motions that excite their effects.
 
     rng = np.random.default_rng(7)
-    spec = draw_trial(rng, "none")                 # or "one:backlash", "two", "two:spring,back-emf",
-                                                   # "unknown:gust", "one", "unknown"
+    spec = draw_trial(rng, "none")            # or "one:backlash", "two", "two:spring,dwell-time",
+                                              # "unknown:gust", "one", "unknown"
 Kinds "one", "two" and "unknown" without a name draw the name too.
 """
 
