@@ -1,0 +1,303 @@
+"""Command line: ``frictionjoint demo | close-loop | identify | install | check | data``."""
+
+import contextlib
+import json
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from frictionjoint.errors import FrictionJointError, LogError, ParameterError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help=(
+        "Joint friction for MuJoCo that is true at low speed and learns from logs.\n\n"
+        "`close-loop` fits the friction of one joint, finds what the model still lacks, adds it, "
+        "and reports the error before and after on held-out data. `identify` stops after the fit. "
+        "`install` writes an MJCF that carries friction itself. Start with `frictionjoint demo`."
+    ),
+)
+
+Logs = Annotated[list[Path], typer.Argument(help="CSV, Parquet, npz, mat or XL330 json logs.")]
+Model = Annotated[Path, typer.Option("--model", help="MJCF of the robot, without its friction.")]
+Joint = Annotated[str, typer.Option("--joint", help="Name of the joint in the MJCF and the log.")]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option("--column", help="Foreign column name: ours=theirs, e.g. time_s=t. Repeatable."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Seed = Annotated[int, typer.Option(help="Of the random tests; equal seeds, equal reports.")]
+
+
+@app.command("close-loop")
+def close_loop_command(
+    logs: Logs,
+    model: Model,
+    joint: Joint,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report.")],
+    held_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--held-out",
+            help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
+        ),
+    ] = None,
+    column: Columns = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Fit, find what is missing, add it, report before and after.
+
+    Example: `frictionjoint close-loop a.csv b.csv --held-out c.csv --model arm.xml --joint elbow
+    --out report`
+    """
+    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.report.write import write_report
+
+    with _progress() as told:
+        fitted, kept = _split(logs, held_out or ["0.25"], joint, _mapping(column))
+        report = close_loop(fitted, kept, model, joint, seed, told)
+        told("writing the report")
+        write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if as_json:
+        typer.echo(json.dumps(report.to_dict(), indent=2))
+    else:
+        _show(report)
+        typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
+
+
+@app.command()
+def identify(
+    logs: Logs,
+    model: Model,
+    joint: Joint,
+    out: Annotated[Path, typer.Option("--out", help="Parameter file to write, TOML.")],
+    column: Columns = None,
+    as_json: Json = False,
+) -> None:
+    """Fit the friction law of one joint and write its parameters.
+
+    Example: `frictionjoint identify a.csv --model arm.xml --joint elbow --out elbow.toml`
+    """
+    from frictionjoint.diagnose.blocks import make_blocks
+    from frictionjoint.files import toml_text
+    from frictionjoint.identify.fit import fit
+    from frictionjoint.identify.prepare import prepare
+    from frictionjoint.identify.result import law_estimates, law_parameters
+    from frictionjoint.identify.rigid_body import RigidBody
+    from frictionjoint.identify.uncertainty import covariance
+    from frictionjoint.report.write import write_files
+
+    with _progress() as told:
+        mapping = _mapping(column)
+        body = RigidBody(model, joint)
+        prepared = prepare([_read(path, joint, mapping) for path in logs], body)
+        fitted = fit(prepared, progress=told)
+        blocks = make_blocks(fitted.residual, fitted.log_index)
+        estimates = law_estimates(fitted, covariance(fitted, blocks.of_sample), body.slide)
+        write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
+    if as_json:
+        rows = {name: x.to_dict() for name, x in estimates.items()}
+        typer.echo(json.dumps({"torque_rms": fitted.rms, "parameters": rows}, indent=2))
+        return
+    _table(list(estimates.items()))
+    unit = "N" if body.slide else "N m"
+    typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
+
+
+@app.command()
+def install(
+    mjcf: Annotated[Path, typer.Argument(help="MJCF to add friction to.")],
+    joint: Annotated[list[str], typer.Option("--joint", help="NAME=params.toml. Repeatable.")],
+    out: Annotated[Path, typer.Option("--out", help="MJCF to write.")],
+) -> None:
+    """Write an MJCF that carries friction itself.
+
+    Example: `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
+    """
+    import mujoco
+
+    from frictionjoint.files import read_parameters
+    from frictionjoint.identify.rigid_body import compile_model
+    from frictionjoint.report.write import write_files
+    from frictionjoint.simulate.carrier import install as install_spec
+
+    friction, effects = {}, {}
+    for text in joint:
+        name, equals, path = text.partition("=")
+        if not equals:
+            raise ParameterError(f"--joint {text}: write NAME=params.toml")
+        if name in friction:
+            raise ParameterError(f"--joint {name} is given twice: keep one")
+        carried = read_parameters(Path(path))
+        friction[name], effects[name] = carried.parameters, carried.effects
+    compile_model(mjcf)
+    spec = mujoco.MjSpec.from_file(str(mjcf))
+    install_spec(spec, friction, effects)
+    spec.compile()
+    write_files(out.parent, {out.name: spec.to_xml()})
+    typer.echo(f"Wrote {out}: {', '.join(friction)} carry friction.")
+
+
+@app.command()
+def check(
+    mjcf: Annotated[Path, typer.Argument(help="MJCF that carries friction.")],
+    as_json: Json = False,
+) -> None:
+    """Tell what friction an MJCF carries and whether its time step suits it.
+
+    Example: `frictionjoint check arm_friction.xml`
+    """
+    from frictionjoint.simulate.carrier import load_model
+    from frictionjoint.simulate.check import check_model
+
+    findings = check_model(load_model(mjcf))
+    if as_json:
+        typer.echo(json.dumps(findings, indent=2))
+        return
+    table = Table("joint", "law", "stiffness", "h sqrt(K/J)", "effects", "remark")
+    for row in findings:
+        table.add_row(
+            row["joint"],
+            row["law"],
+            f"{row['stiffness']:.4g}",
+            f"{row['step_ratio']:.3g}",
+            ", ".join(row["effects"]) or "none",
+            row["remark"],
+        )
+    Console().print(table)
+
+
+@app.command()
+def demo() -> None:
+    """Stick-slip of the KUKA joint, then the loop on a shipped log; writes ./frictionjoint-demo/."""
+    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.report.write import write_files, write_report
+    from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
+
+    out = Path("frictionjoint-demo")
+    with _progress() as told:
+        told("stick-slip of the KUKA IR 361 joint")
+        ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
+        write_files(out, {"stick_slip.svg": draw(ours, native)})
+        folder = Path(str(files("frictionjoint.demo")))
+        read = [_read(folder / f"{n}.csv", "joint", {}) for n in ("pick_and_place", "ramps")]
+        kept = [_read(folder / "multisine.csv", "joint", {})]
+        report = close_loop(read, kept, folder / "joint.xml", "joint", progress=told)
+        write_report(report, out, "frictionjoint demo")
+    typer.echo(ours.summary())
+    typer.echo("")
+    _show(report)
+    typer.echo(f"Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
+
+
+def _split(
+    paths: list[Path], held_out: list[str], joint: str, mapping: dict[str, str]
+) -> tuple[list[Any], list[Any]]:
+    """Logs to fit and logs held out; a fraction cuts the end off every log to fit."""
+    from frictionjoint.measured.log import split_in_time
+
+    fractions = [float(text) for text in held_out if _is_number(text)]
+    names = [Path(text) for text in held_out if not _is_number(text)]
+    if len(fractions) > 1:
+        raise LogError("--held-out: give one fraction at most")
+    same = [path for path in paths if path.resolve() in {n.resolve() for n in names}]
+    if same:
+        raise LogError(f"{same[0]} is both fitted and held out: give it once")
+    fitted = [_read(path, joint, mapping) for path in paths]
+    kept = [_read(path, joint, mapping) for path in names]
+    if fractions:
+        pairs = [split_in_time(log, fractions[0]) for log in fitted]
+        fitted = [first for first, _ in pairs]
+        kept += [last for _, last in pairs]
+    return fitted, kept
+
+
+def _read(path: Path, joint: str, mapping: dict[str, str]) -> Any:
+    from frictionjoint.measured.readers import read_log
+
+    return read_log(path, joint, mapping)
+
+
+def _mapping(column: list[str] | None) -> dict[str, str]:
+    found = {}
+    for text in column or []:
+        ours, equals, theirs = text.partition("=")
+        if not (ours and equals and theirs):
+            raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
+        found[ours] = theirs
+    return found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _show(report: Any) -> None:
+    from frictionjoint.report.page import sentence
+
+    unit = "N" if report.slide else "N m"
+    table = Table("torque rms", "fitted logs", "held out")
+    for name, rms in (("before", report.before_torque), ("after", report.after_torque)):
+        cells = ["-" if x is None else f"{x:.4g} {unit}" for x in (rms.fit, rms.held_out)]
+        table.add_row(name, *cells)
+    console = Console()
+    console.print(table)
+    for added in report.added:
+        ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
+        console.print(
+            f"added {added.effect}{ties}: held-out gain {added.evidence.held_out_gain:.1%}, "
+            f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
+        )
+    console.print(sentence(report), soft_wrap=True)
+
+
+def _table(rows: list[tuple[str, Any]]) -> None:
+    table = Table("parameter", "value", "standard error", "unit")
+    for name, x in rows:
+        table.add_row(
+            name, f"{x.value:.5g}", "-" if x.stderr is None else f"{x.stderr:.2g}", x.unit
+        )
+    Console().print(table)
+
+
+@contextlib.contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A line on stderr that tells what is being done; silent where stderr is no terminal."""
+    console = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("reading")
+
+        def tell(text: str) -> None:
+            bar.update(task, description=text)
+
+        yield tell
+
+
+def main() -> None:
+    """Run the command line; our own errors become one line and exit code 2."""
+    try:
+        app()
+    except FrictionJointError as error:
+        typer.echo(f"frictionjoint: {error}", err=True)
+        raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        typer.echo("frictionjoint: interrupted, nothing was written", err=True)
+        raise SystemExit(130) from None

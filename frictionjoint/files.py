@@ -1,0 +1,71 @@
+"""Parameter files: TOML with the law's fields and, under ``[[effects]]``, what was added to it."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.errors import ParameterError
+from frictionjoint.laws import parameters_from_dict
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+
+
+def read_parameters(path: Path) -> JointFriction:
+    """Friction of one joint from a TOML file.
+
+    Raises:
+        ParameterError: the file is missing, is no TOML, or holds what no law or effect takes.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
+    effects = content.pop("effects", [])
+    try:
+        if not isinstance(effects, list):
+            raise ParameterError("effects must be an array of tables, [[effects]]")
+        return JointFriction(
+            parameters_from_dict(content), tuple(_effect(table) for table in effects)
+        )
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+
+
+def _effect(table: Any) -> SimulatedEffect:
+    if not isinstance(table, dict) or "form" not in table:
+        raise ParameterError("an effect needs its form: the number of its kernel")
+    effect = next((e for e in CATALOGUE if e.effect_id == table["form"]), None)
+    if effect is None:
+        raise ParameterError(f"no effect has the form {table['form']!r}")
+    names = (*effect.shape, *effect.coefficients)
+    try:
+        values = tuple(float(table[name]) for name in names)
+    except (KeyError, TypeError, ValueError) as error:
+        raise ParameterError(f"effect {effect.name}: {error} must be a number") from None
+    cut = len(effect.shape)
+    return SimulatedEffect(effect, values[:cut], values[cut:])
+
+
+def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:
+    """Inverse of `read_parameters`, exact to the last bit."""
+    document = tomlkit.document()
+    document.add(tomlkit.comment("Joint friction, SI units: N m and rad, or N and m for a slide."))
+    for key, value in parameters.to_dict().items():
+        document.add(key, value)
+    if effects:
+        tables = tomlkit.aot()
+        for effect in effects:
+            table = tomlkit.table()
+            table.add("effect", effect.effect.name)
+            table.add("form", effect.effect.effect_id)
+            names = (*effect.effect.shape, *effect.effect.coefficients)
+            for name, value in zip(names, (*effect.shape, *effect.coefficients), strict=True):
+                table.add(name, float(value))
+            tables.append(table)
+        document.add("effects", tables)
+    return tomlkit.dumps(document)
