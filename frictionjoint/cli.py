@@ -180,7 +180,10 @@ def check(
 
 @app.command()
 def demo() -> None:
-    """Stick-slip of the KUKA joint, then the loop on a shipped log; writes ./frictionjoint-demo/."""
+    """Stick-slip of the KUKA joint, then the loop on a shipped log.
+
+    Writes ./frictionjoint-demo/.
+    """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import write_files, write_report
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip

@@ -1,0 +1,122 @@
+"""A model carries its friction: exact through XML, prefixes and copies; mistakes get one line."""
+
+import mujoco
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import frictionjoint as fj
+from frictionjoint.effects.position_periodic import EFFECT
+from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+
+XML = """
+<mujoco>
+  <worldbody>
+    <body><joint name="{name}" type="{kind}"/><geom size=".1"/></body>
+  </worldbody>
+</mujoco>
+"""
+KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
+
+
+def friction(**changes) -> fj.FrictionParameters:
+    values = dict(Fs=1.5, Fc=1.0 / 3.0, Vs=0.0123456789, knots=KNOTS) | changes
+    return fj.FrictionParameters.symmetric(**values)
+
+
+def carrying(parameters, effects=()) -> mujoco.MjSpec:
+    spec = mujoco.MjSpec.from_string(XML.format(name="elbow", kind="hinge"))
+    fj.install(spec, {"elbow": parameters}, {"elbow": list(effects)})
+    return spec
+
+
+@given(
+    Fc=st.floats(1e-9, 1.5),
+    Vs=st.floats(1e-9, 1e9),
+    n=st.floats(1, 1000),
+    sigma1=st.floats(0, 1e12),
+)
+def test_round_trip_through_xml_is_exact(Fc, Vs, n, sigma1):
+    parameters = friction(Fc=Fc, Vs=Vs, n=n, sigma1=sigma1)
+    effect = SimulatedEffect(EFFECT, (Vs,), (Fc, -sigma1))
+    text = carrying(parameters, [effect]).to_xml()
+    carried = read_friction(mujoco.MjModel.from_xml_string(text))["elbow"]
+    assert carried.parameters == parameters
+    assert carried.effects == (effect,)
+
+
+def test_file_saved_by_mujoco_loads_again(tmp_path):
+    spec = carrying(friction())
+    spec.compile()
+    (tmp_path / "arm.xml").write_text(spec.to_xml())
+    model = fj.load_model(tmp_path / "arm.xml")
+    assert read_friction(model)["elbow"].parameters == friction()
+
+
+def test_prefix_of_an_attached_submodel_is_followed():
+    parent = mujoco.MjSpec.from_string("<mujoco><size nuserdata='200'/></mujoco>")
+    frame = parent.worldbody.add_frame()
+    parent.attach(carrying(friction()), prefix="r_", frame=frame)
+    model = parent.compile()
+    assert read_friction(model)["r_elbow"].parameters == friction()
+    with fj.attach(model):
+        mujoco.mj_step(model, mujoco.MjData(model))
+
+
+def test_users_own_data_stays_in_front():
+    spec = mujoco.MjSpec.from_string(XML.format(name="elbow", kind="hinge"))
+    spec.nuserdata = 3
+    fj.install(spec, {"elbow": friction()})
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.userdata[:3] = [1, 2, 3]
+    with fj.attach(model):
+        data.qfrc_applied[0] = 0.5
+        mujoco.mj_step(model, data, nstep=20)
+    assert list(data.userdata[:3]) == [1, 2, 3]
+
+
+def test_too_little_userdata_says_how_much_and_where():
+    spec = carrying(friction())
+    spec.nuserdata = 5
+    with pytest.raises(ModelError, match=r'needs \d+ numbers.*<size nuserdata="\d+"/>'):
+        read_friction(spec.compile())
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "joint", "words"),
+    [
+        ("elbow", "hinge", "knee", "no joint 'knee': the model has elbow"),
+        ("elbow", "ball", "elbow", "is a ball joint"),
+        ("elbow", "free", "elbow", "is a free joint"),
+    ],
+)
+def test_unfit_joints_are_refused_by_name(name, kind, joint, words):
+    spec = mujoco.MjSpec.from_string(XML.format(name=name, kind=kind))
+    with pytest.raises(ModelError, match=words):
+        fj.install(spec, {joint: friction()})
+    assert not list(spec.numerics)
+
+
+def test_second_install_is_refused():
+    spec = carrying(friction())
+    with pytest.raises(ModelError, match="carries friction already"):
+        fj.install(spec, {"elbow": friction()})
+
+
+def test_model_without_friction_is_refused(tmp_path):
+    (tmp_path / "bare.xml").write_text(XML.format(name="elbow", kind="hinge"))
+    with pytest.raises(ModelError, match="carries no friction"):
+        fj.load_model(tmp_path / "bare.xml")
+
+
+@pytest.mark.parametrize("place", range(0, 9))
+def test_damaged_block_is_refused_or_repaired(place):
+    model = carrying(friction()).compile()
+    model.numeric_data[int(model.numeric_adr[0]) + place] += 1.0
+    try:
+        carried = read_friction(model)["elbow"].parameters
+    except FrictionJointError:
+        return
+    assert carried == friction(), "a damaged block must not change the friction silently"
