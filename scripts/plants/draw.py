@@ -36,6 +36,10 @@ TIES = frozenset(
 )
 # Not drawn by plain "one" and "two": the base law has it already, or its log is another kind.
 SPECIAL = frozenset(("direction-asymmetry", "back-emf"))
+LAW_ODDS = (0.5, 0.15, 0.2, 0.15)
+# A joint stuck on plain Coulomb friction does not move at all: its position says nothing of its
+# torque, whatever the model. Such plants are kept moving.
+MOVING = ("multisine", "ramps", "sines", "pick-and-place")
 GENERAL = ("multisine", "pick-and-place", "ramps", "sines", "steps", "stick-slip", "dwell")
 # Four motions each; the effect is at work in every one of them.
 MOTIONS = {
@@ -105,20 +109,20 @@ def _plant(rng: np.random.Generator, names: tuple[str, ...]) -> PlantSpec:
     return PlantSpec(
         mass, length, inertia, armature, friction,
         _controller(rng, friction, inertia + armature, bool(wanted & SHAFTED)),
-        _motions(rng, wanted, speed, loaded),
-        _instrument(rng, fc), seed=int(rng.integers(2**31)),
+        _motions(rng, wanted, speed, loaded, friction.law == "plain"),
+        _instrument(rng, friction), seed=int(rng.integers(2**31)),
     )  # fmt: skip
 
 
 def _friction(rng: np.random.Generator, fc: float, speed: float) -> Friction:
     return Friction(
-        law=str(rng.choice(LAWS)),
+        law=str(rng.choice(LAWS, p=LAW_ODDS)),
         Fs=float(fc * rng.uniform(1.1, 1.7)),
         Fc=fc,
         Vs=float(speed * 10.0 ** rng.uniform(-2.0, -0.9)),
         delta=float(rng.choice([1.0, 2.0])),
         sigma2=float(fc * rng.uniform(0.1, 0.6) / speed),
-        presliding=float(10.0 ** rng.uniform(-3.2, -2.2)),
+        presliding=float(10.0 ** rng.uniform(-2.7, -1.8)),
     )
 
 
@@ -133,11 +137,12 @@ def _controller(
 
 
 def _motions(
-    rng: np.random.Generator, wanted: set[str], speed: float, loaded: bool
+    rng: np.random.Generator, wanted: set[str], speed: float, loaded: bool, plain: bool
 ) -> tuple[Motion, ...]:
     """Four logs; the first effect with motions of its own decides, else four general kinds."""
     own = [MOTIONS[name] for name in sorted(wanted) if name in MOTIONS]
-    kinds = own[0] if own else tuple(str(k) for k in rng.choice(GENERAL, 4, replace=False))
+    general = MOVING if plain else GENERAL
+    kinds = own[0] if own else tuple(str(k) for k in rng.choice(general, 4, replace=False))
     if len(own) > 1:
         kinds = (own[0][0], own[1][0], own[0][1], own[1][1])
     duration = rng.uniform(40.0, 60.0) if wanted & WARM else 10.0 ** rng.uniform(1.0, 1.5)
@@ -155,10 +160,15 @@ def _motions(
     )  # fmt: skip
 
 
-def _instrument(rng: np.random.Generator, fc: float) -> Instrument:
+def _instrument(rng: np.random.Generator, friction: Friction) -> Instrument:
+    """An encoder that sees presliding: at least 128 counts over it.
+
+    The presliding stiffness turns one count into a torque error of a few per cent of Fs.
+    """
+    least = int(np.ceil(np.log2(2.0 * np.pi * 128.0 / friction.presliding)))
     return Instrument(
         rate=float(rng.choice([200.0, 250.0, 500.0, 1000.0])),
-        counts=int(2 ** rng.integers(13, 21)),
-        torque_noise=float(fc * 10.0 ** rng.uniform(-2.3, -1.5)),
+        counts=int(2 ** rng.integers(least, least + 3)),
+        torque_noise=float(friction.Fc * 10.0 ** rng.uniform(-2.3, -1.5)),
         jitter=float(rng.choice([0.0, rng.uniform(0.01, 0.1)])),
     )

@@ -72,6 +72,6 @@ def maxwell_elements(fs: float, presliding: float) -> tuple[NDArray, NDArray]:
     Breakaway displacements are spread geometrically up to `presliding`; shares are equal, so the
     virgin curve is steep at first and rounds off towards Fs.
     """
-    reach = presliding * np.geomspace(0.04, 1.0, ELEMENTS)
+    reach = presliding * np.geomspace(0.08, 1.0, ELEMENTS)
     alpha = np.full(ELEMENTS, 1.0 / ELEMENTS)
     return alpha * fs / reach, alpha
