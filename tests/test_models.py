@@ -227,22 +227,54 @@ def smooth_motion(t, q, tau):
     return [x[every] for x in (q, v, acc, tau)]
 
 
-@pytest.mark.parametrize("name", LEFT)
-def test_model_explains_its_log(name, measured_data):
-    model = model_of(name)
+def rigid_torque(model: mujoco.MjModel, q, v, acc):
+    """Inverse dynamics along a motion, joint limits left out, shape (n, joints)."""
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     data = mujoco.MjData(model)
-    q, v, acc, tau = smooth_motion(*read_log(name, measured_data))
-    rigid = np.empty_like(tau)
+    torque = np.empty_like(q)
     for k in range(len(q)):
         data.qpos[:], data.qvel[:], data.qacc[:] = q[k], v[k], acc[k]
         mujoco.mj_inverse(model, data)
-        rigid[k] = data.qfrc_inverse
+        torque[k] = data.qfrc_inverse
+    return torque
+
+
+def fit(torque, *motions):
+    """Least squares with Coulomb, viscous, inertia per motion (v, a), and an offset, the last."""
+    columns = [x for v, acc in motions for x in (np.tanh(v / 0.02), v, acc)]
+    A = np.stack([*columns, np.ones(len(torque))], axis=1)
+    found = np.linalg.lstsq(A, torque, rcond=None)[0]
+    return found, float(np.std(torque - A @ found))
+
+
+@pytest.mark.parametrize("name", LEFT)
+def test_model_explains_its_log(name, measured_data):
+    q, v, acc, tau = smooth_motion(*read_log(name, measured_data))
+    rigid = rigid_torque(model_of(name), q, v, acc)
     for j, share in enumerate(LEFT[name]):
-        columns = [np.tanh(v[:, j] / 0.02), v[:, j], np.ones(len(v)), acc[:, j]]
-        A, y = np.stack(columns, axis=1), tau[:, j] - rigid[:, j]
-        left = np.std(y - A @ np.linalg.lstsq(A, y, rcond=None)[0]) / np.std(tau[:, j])
-        assert left == pytest.approx(share, rel=0.1), JOINTS[name][j]
+        _, left = fit(tau[:, j] - rigid[:, j], (v[:, j], acc[:, j]))
+        assert left / np.std(tau[:, j]) == pytest.approx(share, rel=0.1), JOINTS[name][j]
+
+
+def test_tx40_motor_6_rubs_at_joints_5_and_6(measured_data):
+    q, v, acc, tau = smooth_motion(*read_log("staubli_tx40", measured_data))
+    y = tau - rigid_torque(model_of("staubli_tx40"), q, v, acc)
+    motor6 = v[:, 4] + v[:, 5], acc[:, 4] + acc[:, 5]
+    for j, share in ((4, 0.12), (5, 0.14)):
+        _, left = fit(y[:, j], (v[:, j], acc[:, j]), motor6)
+        assert left / np.std(tau[:, j]) == pytest.approx(share, rel=0.1)
+
+
+def test_kr300_carries_150_kg(measured_data):
+    q, v, acc, tau = smooth_motion(*read_log("kuka_kr300", measured_data))
+    offset = {}
+    for payload in (150.0, 1.0):
+        model = model_of("kuka_kr300")
+        model.body("payload").mass = payload
+        y = tau - rigid_torque(model, q, v, acc)
+        offset[payload] = abs(fit(y[:, 1], (v[:, 1], acc[:, 1]))[0][-1])
+    assert offset[150.0] < 150
+    assert offset[1.0] > 1500
 
 
 def test_pendulum_gravity_has_the_sign_of_the_logs(measured_data):
