@@ -1,1 +1,18 @@
 """Measured logs: formats, validation, derivatives, public data sets."""
+
+from frictionjoint.measured.derivatives import Derivatives, differentiate, zero_phase
+from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.registry import DataSet, get_data, list_data
+
+__all__ = [
+    "DataSet",
+    "Derivatives",
+    "JointLog",
+    "differentiate",
+    "get_data",
+    "list_data",
+    "read_log",
+    "split_in_time",
+    "zero_phase",
+]

@@ -1,32 +1,39 @@
-"""The EMPS log: a prismatic axis driven by a motor of known force constant (Janot et al. 2019)."""
+"""The EMPS log: a prismatic axis driven by a motor of known force constant (Janot et al. 2019).
+
+Fields of the .mat file: ``t`` s, ``qm`` position m, ``qg`` reference m, ``vir`` motor voltage V,
+``gtau`` N/V, controller gains ``kp`` and ``kv``. Force = gtau * vir.
+"""
 
 from pathlib import Path
 
-import numpy as np
-from scipy.io import loadmat
-
+from frictionjoint.measured.arrays import mat_columns, mat_scalars
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns
+from frictionjoint.measured.validate import check_columns, check_moves
+
+_COLUMNS = ["t", "qm", "qg", "vir"]
 
 
 def is_emps(names: list[str]) -> bool:
-    """Whether the columns of a .mat file are those of the benchmark."""
-    return {"t", "qm", "qg", "vir", "gtau"} <= set(names)
+    """Whether the names in a .mat file are those of the benchmark."""
+    return {*_COLUMNS, "gtau"} <= set(names)
 
 
 def read_emps(path: Path) -> JointLog:
-    """Read the .mat file; force = gtau times motor voltage."""
-    content = loadmat(path)
-    get = {name: np.asarray(content[name], dtype=np.float64).ravel() for name in ("t", "qm", "qg")}
-    gtau = float(np.ravel(content["gtau"])[0])
+    """Read the .mat file.
+
+    Raises:
+        LogError: see `validate`.
+    """
+    raw = mat_columns(path, _COLUMNS)
+    gains = mat_scalars(path, ["gtau"], optional=["kp", "kv"])
     columns = {
-        "time_s": get["t"],
-        "position_m": get["qm"],
-        "target_m": get["qg"],
-        "force_n": gtau * np.asarray(content["vir"], dtype=np.float64).ravel(),
+        "time_s": raw["t"],
+        "position_m": raw["qm"],
+        "target_m": raw["qg"],
+        "force_n": gains["gtau"] * raw["vir"],
     }
-    check_columns(path.name, columns, 1)
-    gains = {k: float(np.ravel(content[k])[0]) for k in ("kp", "kv") if k in content}
+    check_columns(path.name, columns)
+    check_moves(path.name, columns)
     return JointLog(
         name=path.stem,
         joint="joint",
@@ -35,5 +42,5 @@ def read_emps(path: Path) -> JointLog:
         torque=columns["force_n"],
         target=columns["target_m"],
         slide=True,
-        metadata={"gtau": gtau, **gains},
+        metadata=gains,
     )

@@ -23,7 +23,8 @@ class JointLog:
         motor_position: second encoder, rad at the motor, or None.
         torque_enabled: False where the drive is off, or None where it is always on.
         slide: True for a slide joint.
-        other_positions: positions of other joints by name.
+        other_positions: positions of other joints by name, rad (m).
+        other_velocities: measured velocities of other joints by name, rad/s (m/s).
         metadata: figures that came with the log (gains, masses), by name.
     """
 
@@ -40,30 +41,45 @@ class JointLog:
     torque_enabled: NDArray[np.bool_] | None = None
     slide: bool = False
     other_positions: dict[str, Array] = field(default_factory=dict)
+    other_velocities: dict[str, Array] = field(default_factory=dict)
     metadata: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        n = len(self.time)
-        for name, x in self.columns().items():
-            if x.shape != (n,):
-                raise LogError(f"{self.name}: {name} has {x.shape}, time has {n} samples")
+        if not self.name or not self.joint:
+            raise LogError("a log needs a name and the name of its joint")
+        n = np.shape(self.time)
+        for name, x in self.arrays().items():
+            if x.ndim != 1 or x.shape != n:
+                raise LogError(f"{self.name}: {name} has shape {x.shape}, time {n}: make them one")
+            if not np.isfinite(x).all():
+                i = int(np.argmin(np.isfinite(x)))
+                raise LogError(f"{self.name}, sample {i}, {name}: {x[i]}, give a number")
+        if n[0] < 2 or np.diff(self.time).min() <= 0.0:
+            raise LogError(f"{self.name}: time must increase over two samples or more")
         if self.torque is None and self.voltage is None:
             raise LogError(f"{self.name}: neither torque nor voltage, add one of them")
 
     def columns(self) -> dict[str, Array]:
-        """All arrays that are there, by field name."""
+        """This joint's arrays that are there, by field name."""
         names = ("time", "position", "velocity", "torque", "voltage", "temperature", "target")
         found = {name: getattr(self, name) for name in (*names, "motor_position", "torque_enabled")}
-        found |= {f"{name} (other joint)": x for name, x in self.other_positions.items()}
         return {name: x for name, x in found.items() if x is not None}
+
+    def arrays(self) -> dict[str, Array]:
+        """All arrays, the other joints' among them."""
+        positions = {f"position of {name}": x for name, x in self.other_positions.items()}
+        velocities = {f"velocity of {name}": x for name, x in self.other_velocities.items()}
+        return self.columns() | positions | velocities
 
     def part(self, samples: slice, suffix: str) -> "JointLog":
         """A stretch of the log under a new name."""
-        arrays = {
-            name: x[samples] for name, x in self.columns().items() if not name.endswith(" joint)")
-        }
-        others = {name: x[samples] for name, x in self.other_positions.items()}
-        return replace(self, name=f"{self.name}{suffix}", other_positions=others, **arrays)
+        return replace(
+            self,
+            name=f"{self.name}{suffix}",
+            other_positions={name: x[samples] for name, x in self.other_positions.items()},
+            other_velocities={name: x[samples] for name, x in self.other_velocities.items()},
+            **{name: x[samples] for name, x in self.columns().items()},  # type: ignore[arg-type]
+        )
 
     @property
     def duration(self) -> float:

@@ -1,51 +1,79 @@
-"""The Panda log of Gaz et al. (2019): a folder of text files, seven joints per sample in turn."""
+"""The Panda log of Gaz et al. (2019): a folder of text files, seven joints per sample in turn.
+
+``exciting_traj_time.txt`` s, ``..._positions.txt`` rad, ``..._velocity.txt`` rad/s,
+``..._torques.txt`` N m at the joint's torque sensor, gravity included; one number a line.
+"""
 
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns, check_moves
+from frictionjoint.measured.validate import check_columns, check_finite, check_moves
+
+Array = NDArray[np.float64]
 
 _JOINTS = tuple(f"joint{i}" for i in range(1, 8))
-_PREFIX = "exciting_traj_"
+_FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}
+
+
+def is_panda(folder: Path) -> bool:
+    """Whether a folder holds such a log."""
+    return _file(folder, "time").is_file() or _file(folder, "positions").is_file()
 
 
 def read_panda(folder: Path, joint: str | None) -> JointLog:
-    """Read one joint, the others' positions beside it.
+    """Read one joint, the others' motion beside it.
 
     Raises:
         LogError: an unknown joint, or a file is missing or torn.
     """
     if joint not in _JOINTS:
-        raise LogError(f"{folder.name}: no joint {joint!r}, it has {', '.join(_JOINTS)}")
-    parts = {}
-    for name, width in (("time", 1), ("positions", 7), ("velocity", 7), ("torques", 7)):
-        path = folder / f"{_PREFIX}{name}.txt"
-        if not path.is_file():
-            raise LogError(f"{folder.name}: no file {path.name}")
-        numbers = np.loadtxt(path)
-        if numbers.size % width:
-            raise LogError(f"{path.name}: {numbers.size} numbers are not {width} per sample")
-        parts[name] = numbers.reshape(-1, width)
-    i = _JOINTS.index(joint)
+        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
+        raise LogError(f"{folder.name}: {what} {', '.join(_JOINTS)}")
+    parts = {name: _numbers(_file(folder, name), width) for name, width in _FILES.items()}
+    own = _JOINTS.index(joint)
+
+    def of(i: int, name: str) -> Array:
+        return parts[name][:, i].copy()
+
     columns = {
-        "time_s": parts["time"][:, 0],
-        "position_rad": parts["positions"][:, i],
-        "torque_nm": parts["torques"][:, i],
+        "time_s": of(0, "time"),
+        "position_rad": of(own, "positions"),
+        "velocity_rad_s": of(own, "velocity"),
+        "torque_nm": of(own, "torques"),
     }
-    check_columns(folder.name, columns, 1)
-    check_moves(folder.name, "position_rad", columns["position_rad"])
-    others = {
-        name: parts["positions"][:, k].copy() for k, name in enumerate(_JOINTS) if name != joint
-    }
+    check_columns(folder.name, columns)
+    check_moves(folder.name, columns)
+    others = [(i, name) for i, name in enumerate(_JOINTS) if i != own]
     return JointLog(
         name=folder.name,
         joint=joint,
         time=columns["time_s"],
-        position=columns["position_rad"].copy(),
-        velocity=parts["velocity"][:, i].copy(),
-        torque=columns["torque_nm"].copy(),
-        other_positions=others,
+        position=columns["position_rad"],
+        velocity=columns["velocity_rad_s"],
+        torque=columns["torque_nm"],
+        other_positions={name: of(i, "positions") for i, name in others},
+        other_velocities={name: of(i, "velocity") for i, name in others},
     )
+
+
+def _file(folder: Path, name: str) -> Path:
+    return folder / f"exciting_traj_{name}.txt"
+
+
+def _numbers(path: Path, width: int) -> Array:
+    """Samples of one file, shape (n, width)."""
+    try:
+        numbers = np.loadtxt(path, dtype=np.float64, ndmin=1)
+    except OSError:
+        raise LogError(f"{path.parent.name}: no file {path.name}, put it there") from None
+    except ValueError as error:
+        raise LogError(f"{path.name}: not one number a line: {one_line(error)}") from None
+    if numbers.ndim != 1 or numbers.size == 0 or numbers.size % width:
+        raise LogError(f"{path.name}: {numbers.size} numbers are not {width} per sample")
+    check_finite(path.name, "number", numbers, lambda i: i + 1)
+    return numbers.reshape(-1, width)

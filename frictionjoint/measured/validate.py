@@ -1,4 +1,9 @@
-"""Checks that a log can be trusted; each error is one line with file, row, column and mend."""
+"""Checks that a log can be trusted; each error is one line with file, row, column and mend.
+
+Nothing is repaired, dropped or guessed: a log either passes as it is or is refused.
+"""
+
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,98 +11,164 @@ from numpy.typing import NDArray
 from frictionjoint.errors import LogError
 
 Array = NDArray[np.float64]
+# Row number of sample i in the file, as an editor counts it. Called only for an error.
+RowOf = Callable[[int], int]
 
 FEWEST_ROWS = 50
 LARGEST_GAP = 10.0  # in median sampling intervals
-# Beyond these a unit is wrong rather than a joint extreme: 100 turns, 20 m, a day, 1e6 N m.
+# Friction happens between 1 us and 0.15 s: outside, time is in another unit.
+_STEP_S = (1e-6, 0.15)
+# A joint swings within two turns either way; what turns steadily may go on for 100 turns.
+_SWING = 4 * np.pi
+# Beyond these a unit is wrong rather than a joint extreme.
 _LARGEST = {
     "position_rad": (2 * np.pi * 100, "radians (degrees?)"),
     "target_rad": (2 * np.pi * 100, "radians (degrees?)"),
     "position_m": (20.0, "metres (millimetres?)"),
     "target_m": (20.0, "metres (millimetres?)"),
+    "velocity_rad_s": (1e4, "rad/s (rpm, degrees per second?)"),
+    "velocity_m_s": (100.0, "m/s (mm/s?)"),
     "torque_nm": (1e6, "newton metres (newton millimetres?)"),
     "force_n": (1e7, "newtons"),
-    "voltage_v": (1e4, "volts (millivolts?)"),
-    "temperature_c": (400.0, "degrees Celsius"),
+    "voltage_v": (2e3, "volts (millivolts?)"),
+    "current_a": (2e3, "amperes (milliamperes?)"),
+    "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
+_SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
+_TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
+# No log measures these in a joint that moves, if they never change.
+_MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
 
 
-def check_columns(source: str, columns: dict[str, Array], first_row: int) -> None:
+def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) -> None:
     """Raise LogError where the columns of a log cannot be right.
 
     Args:
         source: file name for the message.
-        columns: by column name; needs ``time_s``.
-        first_row: row number of the first sample in the file, as an editor counts it.
+        columns: by column name (a joint's prefix allowed), each of shape (n,); needs ``time_s``.
+        row: row number in the file of sample i, or of the first sample where they follow on.
     """
+    row_of: RowOf = row if callable(row) else lambda i: i + row
+    check_lengths(source, columns)
+    for name, x in columns.items():
+        check_finite(source, name, x, row_of)
     time = columns["time_s"]
-    if len(time) < FEWEST_ROWS:
-        raise LogError(f"{source}: {len(time)} samples, at least {FEWEST_ROWS} are needed")
-    for name, x in columns.items():
-        bad = np.flatnonzero(~np.isfinite(x))
-        if bad.size:
-            row = bad[0] + first_row
-            raise LogError(f"{source}, row {row}, {name}: {x[bad[0]]}, remove or repair that row")
-    _check_time(source, time, first_row)
-    for name, x in columns.items():
-        unit = name.rpartition(".")[2]
-        if unit in _LARGEST and np.abs(x).max() > _LARGEST[unit][0]:
-            row = int(np.argmax(np.abs(x)))
-            raise LogError(
-                f"{source}, row {row + first_row}, {name}: {x[row]:g} is beyond any joint, give "
-                f"{_LARGEST[unit][1]}"
-            )
-        _check_degrees(source, name, x, columns)
+    check_time(source, time, row_of)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for name, x in columns.items():
+            _check_magnitude(source, name, x, row_of)
+        for name in columns:
+            if name.rpartition(".")[2] in _SPEED_OF:
+                _check_speed(source, name, columns)
+                _check_target(source, name, columns)
 
 
-def _check_time(source: str, time: Array, first_row: int) -> None:
-    step = np.diff(time)
-    bad = np.flatnonzero(step <= 0)
-    if bad.size:
-        row = bad[0] + 1
+def check_lengths(source: str, columns: Mapping[str, Array]) -> None:
+    """Raise LogError for columns of unlike length, or too few rows."""
+    n = len(columns["time_s"])
+    for name, x in columns.items():
+        if x.ndim != 1 or len(x) != n:
+            size = " x ".join(str(k) for k in x.shape)
+            raise LogError(f"{source}, {name}: {size} numbers, time_s has {n}: give one a sample")
+    if n < FEWEST_ROWS:
         raise LogError(
-            f"{source}, row {row + first_row}, time_s: {time[row]:g} after {time[row - 1]:g}, "
+            f"{source}: {n} samples, at least {FEWEST_ROWS} are needed: record a longer log"
+        )
+
+
+def check_finite(source: str, name: str, x: Array, row: RowOf) -> None:
+    """Raise LogError for an empty cell, NaN or infinity."""
+    finite = np.isfinite(x)
+    if not finite.all():
+        i = int(np.argmin(finite))
+        what = "empty or NaN" if np.isnan(x[i]) else f"{x[i]}"
+        raise LogError(f"{source}, row {row(i)}, {name}: {what}, repair that row or leave it out")
+
+
+def check_time(source: str, time: Array, row: RowOf) -> None:
+    """Raise LogError for time that stands, runs backwards, leaps or is not in seconds."""
+    step = np.diff(time)
+    if step.min() <= 0:
+        i = int(np.argmax(step <= 0)) + 1
+        raise LogError(
+            f"{source}, row {row(i)}, time_s: {time[i]:.9g} after {time[i - 1]:.9g}, "
             "time must increase: sort the rows or remove repeats"
         )
     median = float(np.median(step))
-    if median >= 0.5:
+    if not _STEP_S[0] <= median <= _STEP_S[1]:
+        kind = "slow for friction" if median > _STEP_S[1] else "fast for a joint"
         raise LogError(
-            f"{source}, time_s: {median:g} s between samples, too slow for friction: "
-            "give seconds (milliseconds?)"
+            f"{source}, time_s: {median:g} s between samples is too {kind}: "
+            "give seconds (milliseconds, nanoseconds?)"
         )
-    bad = np.flatnonzero(step > LARGEST_GAP * median)
-    if bad.size:
-        row = bad[0] + 1
+    if step.max() > LARGEST_GAP * median:
+        i = int(np.argmax(step > LARGEST_GAP * median)) + 1
         raise LogError(
-            f"{source}, row {row + first_row}, time_s: a gap of {step[row - 1]:g} s where "
-            f"samples are {median:g} s apart: split the log there"
+            f"{source}, row {row(i)}, time_s: a gap of {step[i - 1]:g} s where samples are "
+            f"{median:g} s apart: split the log there"
         )
 
 
-def _check_degrees(source: str, name: str, x: Array, columns: dict[str, Array]) -> None:
-    """A position in degrees shows by its measured velocity in rad/s, where there is one."""
+def check_moves(source: str, columns: Mapping[str, Array]) -> None:
+    """Raise LogError where the joint of a log does not move, or its drive never changes."""
+    for name, x in columns.items():
+        unit = name.rpartition(".")[2]
+        if unit in _SPEED_OF and x.min() == x.max():
+            raise LogError(
+                f"{source}, {name}: constant at {x[0]:g}, the joint does not move: "
+                "check the column or record a motion"
+            )
+        if unit in _MUST_CHANGE and x.min() == x.max():
+            raise LogError(
+                f"{source}, {name}: constant at {x[0]:g}, it was not recorded: "
+                "leave it out or check the column"
+            )
+
+
+def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
+    unit = name.rpartition(".")[2]
+    if unit not in _LARGEST:
+        return
+    largest, mend = _LARGEST[unit]
+    size = np.abs(x)
+    i = int(np.argmax(size))
+    if size[i] > largest:
+        raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is beyond any joint: give {mend}")
+    swings = abs(x[-1] - x[0]) < 0.5 * float(np.abs(np.diff(x)).sum())
+    if unit == "position_rad" and size[i] > _SWING and swings:
+        raise LogError(
+            f"{source}, row {row(i)}, {name}: {x[i]:g} rad is over two turns in a joint that swings"
+            ": give radians at the joint (degrees, or the motor's side of a gear?)"
+        )
+
+
+def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
+    """A position or time in a wrong unit shows by a measured velocity, where there is one."""
     prefix, dot, unit = name.rpartition(".")
-    speed_name = (
-        prefix
-        + dot
-        + {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}.get(unit, "")
-    )
-    if unit not in ("position_rad", "position_m") or speed_name not in columns:
+    speed_name = f"{prefix}{dot}{_SPEED_OF[unit]}"
+    if speed_name not in columns:
         return
     speed = columns[speed_name]
-    slope = np.gradient(x, columns["time_s"])
-    power = float(speed @ speed)
-    if power == 0.0:
-        return
-    ratio = float(slope @ speed) / power
-    if abs(ratio) > 1e-3 and not 0.5 < ratio < 2.0:
+    slope = np.gradient(columns[name], columns["time_s"])
+    power, cross = float(speed @ speed), float(slope @ speed)
+    # Where the two hardly correlate the joint hardly moves, and units cannot be told.
+    sure = cross * cross > 0.25 * power * float(slope @ slope)
+    if sure and not 0.5 < cross / power < 2.0:
         raise LogError(
-            f"{source}: {name} changes {ratio:.3g} times as fast as {speed_name} says: "
-            "check the units and signs of the two"
+            f"{source}: {name} changes {cross / power:.3g} times as fast as {speed_name} says: "
+            "check the units and signs of the two, and of time_s"
         )
 
 
-def check_moves(source: str, name: str, position: Array) -> None:
-    """Raise LogError for a joint that does not move."""
-    if np.ptp(position) == 0.0:
-        raise LogError(f"{source}, {name}: constant at {position[0]:g}, the joint does not move")
+def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
+    """A position follows its target, so that their units can be compared."""
+    prefix, dot, unit = name.rpartition(".")
+    target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"
+    if target_name not in columns:
+        return
+    spans = [float(np.std(columns[c])) for c in (name, target_name)]
+    if min(spans) > 0.0 and not 0.05 < spans[0] / spans[1] < 20.0:
+        raise LogError(
+            f"{source}: {name} moves {spans[0] / spans[1]:.3g} times as far as {target_name}: "
+            "check the units of the two"
+        )

@@ -1,50 +1,96 @@
-"""Logs of a Dynamixel XL330 swinging a pendulum, as recorded for BAM (Duclusaud et al. 2024)."""
+"""Logs of a Dynamixel XL330 swinging a pendulum, as recorded for BAM (Duclusaud et al. 2024).
+
+JSON: ``mass`` kg, ``length`` m, ``kp`` firmware gain, ``vin`` V, and ``entries`` with ``timestamp``
+s, ``position`` rad, ``speed`` rad/s, ``load`` (signed duty in an unsigned 16-bit register, 885 =
+full), ``input_volts`` V, ``temp`` deg C, ``goal_position`` rad, ``torque_enable``.
+"""
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns
+from frictionjoint.measured.validate import check_columns, check_moves
 
-_FULL_DUTY = 885.0
+Array = NDArray[np.float64]
+
+FULL_DUTY = 885.0
+_SIGNED, _REGISTER = 1 << 15, 1 << 16
+_ENTRY = {
+    "time_s": "timestamp",
+    "position_rad": "position",
+    "velocity_rad_s": "speed",
+    "temperature_c": "temp",
+    "target_rad": "goal_position",
+}
 
 
 def read_xl330(path: Path) -> JointLog:
     """Read one JSON log; the drive is the voltage at the motor, duty times supply.
 
+    Rows in messages are entries, counted from 1.
+
     Raises:
-        LogError: not such a file.
+        LogError: not such a file, or see `validate`.
     """
-    try:
-        content = json.loads(path.read_text())
-        entries = content["entries"]
-        load = np.array([e["load"] for e in entries], dtype=np.float64)
-        supply = np.array([e["input_volts"] for e in entries], dtype=np.float64)
-        columns = {
-            "time_s": np.array([e["timestamp"] for e in entries], dtype=np.float64),
-            "position_rad": np.array([e["position"] for e in entries], dtype=np.float64),
-            "temperature_c": np.array([e["temp"] for e in entries], dtype=np.float64),
-            "target_rad": np.array([e["goal_position"] for e in entries], dtype=np.float64),
-        }
-        enabled = np.array([bool(e["torque_enable"]) for e in entries])
-        metadata = {k: float(content[k]) for k in ("mass", "length", "kp", "vin")}
-    except (KeyError, TypeError, ValueError) as error:
-        raise LogError(f"{path.name}: not an XL330 log: {type(error).__name__} {error}") from None
-    # a signed value in an unsigned 16-bit register
-    duty = np.where(load > 32767, load - 65536, load) / _FULL_DUTY
-    columns["voltage_v"] = np.where(enabled, duty * supply, 0.0)
-    check_columns(path.name, columns, 1)
+    content = _content(path)
+    entries = content["entries"]
+    columns = {ours: _column(path, entries, theirs) for ours, theirs in _ENTRY.items()}
+    load = _column(path, entries, "load")
+    duty = np.where(load >= _SIGNED, load - _REGISTER, load) / FULL_DUTY
+    enabled = _column(path, entries, "torque_enable") > 0.5
+    # the arm let go: the motor's leads are open, no voltage is applied
+    columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
+    check_columns(path.name, columns)
+    check_moves(path.name, columns)
     return JointLog(
         name=path.stem,
         joint="joint",
         time=columns["time_s"] - columns["time_s"][0],
         position=columns["position_rad"],
+        velocity=columns["velocity_rad_s"],
         voltage=columns["voltage_v"],
         temperature=columns["temperature_c"],
         target=columns["target_rad"],
         torque_enabled=enabled,
-        metadata=metadata,
+        metadata={key: _number(path, content, key) for key in ("mass", "length", "kp", "vin")},
     )
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise LogError(f"{path.name}: cannot be read as JSON: {one_line(error)}") from None
+    entries = content.get("entries") if isinstance(content, dict) else None
+    if not isinstance(entries, list) or not entries:
+        raise LogError(f"{path.name}: not an XL330 log: it has no list of entries")
+    found: dict[str, Any] = content
+    return found
+
+
+def _column(path: Path, entries: list[Any], key: str) -> Array:
+    out = np.empty(len(entries))
+    for i, entry in enumerate(entries):
+        value = entry.get(key) if isinstance(entry, dict) else None
+        if not isinstance(value, int | float):
+            raise LogError(f"{path.name}, row {i + 1}, {key}: {str(value)[:40]!r} is not a number")
+        try:
+            out[i] = value
+        except OverflowError:
+            raise LogError(f"{path.name}, row {i + 1}, {key}: too large a number") from None
+        if not np.isfinite(out[i]):
+            raise LogError(f"{path.name}, row {i + 1}, {key}: {value}, give a finite number")
+    return out
+
+
+def _number(path: Path, content: dict[str, Any], key: str) -> float:
+    value = content.get(key)
+    if not isinstance(value, int | float) or not abs(value) < 1e9:
+        raise LogError(f"{path.name}, {key}: {str(value)[:40]!r} is not a number of use")
+    return float(value)

@@ -1,0 +1,105 @@
+"""Named arrays from npz and MATLAB files, as real columns of float64 or an error."""
+
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import loadmat, whosmat
+
+from frictionjoint.errors import LogError
+
+Array = NDArray[np.float64]
+
+
+def one_line(error: Exception) -> str:
+    """An error's text without line breaks, cut to a readable length."""
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
+def torn(path: Path, error: Exception) -> LogError:
+    """The error for a file whose parser gave up."""
+    return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
+
+
+def column(path: Path, name: str, x: Any) -> Array:
+    """A column of real numbers, shape (n,); a 1 x n or n x 1 matrix is one too.
+
+    Raises:
+        LogError: text, complex numbers, objects or a matrix.
+    """
+    array = np.asarray(x)
+    if array.dtype.kind not in "fiub":
+        raise LogError(f"{path.name}, {name}: {array.dtype} is not a column of numbers")
+    if array.size != max(array.shape, default=1):
+        size = " x ".join(str(k) for k in array.shape)
+        raise LogError(f"{path.name}, {name}: {size} numbers, give one column a quantity")
+    return array.astype(np.float64).ravel()
+
+
+def npz_names(path: Path) -> list[str]:
+    """Names of the arrays in an .npz file."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return list(archive.files)
+    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a torn file
+        raise torn(path, error) from None
+
+
+def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
+    """Columns of an .npz file; only those asked for are read. 8 bytes a number."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return {name: column(path, name, archive[name]) for name in names}
+    except LogError:
+        raise
+    except Exception as error:
+        raise torn(path, error) from None
+
+
+def mat_names(path: Path) -> list[str]:
+    """Names of the variables in a .mat file."""
+    try:
+        return [name for name, _, _ in whosmat(path)]
+    except NotImplementedError:
+        raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
+    except Exception as error:
+        raise torn(path, error) from None
+
+
+def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
+    """Columns of a .mat file; only those asked for are read. 8 bytes a number."""
+    wanted = list(names)
+    content = _load_mat(path, wanted)
+    return {name: column(path, name, content[name]) for name in wanted}
+
+
+def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> dict[str, float]:
+    """Single numbers of a .mat file; the optional ones only where they are there."""
+    present = mat_names(path)
+    wanted = [*names, *(name for name in optional if name in present)]
+    content = _load_mat(path, wanted)
+    scalars = {}
+    for name in wanted:
+        x = column(path, name, content[name])
+        if x.size != 1:
+            raise LogError(f"{path.name}, {name}: {x.size} numbers, one is needed")
+        scalars[name] = float(x[0])
+    return scalars
+
+
+def _load_mat(path: Path, names: list[str]) -> dict[str, Any]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # scipy warns of content that is not asked for
+            content: dict[str, Any] = loadmat(path, variable_names=names)
+    except NotImplementedError:
+        raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
+    except Exception as error:
+        raise torn(path, error) from None
+    missing = [name for name in names if name not in content]
+    if missing:
+        raise LogError(f"{path.name}: no variable {missing[0]!r}")
+    return content

@@ -1,0 +1,107 @@
+"""The column names of a log, and which of a file's columns a joint needs.
+
+``time_s``, ``position_rad``, ``velocity_rad_s``, ``torque_nm`` or ``voltage_v``, ``temperature_c``,
+``target_rad``; ``<joint>.position_rad`` and so on for several joints; slides ``position_m``,
+``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` stands for a drive of unknown scale.
+"""
+
+from collections import Counter
+
+from frictionjoint.errors import LogError
+
+_HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
+_SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
+_BOTH = ("voltage_v", "current_a", "temperature_c", "motor_position_rad")
+_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
+KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
+# of another joint, for the inverse dynamics of the whole arm
+_OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
+
+
+def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[str, str]:
+    """Our column name -> the file's, for all columns of a file.
+
+    Raises:
+        LogError: a column stands twice, or the mapping names what is not there.
+    """
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise LogError(f"{source}: column {twice[0]!r} stands twice, rename one")
+    for ours, theirs in mapping.items():
+        if ours != "time_s" and ours.rpartition(".")[2] not in KNOWN:
+            raise LogError(f"{source}: no column is called {ours!r}, give one of {_list(KNOWN)}")
+        if theirs not in names:
+            raise LogError(f"{source}: no column {theirs!r}, it has {_list(names)}")
+    return {name: name for name in names} | mapping
+
+
+def joints_in(table: dict[str, str]) -> list[str]:
+    """Joints named in front of columns."""
+    parts = (name.rpartition(".") for name in table)
+    return sorted({joint for joint, dot, unit in parts if dot and joint and unit in KNOWN})
+
+
+def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
+    """The joint to read: the one asked for, or the only one.
+
+    Raises:
+        LogError: it is not in the log, or the log has several and none was asked for.
+    """
+    joints = joints_in(table)
+    if not joints:
+        return joint or "joint"
+    if joint is None and len(joints) == 1:
+        return joints[0]
+    if joint is None:
+        raise LogError(f"{source}: several joints, name one of {_list(joints)}")
+    if joint not in joints:
+        raise LogError(f"{source}: no joint {joint!r}, it has {_list(joints)}")
+    return joint
+
+
+def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
+    """Our column name -> the file's, for the joint and the motion of the others.
+
+    Raises:
+        LogError: time, position or drive is missing, or hinge and slide are mixed.
+    """
+    if "time_s" not in table:
+        raise LogError(f"{source}: no column 'time_s', it has {_list(table)}")
+    joints = joints_in(table)
+    prefix = f"{joint}." if joints else ""
+    chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
+    # what is measured once serves all joints; motion and drive without a name are nobody's
+    shared = "temperature_c"
+    if shared in table:
+        chosen.setdefault(shared, table[shared])
+    _check_kind(source, list(chosen), list(table), prefix)
+    chosen["time_s"] = table["time_s"]
+    for other in joints:
+        for c in _OF_OTHERS:
+            if other != joint and f"{other}.{c}" in table:
+                chosen[f"{other}.{c}"] = table[f"{other}.{c}"]
+    return chosen
+
+
+def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -> None:
+    hinge, slide = "position_rad" in chosen, "position_m" in chosen
+    if not hinge and not slide:
+        raise LogError(
+            f"{source}: no column '{prefix}position_rad' (slide: position_m), it has {_list(table)}"
+        )
+    alien = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
+    if alien:
+        kind = "position_rad" if hinge else "position_m"
+        raise LogError(f"{source}: {prefix}{alien[0]} does not go with {prefix}{kind}: drop one")
+    if not any(c in chosen for c in _DRIVES):
+        drive = "torque_nm" if hinge else "force_n"
+        raise LogError(
+            f"{source}: no column '{prefix}{drive}' or '{prefix}voltage_v', it has {_list(table)}"
+        )
+
+
+def _list(names: object) -> str:
+    """Names for a message; a file of a thousand columns still makes one readable line."""
+    listed = [str(name) for name in names]  # type: ignore[attr-defined]
+    text = ", ".join(" ".join(name.split()) for name in listed[:30])
+    return text[:600] + (" ..." if len(listed) > 30 or len(text) > 600 else "")

@@ -1,0 +1,69 @@
+"""The Staubli TX40 log of figaroh-examples: a folder with two tables, no time column, 5 kHz.
+
+``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: motor currents. Columns ``Joint_1``
+to ``Joint_6`` of the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF. Joint
+positions are inverse(K) times motor positions; the wrist is coupled: motor 6 turns with joint 5
+too, so part of joint 5's torque is in the current of motor 6, which this log of joint 5 lacks.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured import text_table
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.table import log_of
+
+Array = NDArray[np.float64]
+
+_POSITIONS, _CURRENTS = "pos_read_data.csv", "curr_data.csv"
+_RATE_HZ = 5000.0
+_IN_FILE = [f"Joint_{i}" for i in range(1, 7)]
+_JOINTS = [name.lower() for name in _IN_FILE]
+_K = np.diag([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
+_K[5, 4] = 32.0
+
+
+def is_tx40(folder: Path) -> bool:
+    """Whether a folder holds such a log."""
+    return (folder / _POSITIONS).is_file()
+
+
+def read_tx40(folder: Path, joint: str | None) -> JointLog:
+    """Read one joint; the drive is its motor's current, a torque up to an unknown gain.
+
+    Raises:
+        LogError: an unknown joint, a missing file, or see `validate`.
+    """
+    name = (joint or "").lower()
+    if name not in _JOINTS:
+        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
+        raise LogError(f"{folder.name}: {what} {', '.join(_JOINTS)}")
+    motor = _six(folder / _POSITIONS)
+    current = _six(folder / _CURRENTS)
+    if len(motor) != len(current):
+        raise LogError(
+            f"{folder.name}: {_POSITIONS} has {len(motor)} samples, {_CURRENTS} {len(current)}"
+        )
+    position = np.linalg.solve(_K, motor.T)
+    own = _JOINTS.index(name)
+    columns = {
+        "time_s": np.arange(len(motor)) / _RATE_HZ,
+        "position_rad": position[own],
+        "motor_position_rad": motor[:, own].copy(),
+        # a motor that turns against its joint pushes against it too
+        "current_a": current[:, own] * np.sign(_K[own, own]),
+    }
+    columns |= {f"{_JOINTS[i]}.position_rad": position[i] for i in range(6) if i != own}
+    return log_of(folder, name, columns)
+
+
+def _six(path: Path) -> Array:
+    """Columns of all six joints, shape (n, 6)."""
+    missing = [name for name in _IN_FILE if name not in text_table.header(path)]
+    if missing:
+        raise LogError(f"{path.name}: no column {missing[0]!r}, it needs {', '.join(_IN_FILE)}")
+    columns = text_table.read_columns(path, _IN_FILE)
+    return np.column_stack([columns[name] for name in _IN_FILE])
