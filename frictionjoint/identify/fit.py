@@ -18,10 +18,12 @@ from scipy.optimize import least_squares, lsq_linear
 
 from frictionjoint.effects.signals import DTAU, LOAD, TIME, H, Q, V
 from frictionjoint.identify.prepare import Prepared, Segment
-from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.shape import EXPONENTS, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
 
 Array = NDArray[np.float64]
+# shape variables of the law, ahead of those of the terms
+LAW_SHAPE = 4
 
 
 @dataclass(frozen=True)
@@ -74,30 +76,60 @@ def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Ar
     return signals
 
 
-def base_columns(signals: Array, voltage_driven: bool) -> Array:
-    """Columns of the law alone: H and v, or load and H where the gain is unknown."""
-    pair = (LOAD, H) if voltage_driven else (H, V)
-    return signals[:, pair]
-
-
 def base_names(voltage_driven: bool) -> tuple[str, ...]:
-    """Names of `base_columns`."""
+    """Columns of the law alone: H and v, or load and H where the gain is unknown."""
     return ("load", "Fc") if voltage_driven else ("Fc", "sigma2")
 
 
+class ColumnCache:
+    """Filtered columns of the latest points of a search: most stay from one point to the next.
+
+    The rate of the torque (DTAU) in a fit is that of the rigid body alone, so that a search does
+    not chase its own tail.
+    """
+
+    _MOST = 64
+
+    def __init__(self) -> None:
+        self._kept: dict[object, Array] = {}
+
+    def get(self, key: object, make: Callable[[], Array]) -> Array:
+        """The columns under a key, made if need be."""
+        if key not in self._kept:
+            while len(self._kept) >= self._MOST:
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[key] = make()
+        return self._kept[key]
+
+
 def design(
-    prepared: Prepared, shape: Shape, terms: tuple[Term, ...], level: tuple[float, float]
+    prepared: Prepared, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache | None = None
 ) -> tuple[Array, Array]:
     """Columns and target on the kept samples of all logs, filtered and decimated."""
+    cache = cache or ColumnCache()
     X, y = [], []
-    for segment in prepared.segments:
-        signals = full_signals(segment, shape, *level)
-        parts = [base_columns(signals, prepared.voltage_driven)]
-        parts += [term.columns(segment, signals) for term in terms]
+    base = (LOAD, H) if prepared.voltage_driven else (H, V)
+    for i, segment in enumerate(prepared.segments):
+        signals = cache.get(
+            ("signals", i, shape), lambda s=segment: full_signals(s, shape, 0.0, 0.0)
+        )
+
+        def filtered(x: Array, s: Segment = segment) -> Array:
+            return s.lowpass(x)[s.kept]
+
+        parts = [
+            cache.get(("base", i, shape), lambda g=signals, f=filtered: f(g[:, base])),
+            *(
+                cache.get(
+                    (k, i, term.shape, shape if term.follows_law else None),
+                    lambda t=term, s=segment, g=signals, f=filtered: f(t.columns(s, g)),
+                )
+                for k, term in enumerate(terms)
+            ),
+        ]
         target = segment.drive - (0.0 if prepared.voltage_driven else signals[:, LOAD])
-        both = segment.lowpass(np.column_stack([*parts, target]))[segment.kept]
-        X.append(both[:, :-1])
-        y.append(both[:, -1])
+        X.append(np.column_stack(parts))
+        y.append(cache.get(("target", i), lambda x=target, f=filtered: f(x)))
     return np.concatenate(X), np.concatenate(y)
 
 
@@ -140,37 +172,39 @@ def fit(
     Args:
         start: shape to start from (a refit); without one several starts are tried.
     """
-    outer = _Outer(prepared, terms, start)
-    starts = [outer.vector(start)] if start else outer.grid()
     best = None
-    for i, x0 in enumerate(starts):
-        progress(f"fit {i + 1} of {len(starts)}")
+    exponents = (start.n,) if start else EXPONENTS
+    for i, n in enumerate(exponents):
+        outer = _Outer(prepared, terms, n)
+        x0 = outer.vector(start) if start else outer.best_of_grid()
+        progress(f"fit {i + 1} of {len(exponents)}")
         found = least_squares(
             outer.residual,
             x0,
             bounds=outer.bounds,
             diff_step=1e-3,
             x_scale=outer.scale,
-            max_nfev=30,
-            xtol=1e-5,
-            ftol=1e-7,
+            max_nfev=25,
+            xtol=1e-4,
+            ftol=1e-6,
         )
-        if best is None or found.cost < best.cost:
-            best = found
+        if best is None or found.cost < best[0]:
+            best = (found.cost, outer, found.x)
     assert best is not None
-    return outer.result(best.x)
+    return best[1].result(best[2])
 
 
 class _Outer:
     """The search over shapes; the rest is solved for at each point."""
 
-    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], start: Shape | None) -> None:
+    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], n: float) -> None:
         self.prepared = prepared
         self.terms = terms
+        self.n = n
+        self.cache = ColumnCache()
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-        self.level = (0.0, 0.0)
         low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span)]
         high = [3.0, np.log(2.0 * self.vmax), 3.0, np.log(0.1 * self.span)]
         for term in terms:
@@ -194,8 +228,8 @@ class _Outer:
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
-        shape = Shape(float(x[0]), float(np.exp(x[1])), float(x[2]), float(np.exp(x[3])))
-        at, terms = 4, []
+        shape = Shape(float(x[0]), float(np.exp(x[1])), float(x[2]), float(np.exp(x[3])), self.n)
+        at, terms = LAW_SHAPE, []
         for term in self.terms:
             k = len(term.free_shape)
             moved = tuple(float(n) for n in x[at : at + k])
@@ -203,18 +237,18 @@ class _Outer:
             at += k
         return shape, tuple(terms)
 
-    def grid(self) -> list[Array]:
-        """Best few of a coarse grid over Vs and length."""
+    def best_of_grid(self) -> Array:
+        """Best point of a coarse grid over Vs and length."""
         trials = []
         for Vs in (0.02, 0.1, 0.4):
-            for length in (1e-4, 1e-3, 1e-2):
-                x = self.vector(Shape(0.2, Vs * self.vmax, 1.0, length * self.span))
+            for length in (1e-5, 1e-4, 1e-3, 1e-2):
+                x = self.vector(Shape(0.2, Vs * self.vmax, 1.0, length * self.span, self.n))
                 trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
-        return [x for _, _, x in sorted(trials)[:2]]
+        return min(trials)[2]
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
         shape, terms = self.split(x)
-        X, y = design(self.prepared, shape, terms, self.level)
+        X, y = design(self.prepared, shape, terms, self.cache)
         return X, y, solve(X, y, self.low, self.high)
 
     def residual(self, x: Array) -> Array:
@@ -236,7 +270,7 @@ class _Outer:
             moved = x.copy()
             moved[i] += inward
             other_shape, other_terms = self.split(moved)
-            X2, _ = design(self.prepared, other_shape, other_terms, self.level)
+            X2, _ = design(self.prepared, other_shape, other_terms, self.cache)
             shape_columns.append((X2 @ beta - model) / inward)
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
@@ -266,7 +300,7 @@ def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
     for i in range(len(prepared)):
         one = prepared.subset([i])
         segment = one.segments[0]
-        X, y = design(one, fitted.shape, fitted.terms, (0.0, 0.0))
+        X, y = design(one, fitted.shape, fitted.terms)
         model = X @ fitted.beta * fitted.gain
         load = segment.lowpass(segment.signals[:, LOAD])[segment.kept]
         known = 0.0 if prepared.voltage_driven else load

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import LAW_SHAPE, Fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameters import FrictionParameters
 
@@ -66,6 +66,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     found["stiffness"] = Estimate(
         K, None if relative is None else K * relative, spelled("T/x", slide)
     )
+    found["n"] = Estimate(fitted.shape.n, None, "1")
     if gain != 1.0:
         g = cov[0, 0] * gain**2
         relative = _root(g / (fitted.beta[0] * gain) ** 2)
@@ -92,7 +93,7 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
         for k, name in enumerate(term.coefficients)
     }
     if isinstance(term, EffectTerm):
-        at = len(fitted.names) + 4 + sum(len(t.free_shape) for t in fitted.terms[:i])
+        at = len(fitted.names) + LAW_SHAPE + sum(len(t.free_shape) for t in fitted.terms[:i])
         effect: Effect = term.effect
         for k, name in enumerate(effect.shape):
             error = None if effect.shape_fixed else _root(cov[at + k, at + k])

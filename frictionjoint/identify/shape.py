@@ -16,7 +16,11 @@ from frictionjoint.parameters import FrictionParameters, Knots
 # three segments as in the paper, slopes falling by 1 : 0.4 : 0.1.
 _TORQUES = (0.5, 0.8, 1.0)
 _POSITIONS = (1.0, 2.5, 6.5)
-EXPONENT = 2.0
+
+
+# Those with closed-form steps: a log hardly tells exponents in between apart, and they are many
+# times faster.
+EXPONENTS = (1.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True)
@@ -28,12 +32,14 @@ class Shape:
         Vs: Stribeck velocity, rad/s.
         delta: Stribeck exponent.
         length: z of the first knot, rad; the presliding stiffness is Fs / length.
+        n: exponent of the transition to sliding; one of EXPONENTS, chosen by the fit.
     """
 
     excess: float
     Vs: float
     delta: float
     length: float
+    n: float
 
     def parameters(self, Fc: float, sigma2: float) -> FrictionParameters:
         """The law at a Coulomb level."""
@@ -44,7 +50,7 @@ class Shape:
             Vs=self.Vs,
             delta=self.delta,
             sigma2=sigma2,
-            n=EXPONENT,
+            n=self.n,
             knots=self.knots(Fs),
         )
 

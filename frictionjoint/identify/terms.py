@@ -51,6 +51,11 @@ class Term(Protocol):
         """The same term with other shape numbers."""
         ...
 
+    @property
+    def follows_law(self) -> bool:
+        """Whether the columns change with the law's shape."""
+        ...
+
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
         ...
@@ -81,6 +86,11 @@ class EffectTerm:
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
         """The same effect elsewhere on its grid."""
         return replace(self, shape=shape)
+
+    @property
+    def follows_law(self) -> bool:
+        """Effects on the friction level see Fh."""
+        return self.effect.entry == "scales the friction level"
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
@@ -122,6 +132,11 @@ class SmoothTerm:
     def with_shape(self, shape: tuple[float, ...]) -> "SmoothTerm":
         """A smooth term has no shape numbers."""
         return self
+
+    @property
+    def follows_law(self) -> bool:
+        """Only times the direction of friction."""
+        return self.odd
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`."""

@@ -4,9 +4,9 @@ On a linear piece of Fd (slope K) with S frozen, the law dz/dx = 1 - sgn(r) |r|*
 equation for r = Fd / (S - Fb) over the displacement a = K x / (S - Fb). It is stiff near r = 1.
 Written for u = -ln|1 - r| it is not: du/da = (1 - r**n) / (1 - r) lies between 1 and n.
 
-n = 1 and n = 2 have closed forms. Otherwise a(r) is a series below r = 1/2 and a Gauss-Legendre
-quadrature in u above, both near machine precision, and r(a) follows by Newton's method, which is
-monotone because a(u) is concave (r < 1) or convex (r > 1).
+n = 1 and n = 2 have closed forms both ways, n = 4 has one for a(r). Otherwise a(r) is a series
+below r = 1/2 and a Gauss-Legendre quadrature in u above, both near machine precision. r(a) follows
+by Newton's method, which is monotone because a(u) is concave (r < 1) or convex (r > 1).
 """
 
 import math
@@ -149,6 +149,9 @@ def distance_positive(r0, r1, n):
     """`distance` for 0 <= r0 <= r1 < 1."""
     if n == 2.0:
         return 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
+    if n == 4.0:
+        atanh = 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
+        return 0.5 * (atanh + math.atan(r1) - math.atan(r0))
     if r0 > 0.5:
         return _quadrature(0, -math.log1p(-r0), -math.log1p(-r1), n)
     return _from_zero(r1, n) - _from_zero(r0, n)
@@ -260,6 +263,7 @@ def advance(r, a, n):
         return (r + t) / (1.0 + r * t)
     if r == 1.0:
         return 1.0
-    if r < 1.0 and n * a < _MOST_SMALL_STEPS * _SMALL_STEP:
+    # r**n is not smooth at 0 for small n, and Runge-Kutta needs it to be
+    if 1.0 > r and n * a < _MOST_SMALL_STEPS * _SMALL_STEP and (n >= 3.0 or r > 0.1):
         return _advance_small(r, a, n)
     return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
