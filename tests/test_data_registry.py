@@ -1,0 +1,61 @@
+"""Public data: hashes hold, a local copy is used, no network is one line."""
+
+import socket
+from pathlib import Path
+
+import pooch
+import pytest
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured import get_data, list_data, read_log
+
+
+@pytest.fixture
+def offline(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Every connection fails, and the cache is empty."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("no network in this test")
+
+    monkeypatch.setattr(socket, "create_connection", refuse)
+    monkeypatch.setattr(socket, "getaddrinfo", refuse)
+    monkeypatch.setattr(pooch, "os_cache", lambda _: tmp_path / "cache")
+    monkeypatch.delenv("FRICTIONJOINT_DATA", raising=False)
+
+
+def test_every_set_is_pinned_and_says_its_licence() -> None:
+    assert {data.name for data in list_data()} == {"emps", "panda", "xl330"}
+    for data in list_data():
+        assert data.licence
+        assert any(len(part) == 40 for part in data.address.split("/"))
+        assert all(len(digest) == 64 for digest in data.files.values())
+
+
+@pytest.mark.usefixtures("offline")
+def test_a_local_copy_needs_no_network(
+    measured_data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FRICTIONJOINT_DATA", str(measured_data))
+    for data in list_data():
+        folder = get_data(data.name)
+        joint = "joint1" if data.name == "panda" else None
+        assert read_log(folder / data.logs[0], joint).duration > 5.0
+
+
+@pytest.mark.usefixtures("offline")
+def test_no_network_is_one_line() -> None:
+    with pytest.raises(LogError, match="FRICTIONJOINT_DATA") as caught:
+        get_data("emps")
+    assert "\n" not in str(caught.value)
+
+
+def test_an_altered_or_missing_local_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FRICTIONJOINT_DATA", str(tmp_path))
+    with pytest.raises(LogError, match=r"DATA_EMPS\.mat: missing"):
+        get_data("emps")
+    (tmp_path / "emps").mkdir()
+    (tmp_path / "emps" / "DATA_EMPS.mat").write_bytes(b"other")
+    with pytest.raises(LogError, match="not the published file"):
+        get_data("emps")
+    with pytest.raises(LogError, match="emps, panda, xl330"):
+        get_data("atlas")

@@ -1,0 +1,75 @@
+"""Derivatives: no shift in time, stated bandwidth, the same filter for both sides."""
+
+import numpy as np
+import pytest
+
+from frictionjoint.measured import JointLog, differentiate, zero_phase
+
+
+def sine(n: int = 6000, dt: float = 0.001, jitter: float = 0.0, noise: float = 0.0) -> JointLog:
+    """0.4 rad at 1 Hz, 0.1 rad at 3 Hz."""
+    rng = np.random.default_rng(3)
+    t = dt * np.arange(n) + jitter * dt * rng.uniform(-0.5, 0.5, n)
+    q = 0.4 * np.sin(2 * np.pi * t) + 0.1 * np.sin(6 * np.pi * t)
+    position = q + noise * rng.standard_normal(n)
+    return JointLog(name="sine", joint="j", time=t, position=position, torque=np.cos(t))
+
+
+def truth(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Velocity and acceleration of that motion."""
+    w = 2 * np.pi
+    v = 0.4 * w * np.cos(w * t) + 0.3 * w * np.cos(3 * w * t)
+    return v, -0.4 * w**2 * np.sin(w * t) - 0.9 * w**2 * np.sin(3 * w * t)
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.6])
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+def test_velocity_and_acceleration_of_a_known_motion(jitter: float, noise: float) -> None:
+    d = differentiate(sine(jitter=jitter, noise=noise))
+    np.testing.assert_allclose(np.diff(d.time), d.time[1] - d.time[0], rtol=1e-9)
+    inner = slice(300, -300)
+    v, a = truth(d.time)
+    assert np.sqrt(np.mean((d.velocity - v)[inner] ** 2)) < 0.01 * np.std(v)
+    assert np.sqrt(np.mean((d.acceleration - a)[inner] ** 2)) < 0.05 * np.std(a)
+
+
+def test_the_filter_shifts_nothing_in_time() -> None:
+    t = 0.001 * np.arange(4000)
+    x = np.sin(2 * np.pi * 2 * t)
+    y = zero_phase(x, 0.001, 10.0)
+    lags = np.arange(-30, 31)
+    match = [np.dot(y[500:-500], np.roll(x, lag)[500:-500]) for lag in lags]
+    assert lags[int(np.argmax(match))] == 0
+    mirrored = zero_phase(x[::-1], 0.001, 10.0)[::-1]
+    np.testing.assert_allclose(mirrored[500:-500], y[500:-500], atol=1e-6)
+
+
+def test_the_stated_bandwidth_is_where_one_pass_halves_the_power() -> None:
+    t = 0.001 * np.arange(8000)
+    for bandwidth in (5.0, 20.0, 80.0):
+        y = zero_phase(np.sin(2 * np.pi * bandwidth * t), 0.001, bandwidth)
+        # two passes: the amplitude is halved
+        assert np.std(y[2000:-2000]) * np.sqrt(2) == pytest.approx(0.5, abs=0.01)
+
+
+def test_both_sides_of_the_balance_are_filtered_alike() -> None:
+    """inertia * filtered acceleration equals the filtered torque of that inertia."""
+    log = sine()
+    d = differentiate(log, 15.0)
+    torque = zero_phase(0.3 * truth(log.time)[1], 0.001, d.bandwidth_hz)
+    inner = slice(500, -500)
+    error = torque[inner] - 0.3 * d.acceleration[inner]
+    assert np.std(error) < 2e-3 * np.std(torque[inner])
+
+
+def test_columns_are_filtered_along_time() -> None:
+    x = np.random.default_rng(0).standard_normal((500, 3))
+    together = zero_phase(x, 0.01, 8.0)
+    np.testing.assert_allclose(together[:, 1], zero_phase(x[:, 1], 0.01, 8.0), atol=1e-12)
+
+
+def test_more_noise_takes_bandwidth_and_a_given_one_is_kept() -> None:
+    quiet, noisy = (differentiate(sine(noise=noise)).bandwidth_hz for noise in (1e-6, 1e-2))
+    assert noisy < quiet
+    assert noisy >= 5.0
+    assert differentiate(sine(), 12.5).bandwidth_hz == 12.5

@@ -1,0 +1,224 @@
+"""Logs: what a JointLog refuses, splitting, and the line-exact errors of a table."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured import JointLog, read_log, split_in_time
+
+N, DT = 400, 0.002
+
+
+def columns() -> dict[str, np.ndarray]:
+    """A plausible hinge log."""
+    t = DT * np.arange(N)
+    return {
+        "time_s": t,
+        "position_rad": 0.6 * np.sin(9.0 * t),
+        "velocity_rad_s": 5.4 * np.cos(9.0 * t),
+        "torque_nm": 2.0 * np.sign(np.cos(9.0 * t)) + 0.1 * np.sin(60.0 * t),
+    }
+
+
+def write(path: Path, table: dict[str, np.ndarray]) -> Path:
+    """A CSV whose numbers read back exactly."""
+    rows = zip(*table.values(), strict=True)
+    text = "\n".join([",".join(table), *(",".join(repr(float(x)) for x in row) for row in rows)])
+    path.write_text(text + "\n")
+    return path
+
+
+def edited(tmp_path: Path, row: int, old: str | None, new: str) -> Path:
+    """The log with one line (numbered from 1, the header first) changed; old None: replaced."""
+    path = write(tmp_path / "log.csv", columns())
+    lines = path.read_text().splitlines()
+    lines[row - 1] = new if old is None else lines[row - 1].replace(old, new, 1)
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def error_of(path: Path, joint: str | None = None) -> str:
+    """The one line a log is refused with."""
+    with pytest.raises(LogError) as caught:
+        read_log(path, joint)
+    text = str(caught.value)
+    assert "\n" not in text
+    assert path.name in text
+    return text
+
+
+def test_a_csv_reads_back_exactly(tmp_path: Path) -> None:
+    table = columns()
+    log = read_log(write(tmp_path / "log.csv", table))
+    for ours, theirs in (("time", "time_s"), ("position", "position_rad"), ("torque", "torque_nm")):
+        np.testing.assert_array_equal(getattr(log, ours), table[theirs])
+    assert log.name == "log"
+    assert not log.slide
+
+
+def test_bom_crlf_quotes_blank_lines_and_semicolons_are_no_errors(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", columns())
+    text = path.read_text().replace("time_s", '"time_s"').replace(",", ";").replace("\n", "\r\n")
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode() + b"\r\n\r\n")
+    assert len(read_log(path).time) == N
+
+
+@pytest.mark.parametrize(
+    ("row", "new", "parts"),
+    [
+        (7, "0.01,zero,1,1", ["row 7", "position_rad", "'zero'", "not a number"]),
+        (7, "0.01,nan,1,1", ["row 7", "position_rad", "NaN"]),
+        (7, "0.01,,1,1", ["row 7", "position_rad", "empty"]),
+        (7, "0.01,0.1,1,inf", ["row 7", "torque_nm", "inf"]),
+        (7, "0.01,0.1,1", ["row 7", "3 cells", "4"]),
+        (7, "0.0001,0.1,1,1", ["row 7", "time_s", "must increase"]),
+        (1, "time_s,angle,velocity_rad_s,torque_nm", ["position_rad", "angle", "torque_nm"]),
+        (1, "t,position_rad,velocity_rad_s,torque_nm", ["no column 'time_s'", "it has t,"]),
+        (1, "time_s,position_rad,velocity_rad_s,effort", ["torque_nm", "voltage_v", "effort"]),
+        (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' stands twice"]),
+        (1, "time_s,position_rad,force_n,torque_nm", ["force_n does not go with position_rad"]),
+    ],
+)
+def test_the_line_and_column_of_a_fault_are_named(
+    tmp_path: Path, row: int, new: str, parts: list[str]
+) -> None:
+    text = error_of(edited(tmp_path, row, None, new))
+    for part in parts:
+        assert part in text, text
+
+
+def test_blank_lines_count_as_lines(tmp_path: Path) -> None:
+    path = edited(tmp_path, 9, None, "0.014,bad,1,1")
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:4], "", "", *lines[4:]]))
+    assert "row 11, position_rad" in error_of(path)
+    path.write_text(path.read_text().replace("bad", "nan"))
+    assert "row 11, position_rad" in error_of(path)
+
+
+def test_a_gap_is_named(tmp_path: Path) -> None:
+    table = columns()
+    table = {name: np.delete(x, slice(100, 150)) for name, x in table.items()}
+    text = error_of(write(tmp_path / "log.csv", table))
+    assert "row 102, time_s: a gap of 0.102 s" in text
+    assert "split the log" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "hint"),
+    [
+        ({"time_s": 1000.0}, "milliseconds"),
+        ({"time_s": 1e9}, "nanoseconds"),
+        ({"position_rad": 57.3}, "radians"),
+        ({"position_rad": 57.3, "velocity_rad_s": None}, "degrees"),
+        ({"position_rad": 57.3, "velocity_rad_s": 57.3}, "degrees"),
+        ({"velocity_rad_s": 57.3}, "units"),
+        ({"torque_nm": 1e6}, "newton metres"),
+    ],
+)
+def test_wrong_units_show_by_magnitude(
+    tmp_path: Path, change: dict[str, float | None], hint: str
+) -> None:
+    table = columns()
+    for name, factor in change.items():
+        if factor is None:
+            del table[name]
+        else:
+            table[name] = table[name] * factor
+    assert hint in error_of(write(tmp_path / "log.csv", table))
+
+
+def test_a_motor_that_turns_on_is_not_taken_for_degrees(tmp_path: Path) -> None:
+    table = columns()
+    table["position_rad"] = 100.0 * table["time_s"] + 0.01 * np.sin(30.0 * table["time_s"])
+    del table["velocity_rad_s"]
+    assert read_log(write(tmp_path / "log.csv", table)).position.max() > 70.0
+
+
+@pytest.mark.parametrize("name", ["position_rad", "torque_nm", "velocity_rad_s"])
+def test_a_constant_signal_is_refused(tmp_path: Path, name: str) -> None:
+    table = columns()
+    table[name] = np.full(N, 0.25)
+    assert f"{name}: constant at 0.25" in error_of(write(tmp_path / "log.csv", table))
+
+
+def test_too_few_rows_and_empty_files(tmp_path: Path) -> None:
+    short = {name: x[:3] for name, x in columns().items()}
+    assert "3 samples" in error_of(write(tmp_path / "log.csv", short))
+    path = tmp_path / "empty.csv"
+    path.write_text("")
+    assert "empty" in error_of(path)
+    path.write_text(",".join(columns()) + "\n")
+    assert "0 samples" in error_of(path)
+    path.write_bytes(bytes(range(256)))
+    assert "UTF-8" in error_of(path)
+
+
+def test_an_unknown_joint_lists_those_there(tmp_path: Path) -> None:
+    table = columns()
+    arm = {"time_s": table.pop("time_s")}
+    for joint in ("elbow", "wrist"):
+        arm |= {f"{joint}.{name}": x for name, x in table.items()}
+    path = write(tmp_path / "arm.csv", arm)
+    assert "no joint 'hip', it has elbow, wrist" in error_of(path, "hip")
+    assert "elbow, wrist" in error_of(path)
+    log = read_log(path, "wrist")
+    assert log.joint == "wrist"
+    np.testing.assert_array_equal(log.other_positions["elbow"], arm["elbow.position_rad"])
+    np.testing.assert_array_equal(log.other_velocities["elbow"], arm["elbow.velocity_rad_s"])
+    arm["elbow.position_rad"] = np.where(np.arange(N) == 11, np.nan, arm["elbow.position_rad"])
+    assert "row 13, elbow.position_rad" in error_of(write(path, arm), "wrist")
+
+
+def test_a_missing_file_and_an_unknown_kind(tmp_path: Path) -> None:
+    assert "no such log" in error_of(tmp_path / "none.csv")
+    (tmp_path / "log.doc").write_text("x")
+    assert "unknown kind" in error_of(tmp_path / "log.doc")
+
+
+def make_log() -> JointLog:
+    """The same log as an object."""
+    c = columns()
+    return JointLog(
+        name="log",
+        joint="elbow",
+        time=c["time_s"],
+        position=c["position_rad"],
+        torque=c["torque_nm"],
+        torque_enabled=np.ones(N, dtype=bool),
+        other_positions={"wrist": c["position_rad"]},
+        other_velocities={"wrist": c["velocity_rad_s"]},
+    )
+
+
+def test_splitting_holds_out_the_end() -> None:
+    log = make_log()
+    fit, held_out = split_in_time(log, 0.25)
+    assert len(fit.time) == 300
+    for name, whole in log.arrays().items():
+        parts = (fit.arrays()[name], held_out.arrays()[name])
+        np.testing.assert_array_equal(np.concatenate(parts), whole)
+    assert fit.name != held_out.name
+    for fraction in (0.0, 1.0, -0.2, np.nan, 0.01):
+        with pytest.raises(LogError):
+            split_in_time(log, fraction)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"torque": None},
+        {"torque": np.ones(N - 1)},
+        {"torque": np.full(N, np.nan)},
+        {"time": np.zeros(N)},
+        {"position": np.ones((N, 1))},
+        {"other_positions": {"wrist": np.ones(3)}},
+        {"joint": ""},
+    ],
+)
+def test_no_half_valid_log_can_be_made(change: dict[str, object]) -> None:
+    with pytest.raises(LogError):
+        replace(make_log(), **change)  # type: ignore[arg-type]

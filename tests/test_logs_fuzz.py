@@ -1,0 +1,103 @@
+"""Whatever a file holds, a reader gives a log or a LogError of one line, nothing else."""
+
+import json
+import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured import JointLog, read_log
+
+# more inputs on demand: FRICTIONJOINT_FUZZ=20000 pytest tests/test_logs_fuzz.py
+EXAMPLES = int(os.environ.get("FRICTIONJOINT_FUZZ", "120"))
+
+NAMES = ["time_s", "position_rad", "velocity_rad_s", "torque_nm", "voltage_v", "a.position_rad"]
+CELLS = [
+    "",
+    "nan",
+    "inf",
+    "-1e308",
+    "1e999",
+    "0x1",
+    "1_0",
+    "١",
+    "true",
+    '"',
+    '"1"',
+    " 2 ",
+    "NA",
+    "x,y",
+]
+cell = st.one_of(
+    st.floats(width=32).map(str),
+    st.integers().map(str),
+    st.sampled_from(CELLS),
+    st.text(max_size=4),
+)
+header = st.lists(st.sampled_from(NAMES) | st.text(max_size=5), min_size=1, max_size=6)
+
+
+def never_anything_else(name: str, content: bytes, joint: str | None = None) -> None:
+    """Read a file of that content."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_bytes(content)
+        try:
+            log = read_log(path, joint)
+        except LogError as error:
+            text = str(error)
+            assert "\n" not in text
+            assert name in text
+        else:
+            assert isinstance(log, JointLog)
+            assert all(np.isfinite(x).all() for x in log.arrays().values())
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(header, st.lists(st.lists(cell, max_size=6), max_size=8), st.sampled_from("\n\r"))
+def test_any_table(names: list[str], rows: list[list[str]], end: str) -> None:
+    text = end.join(",".join(row) for row in [names, *rows])
+    never_anything_else("log.csv", text.encode("utf-8", "surrogatepass"))
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(st.integers(0, 79), st.integers(0, 3), cell, st.sampled_from(["a", None]), st.booleans())
+def test_a_good_table_with_one_bad_cell(
+    row: int, column: int, content: str, joint: str | None, prefixed: bool
+) -> None:
+    t = 0.01 * np.arange(80)
+    table = np.column_stack([t, np.sin(t), np.cos(t), np.sin(7 * t)])
+    lines = [[repr(float(x)) for x in values] for values in table]
+    lines[row][column] = content
+    prefix = "a." if prefixed else ""
+    names = ["time_s", *(f"{prefix}{c}" for c in NAMES[1:4])]
+    text = "\n".join(",".join(line) for line in [names, *lines])
+    never_anything_else("log.csv", text.encode("utf-8", "surrogatepass"), joint)
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(
+    st.sampled_from(["csv", "parquet", "npz", "mat", "npy", "json", "db3", "mcap", "bag"]),
+    st.binary(max_size=200),
+)
+def test_any_bytes_under_any_name(suffix: str, content: bytes) -> None:
+    never_anything_else(f"log.{suffix}", content)
+
+
+value = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3)
+KEYS = ["timestamp", "position", "speed", "load", "input_volts", "temp", "goal_position"]
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(st.dictionaries(st.sampled_from([*KEYS, "torque_enable"]), value), st.integers(0, 60))
+def test_any_entry_of_the_servo_log(entry: dict[str, object], at: int) -> None:
+    good = [
+        dict.fromkeys(KEYS, np.sin(0.1 * i)) | {"timestamp": 0.01 * i, "torque_enable": True}
+        for i in range(61)
+    ]
+    good[at] = entry
+    never_anything_else("log.json", json.dumps({"kp": 1, "entries": good}).encode())
