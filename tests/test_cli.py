@@ -1,0 +1,121 @@
+"""The command line: bad input gives one line, exit code 2, and nothing written."""
+
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from frictionjoint.files import read_parameters, toml_text
+from frictionjoint.parameters import FrictionParameters
+
+DEMO = Path(str(files("frictionjoint"))) / "demo"
+LOG = DEMO / "ramps.csv"
+MODEL = DEMO / "joint.xml"
+HEADER, *ROWS = LOG.read_text().splitlines()
+
+
+def run(*arguments, cwd):
+    command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", *arguments]
+    return subprocess.run(
+        [str(a) for a in command], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
+
+
+def changed(row, column, value):
+    """The shipped log with one cell changed; row 2 is the first sample."""
+    rows = [HEADER, *ROWS]
+    cells = rows[row - 1].split(",")
+    cells[column] = value
+    rows[row - 1] = ",".join(cells)
+    return "\n".join(rows)
+
+
+def scaled(column, factor):
+    rows = []
+    for row in ROWS:
+        cells = row.split(",")
+        cells[column] = repr(float(cells[column]) * factor)
+        rows.append(",".join(cells))
+    return "\n".join([HEADER, *rows])
+
+
+BAD_LOGS = {
+    "missing column": (HEADER.replace("torque_nm", "effort") + "\n" + "\n".join(ROWS), "torque_nm"),
+    "no time": (HEADER.replace("time_s", "t") + "\n" + "\n".join(ROWS), "time_s"),
+    "NaN": (changed(100, 1, "nan"), "row 100"),
+    "not a number": (changed(7, 2, "oops"), "row 7"),
+    "time backwards": (changed(50, 0, "0.001"), "row 50"),
+    "gap": ("\n".join([HEADER, *ROWS[:500], *ROWS[900:]]), "row 502"),
+    "constant position": (scaled(1, 0.0), "position_rad"),
+    "milliseconds": (scaled(0, 1000.0), "time_s"),
+    "degrees": (scaled(1, 1e5), "position_rad"),
+    "empty": ("", "empty"),
+    "three rows": ("\n".join([HEADER, *ROWS[:3]]), "3"),
+    "torn row": ("\n".join([HEADER, *ROWS[:900], "1.0,2.0"]), "row 902"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD_LOGS)
+def test_bad_log_is_refused_in_one_line(kind, tmp_path):
+    text, word = BAD_LOGS[kind]
+    (tmp_path / "bad.csv").write_text(text)
+    done = run(
+        "close-loop", "bad.csv", "--model", MODEL, "--joint", "joint", "--out", "out", cwd=tmp_path
+    )
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert "bad.csv" in done.stderr
+    assert word in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["close-loop", "none.csv", "--model", MODEL, "--joint", "joint"], "none.csv"),
+        (["close-loop", LOG, "--model", "none.xml", "--joint", "joint"], "none.xml"),
+        (["close-loop", LOG, "--model", MODEL, "--joint", "knee"], "no joint 'knee'"),
+        (["close-loop", LOG, "--model", MODEL, "--joint", "joint", "--held-out", "1.5"], "1.5"),
+        (["identify", LOG, "--model", MODEL, "--joint", "joint", "--column", "x"], "--column x"),
+        (["install", MODEL, "--joint", "joint=none.toml"], "none.toml"),
+        (["install", MODEL, "--joint", "joint"], "NAME=params.toml"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path):
+    done = run(*arguments, "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert word in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_identify_install_and_check_work_in_a_row(tmp_path):
+    done = run(
+        "identify", LOG, "--model", MODEL, "--joint", "joint", "--out", "joint.toml", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    # breakaway and Coulomb torque of the plant: 1.5 and 1.0 N m
+    found = read_parameters(tmp_path / "joint.toml").parameters
+    assert 0.6 < found.Fc_pos < 1.5
+    done = run("install", MODEL, "--joint", "joint=joint.toml", "--out", "arm.xml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = run("check", "arm.xml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "integrated" in done.stdout
+
+
+def test_parameter_file_round_trip_is_exact(tmp_path):
+    parameters = FrictionParameters.symmetric(
+        Fs=1.5, Fc=1 / 3, Vs=0.0123456789, knots=((1e-4, 1.5), (1e-3, 3.2))
+    )
+    (tmp_path / "p.toml").write_text(toml_text(parameters))
+    assert read_parameters(tmp_path / "p.toml").parameters == parameters
+
+
+def test_every_subcommand_has_help(tmp_path):
+    for name in ("demo", "close-loop", "identify", "install", "check"):
+        done = run(name, "--help", cwd=tmp_path)
+        assert done.returncode == 0
+        assert "Usage" in done.stdout

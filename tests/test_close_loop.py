@@ -1,0 +1,91 @@
+"""The whole loop on the shipped log: an effect nobody declared is found, added and simulated."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.measured.readers import read_log
+from frictionjoint.report.write import write_report
+
+DEMO = Path(str(files("frictionjoint"))) / "demo"
+
+
+@pytest.fixture(scope="module")
+def report():
+    logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
+    held_out = [read_log(DEMO / "multisine.csv", "joint")]
+    return close_loop(logs, held_out, DEMO / "joint.xml", "joint")
+
+
+def test_the_undeclared_effect_is_found_first(report):
+    assert report.added[0].effect == "position-periodic"
+    assert report.added[0].evidence.p_value <= 0.05
+    assert report.added[0].evidence.held_out_gain > 0.8
+
+
+def test_its_parameters_are_those_of_the_plant(report):
+    # the plant's cogging is 0.3 N m sin(14 q + 0.7), see the shipped README
+    found = report.added[0].parameters
+    amplitude = np.hypot(found["sin"].value, found["cos"].value)
+    assert found["N"].value == pytest.approx(14.0, rel=0.01)
+    assert amplitude == pytest.approx(0.3, rel=0.1)
+
+
+def test_errors_fall_on_data_used_for_nothing(report):
+    assert report.after_torque.held_out < 0.4 * report.before_torque.held_out
+    assert report.after_replay.held_out < 0.4 * report.before_replay.held_out
+    (low, _), (_, high) = report.torque_interval
+    assert high < low, "the intervals before and after must not touch"
+
+
+def test_the_simulated_model_carries_law_and_effect(report, tmp_path):
+    write_report(report, tmp_path, "frictionjoint close-loop")
+    from frictionjoint.simulate.carrier import read_friction
+
+    model = fj.load_model(tmp_path / "model.xml")
+    carried = read_friction(model)["joint"]
+    assert "position-periodic" in [e.effect.name for e in carried.effects]
+    data = mujoco.MjData(model)
+    with fj.attach(model):
+        torques = []
+        for q in np.linspace(0, 2 * np.pi / 14, 40):
+            mujoco.mj_resetData(model, data)
+            data.qpos[0] = q
+            mujoco.mj_forward(model, data)
+            torques.append(-data.qfrc_passive[0])
+    # at rest and never moved the law gives nothing: what is left is the ripple
+    assert np.ptp(torques) == pytest.approx(0.6, rel=0.15)
+
+
+def test_report_json_follows_the_schema(report, tmp_path):
+    write_report(report, tmp_path, "frictionjoint close-loop")
+    content = json.loads((tmp_path / "report.json").read_text())
+    assert content["schema"] == "frictionjoint/report-1"
+    assert [log["role"] for log in content["logs"]] == ["fit", "fit", "held-out"]
+    assert content["base"]["law"] == "integrated"
+    for name in ("Fs_pos", "Fc_neg", "Vs_pos", "sigma2_neg"):
+        assert set(content["base"]["parameters"][name]) == {"value", "stderr", "unit"}
+    for stage in ("before", "after"):
+        for kind in ("torque_rms", "replay_rms"):
+            assert set(content[stage][kind]) == {"fit", "held_out"}
+    evidence = content["added"][0]["evidence"]
+    assert {"held_out_gain", "p_value", "selection_frequency", "runner_up", "margin"} <= set(
+        evidence
+    )
+    assert content["verdict"] in ("explained", "partly-explained", "no-effect-found")
+    page = (tmp_path / "report.html").read_text()
+    assert "position-periodic" in page
+    assert 'src="http' not in page, "the page must be readable offline"
+
+
+def test_equal_seeds_give_equal_reports(report):
+    logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
+    held_out = [read_log(DEMO / "multisine.csv", "joint")]
+    again = close_loop(logs, held_out, DEMO / "joint.xml", "joint")
+    assert again.to_dict() == report.to_dict()
