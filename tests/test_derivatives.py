@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog, differentiate, zero_phase
 
 
@@ -73,3 +74,9 @@ def test_more_noise_takes_bandwidth_and_a_given_one_is_kept() -> None:
     assert noisy < quiet
     assert noisy >= 5.0
     assert differentiate(sine(), 12.5).bandwidth_hz == 12.5
+
+
+@pytest.mark.parametrize("bandwidth", [0.0, -1.0, float("nan")])
+def test_a_bandwidth_must_be_positive(bandwidth: float) -> None:
+    with pytest.raises(LogError, match="positive"):
+        differentiate(sine(), bandwidth)

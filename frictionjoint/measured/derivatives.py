@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
+from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
 Array = NDArray[np.float64]
@@ -43,7 +44,16 @@ def uniform(time: Array, x: Array, grid: Array) -> Array:
 
 
 def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
-    """Low-pass along axis 0 without a shift in time; nothing is done above 0.4 / dt."""
+    """Low-pass along axis 0 without a shift in time; nothing is done above 0.4 / dt.
+
+    Args:
+        x: shape (n,) or (n, k), on a uniform grid of step `dt` in s.
+        bandwidth_hz: -3 dB corner of one of the two passes.
+    Raises:
+        LogError: the bandwidth or the step is not positive.
+    """
+    if not (bandwidth_hz > 0.0 and dt > 0.0):
+        raise LogError(f"bandwidth {bandwidth_hz} Hz at a step of {dt} s: give positive numbers")
     if bandwidth_hz >= _HIGHEST / dt:
         return x
     sos = butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos")
@@ -69,7 +79,13 @@ def motion_bandwidth(position: Array, dt: float) -> float:
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
-    """Smooth position, velocity and acceleration of a log on a uniform grid."""
+    """Smooth position, velocity and acceleration of a log on a uniform grid.
+
+    Args:
+        bandwidth_hz: of the filter; None: `motion_bandwidth` of this log.
+    Raises:
+        LogError: the bandwidth is not positive.
+    """
     n = len(log.time)
     dt = float(log.time[-1] - log.time[0]) / (n - 1)
     time = log.time[0] + dt * np.arange(n)

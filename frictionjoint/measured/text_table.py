@@ -7,6 +7,7 @@ no sample and count as lines in messages.
 import csv
 import re
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def header(path: Path) -> list[str]:
 def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
     """Some columns of a CSV file, each of shape (n,).
 
-    Only these are parsed: 8 bytes a number in the end, 16 at most on the way, plus 1 MB blocks.
+    Only these are parsed: 8 bytes a number in the end, 16 at most on the way, plus small blocks.
 
     Raises:
         LogError: line-exact, for a cell that is no number or a line of another width.
@@ -50,13 +51,23 @@ def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
     )
     try:
         table = pa.csv.read_csv(path, read, parse, convert)
-    except (pa.ArrowException, UnicodeDecodeError) as error:
-        raise LogError(_first_fault(path, all_names, names, one_line(error))) from None
+    except (pa.ArrowException, UnicodeDecodeError):
+        read.use_threads = False  # then Arrow's message tells the row
+        try:
+            table = pa.csv.read_csv(path, read, parse, convert)
+        except (pa.ArrowException, UnicodeDecodeError) as error:
+            raise LogError(_first_fault(path, all_names, names, one_line(error))) from None
     columns = {}
     for name in names:
-        columns[name] = np.array(table[name].to_numpy(), dtype=np.float64)
+        columns[name] = owned(table[name])
         table = table.drop_columns(name)
     return columns
+
+
+def owned(column: pa.ChunkedArray) -> Array:
+    """An Arrow column of numbers as an array of its own, missing cells NaN; one copy at most."""
+    x = np.asarray(column.to_numpy(), dtype=np.float64)
+    return x if x.flags.writeable else x.copy()
 
 
 def line_of(path: Path, sample: int) -> int:
@@ -100,10 +111,12 @@ def _data_lines(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def _first_fault(path: Path, all_names: list[str], names: list[str], error: str) -> str:
-    """Find the cell Arrow stumbled over, to name its line."""
+    """Find the cell Arrow stumbled over, to name its line and column."""
     separator = _separator(_header_line(path))
     number = 1
-    for number, line in _data_lines(path):
+    # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
+    row = re.search(r"Row #(\d+)", error)
+    for number, line in islice(_data_lines(path), max(0, int(row[1]) - 2) if row else 0, None):
         try:
             cells = next(csv.reader([line], delimiter=separator))
         except csv.Error as fault:

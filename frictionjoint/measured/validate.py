@@ -36,6 +36,7 @@ _LARGEST = {
 }
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
+_BLOCK = 1 << 16
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
 
@@ -130,16 +131,20 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
     if unit not in _LARGEST:
         return
     largest, mend = _LARGEST[unit]
-    size = np.abs(x)
-    i = int(np.argmax(size))
-    if size[i] > largest:
+    i = max(int(np.argmax(x)), int(np.argmin(x)), key=lambda k: abs(x[k]))
+    size = abs(float(x[i]))
+    if size > largest:
         raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is beyond any joint: give {mend}")
-    swings = abs(x[-1] - x[0]) < 0.5 * float(np.abs(np.diff(x)).sum())
-    if unit == "position_rad" and size[i] > _SWING and swings:
+    if unit == "position_rad" and size > _SWING and _swings(x):
         raise LogError(
             f"{source}, row {row(i)}, {name}: {x[i]:g} rad is over two turns in a joint that swings"
             ": give radians at the joint (degrees, or the motor's side of a gear?)"
         )
+
+
+def _swings(x: Array) -> bool:
+    """Whether a joint goes back and forth rather than on and on."""
+    return bool(abs(x[-1] - x[0]) < 0.5 * float(np.abs(np.diff(x)).sum()))
 
 
 def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
@@ -148,16 +153,25 @@ def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
     speed_name = f"{prefix}{dot}{_SPEED_OF[unit]}"
     if speed_name not in columns:
         return
-    speed = columns[speed_name]
-    slope = np.gradient(columns[name], columns["time_s"])
-    power, cross = float(speed @ speed), float(slope @ speed)
+    power, cross, slope = _compare(columns["time_s"], columns[name], columns[speed_name])
     # Where the two hardly correlate the joint hardly moves, and units cannot be told.
-    sure = cross * cross > 0.25 * power * float(slope @ slope)
+    sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
         raise LogError(
             f"{source}: {name} changes {cross / power:.3g} times as fast as {speed_name} says: "
             "check the units and signs of the two, and of time_s"
         )
+
+
+def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, float]:
+    """Sums of speed^2, slope * speed and slope^2, in blocks so that long logs need no copies."""
+    sums = np.zeros(3)
+    for start in range(0, len(time) - 1, _BLOCK):
+        part = slice(start, start + _BLOCK + 1)
+        slope = np.diff(position[part]) / np.diff(time[part])
+        v = 0.5 * (speed[part][1:] + speed[part][:-1])
+        sums += (v @ v, slope @ v, slope @ slope)
+    return float(sums[0]), float(sums[1]), float(sums[2])
 
 
 def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
