@@ -4,6 +4,11 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# first examples compile kernels: a deadline would time the compiler
+settings.register_profile("frictionjoint", deadline=None)
+settings.load_profile("frictionjoint")
 
 
 @pytest.fixture(scope="session")

@@ -101,11 +101,14 @@ def _one_log(model: mujoco.MjModel, body: RigidBody, segment: Segment, gain: flo
         data.qpos[qpos], data.qvel[dof] = q[begin], v[begin]
         data.userdata[ours] = memory[begin // length]
         for k in range(begin, begin + length - 1):
-            _follow(model, data, others, k)
             for i in range(substeps):
                 part = i / substeps
-                data.qfrc_applied[dof] = (1 - part) * torque[k] + part * torque[k + 1]
-                mujoco.mj_step(model, data)
+                now = (1 - part) * torque[k] + part * torque[k + 1]
+                if others:
+                    _step_among_others(model, data, others, k, qpos, dof, now)
+                else:
+                    data.qfrc_applied[dof] = now
+                    mujoco.mj_step(model, data)
             errors[k + 1] = data.qpos[qpos] - q[k + 1]
         if not np.all(np.isfinite(data.qpos)):
             mujoco.mj_resetData(model, data)
@@ -156,18 +159,25 @@ def _others(model: mujoco.MjModel, segment: Segment) -> list[tuple[int, int, Arr
     return found  # type: ignore[return-value]
 
 
-def _follow(
+def _step_among_others(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     others: Sequence[tuple[int, int, Array, Array, Array]],
     k: int,
+    qpos: int,
+    dof: int,
+    torque: float,
 ) -> None:
-    """Put the other joints where they were measured and give them their measured acceleration."""
-    if not others:
-        return
-    for qpos, other, q, v, a in others:
-        data.qpos[qpos], data.qvel[other] = q[k], v[k]
-        data.qacc[other] = a[k]
+    """One semi-implicit step of our joint alone, the others on their measured motion.
+
+    Inverse dynamics with our acceleration at zero tells the torque that everything else takes;
+    the rest accelerates the joint.
+    """
+    for position, other, q, v, a in others:
+        data.qpos[position], data.qvel[other], data.qacc[other] = q[k], v[k], a[k]
+    data.qacc[dof] = 0.0
     mujoco.mj_inverse(model, data)
-    for _, other, *_ in others:
-        data.qfrc_applied[other] = data.qfrc_inverse[other]
+    inertia = data.M[model.M_rowadr[dof] + model.M_rownnz[dof] - 1]
+    data.qvel[dof] += model.opt.timestep * (torque - data.qfrc_inverse[dof]) / inertia
+    data.qpos[qpos] += model.opt.timestep * data.qvel[dof]
+    data.time += model.opt.timestep

@@ -90,7 +90,7 @@ class Prepared:
 
 
 def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = None) -> Prepared:
-    """Prepare logs of one joint; the narrowest log sets the bandwidth of all.
+    """Prepare logs of one joint; the median of the logs' bandwidths serves all.
 
     Raises:
         LogError: neither torque nor voltage, or not the same in all logs.
@@ -100,7 +100,7 @@ def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = 
         a, b = logs[voltage.index(True)].name, logs[voltage.index(False)].name
         raise LogError(f"{a} has a voltage and {b} a torque: give logs of one kind")
     if bandwidth_hz is None:
-        bandwidth_hz = min(differentiate(log).bandwidth_hz for log in logs)
+        bandwidth_hz = float(np.median([differentiate(log).bandwidth_hz for log in logs]))
     segments = tuple(_segment(log, body, bandwidth_hz) for log in logs)
     return Prepared(segments, body.joint, bool(body.slide), voltage[0])
 

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 _ORDER = 2  # run twice: fourth order in all
 # Highest corner: four fifths of the Nyquist frequency leaves the filter well posed.
 _HIGHEST = 0.4
-# Motion is what stands this factor in power above the floor of the acceleration's noise.
-_ABOVE_NOISE = 10.0
+# Bands an octave in which the spectrum is averaged.
+_BANDS = 6
 
 
 @dataclass(frozen=True)
@@ -65,17 +65,22 @@ def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
 def motion_bandwidth(position: Array, dt: float) -> float:
     """Corner frequency from the motion's own spectrum, Hz.
 
-    Position noise (encoder counts among it) is white, so in the position's spectrum the motion
-    stands above a flat floor. The corner is twice the frequency where the motion sinks into ten
-    times that floor, and no less than 5 Hz, which keeps stick-slip edges.
+    Differentiated twice, the motion falls off towards high frequencies and the position's noise
+    rises. The corner is twice the frequency of the valley between the two, and no less than 5 Hz,
+    which keeps the edges of friction.
     """
-    f, power = welch(position, 1.0 / dt, nperseg=min(len(position), 1024), detrend="linear")
-    floor = float(np.median(power[len(power) // 2 :]))
-    above = np.flatnonzero(power[1:] > _ABOVE_NOISE * floor) + 1
-    # the first time it sinks: later lines are vibrations of the structure
-    sunk = np.flatnonzero(np.diff(above) > 3)
-    last = above[sunk[0]] if sunk.size else (above[-1] if above.size else 1)
-    return float(np.clip(2.0 * f[last], 5.0, _HIGHEST / dt))
+    n = len(position)
+    f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
+    f, power = f[1:], power[1:]
+    edges = np.geomspace(f[0], f[-1], max(2, int(_BANDS * np.log2(f[-1] / f[0]))))
+    band = np.digitize(f, edges)
+    bands = np.unique(band)
+    centre = np.array([np.exp(np.log(f[band == k]).mean()) for k in bands])
+    speed = np.array([(power * f**2)[band == k].sum() for k in bands])
+    acceleration = np.array([(power * f**4)[band == k].mean() for k in bands])
+    main = int(np.argmax(speed))
+    valley = centre[main + int(np.argmin(acceleration[main:]))]
+    return float(np.clip(2.0 * valley, 5.0, _HIGHEST / dt))
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
