@@ -15,6 +15,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from plants import catalogue  # noqa: E402
 from plants.draw import TIES, draw_trial  # noqa: E402
 from plants.friction import bristle, gms, maxwell_elements, stribeck  # noqa: E402
+from plants.parts import MICRO_DAMPING  # noqa: E402
 from plants.plant import (  # noqa: E402
     Controller,
     Effect,
@@ -142,7 +143,7 @@ def test_lugre_plant_moves_as_the_lugre_motor_of_mujoco():
     spec = replace(quiet(), friction=friction)
     log = simulate(spec).logs[0]
     s0 = 2.0 * friction.Fs / friction.presliding
-    s1 = 0.6 * np.sqrt(s0 * (spec.inertia + spec.armature))
+    s1 = MICRO_DAMPING * np.sqrt(s0 * (spec.inertia + spec.armature))
     motor = (
         f'<actuator><dcmotor joint="joint" input="none" motorconst="1e-6" resistance="1" '
         f'lugre="{s0} {s1} {friction.Fc} {friction.Fs} {friction.Vs}"/></actuator></mujoco>'
@@ -171,7 +172,7 @@ def test_gms_keeps_its_memory_and_reaches_the_level():
         v = np.sign(distance) * 0.01
         n = 2000
         for _ in range(n):
-            force = gms(z, slip, distance / n, v, 1e-4, 1.0, k, alpha, 40.0, last)
+            force = gms(z, slip, distance / n, v, 1e-4, 1.0, k, alpha, 40.0, 0.0, last)
             last = v
         return float(force)
 

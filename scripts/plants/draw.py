@@ -161,11 +161,11 @@ def _motions(
 
 
 def _instrument(rng: np.random.Generator, friction: Friction) -> Instrument:
-    """An encoder that sees presliding: at least 128 counts over it.
+    """An encoder that sees presliding: at least 512 counts over it.
 
-    The presliding stiffness turns one count into a torque error of a few per cent of Fs.
+    The presliding stiffness turns one count into a torque error of about one per cent of Fs.
     """
-    least = int(np.ceil(np.log2(2.0 * np.pi * 128.0 / friction.presliding)))
+    least = int(np.ceil(np.log2(2.0 * np.pi * 512.0 / friction.presliding)))
     return Instrument(
         rate=float(rng.choice([200.0, 250.0, 500.0, 1000.0])),
         counts=int(2 ** rng.integers(least, least + 3)),

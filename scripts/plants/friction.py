@@ -15,7 +15,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 ELEMENTS = 12
-ATTRACTION = 40.0  # GMS constant C as a multiple of Fs per second: how fast slip follows S(v)
+# GMS constant C in Fs per second. It makes sliding follow S(v) within a millisecond: a slower one
+# is a frictional lag, which a plant has only where that effect is drawn.
+ATTRACTION = 1000.0
 
 
 @njit(cache=True)
@@ -25,25 +27,26 @@ def stribeck(v: float, fs: float, fc: float, vs: float, delta: float) -> float:
 
 
 @njit(cache=True)
-def gms(z, slip, dx, v, h, level, k, alpha, attraction, last):  # type: ignore[no-untyped-def]
+def gms(z, slip, dx, v, h, level, k, alpha, attraction, sigma1, last):  # type: ignore[no-untyped-def]
     """Advance the elements' forces z by displacement dx; returns their sum, N m.
 
     A slipping element relaxes to its share of the level with an implicit step, and sticks again
-    when the velocity changes sign.
+    when the velocity changes sign. Sticking elements carry the micro-damping sigma1.
     """
     if v * last < 0.0:
         slip[:] = False
     s = 1.0 if v > 0.0 else -1.0
-    total = 0.0
+    total, sticking = 0.0, 0.0
     for i in range(z.size):
         if not slip[i]:
             z[i] += k[i] * dx
+            sticking += alpha[i]
             if abs(z[i]) >= alpha[i] * level and z[i] * v > 0.0:
                 slip[i] = True
         elif v != 0.0:
             z[i] = (z[i] + s * h * attraction * alpha[i]) / (1.0 + h * attraction / level)
         total += z[i]
-    return total
+    return total + sigma1 * sticking * v
 
 
 @njit(cache=True)

@@ -105,7 +105,7 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
         q_old = qpos[0]
         level = _level(c, q_old, v, load, temp, rested, lagged)
         if c[_LAW] == 0.0:
-            fric = gms(elements, slip, dx, v, h, level, k, alpha, c[_ATTR], last)
+            fric = gms(elements, slip, dx, v, h, level, k, alpha, c[_ATTR], c[_S1], last)
         elif c[_LAW] == PLAIN:
             loss[0], fric = level, 0.0
         else:

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .friction import ELEMENTS, maxwell_elements
+from .friction import ATTRACTION, ELEMENTS, maxwell_elements
 from .loop import FIELDS
 from .spec import LAWS, PlantSpec
 
 JOINT, OTHER = "joint", "other"
+# sigma1 over sqrt(stiffness * inertia): twice the damping ratio of the joint while it sticks.
+MICRO_DAMPING = 0.1
 
 
 @dataclass
@@ -52,8 +54,8 @@ class Parts:
         base = {
             "h": s.step, "law": float(LAWS.index(f.law)), "Fs": f.Fs, "Fc": f.Fc, "Vs": f.Vs,
             "delta": f.delta, "sigma2": f.sigma2, "asymmetry": f.asymmetry, "sigma0": stiffness,
-            "sigma1": 0.6 * np.sqrt(stiffness * (s.inertia + s.armature)),
-            "attraction": 40.0 * f.Fs, "kp": s.controller.kp, "ki": s.controller.ki,
+            "sigma1": MICRO_DAMPING * np.sqrt(stiffness * (s.inertia + s.armature)),
+            "attraction": ATTRACTION * f.Fs, "kp": s.controller.kp, "ki": s.controller.ki,
             "kd": s.controller.kd, "limit": s.controller.limit, "hold": round(1e-3 / s.step),
             "gravity": s.gravity_torque, "link_inertia": s.inertia,
             "other_kp": 200.0, "other_kd": 20.0,
