@@ -30,14 +30,14 @@ SPEC = PlantSpec(
     length=0.25,
     inertia=0.1,
     armature=0.05,
-    friction=Friction("gms", Fs=1.5, Fc=1.0, Vs=0.15, sigma2=0.35, presliding=2e-3),
+    friction=Friction("gms", Fs=1.2, Fc=1.0, Vs=0.15, sigma2=0.35, presliding=1e-3),
     controller=Controller(kp=80.0, kd=5.0, ki=60.0),
     motions=(
         Motion("pick-and-place", 11, amplitude=1.1, speed=2.0, duration=12.0),
         Motion("ramps", 12, amplitude=0.9, speed=1.0, duration=12.0),
         Motion("multisine", 13, amplitude=1.0, speed=2.2, duration=12.0),
     ),
-    instrument=Instrument(rate=250.0, counts=2**19, torque_noise=0.02, jitter=0.02),
+    instrument=Instrument(rate=250.0, counts=2**19, torque_noise=0.05, jitter=0.02),
     seed=1997,
     effects=(Effect("position-periodic", {"amplitude": 0.3, "cycles": 14.0, "phase": 0.7}),),
 )

@@ -122,7 +122,7 @@ def _friction(rng: np.random.Generator, fc: float, speed: float) -> Friction:
         Vs=float(speed * 10.0 ** rng.uniform(-2.0, -0.9)),
         delta=float(rng.choice([1.0, 2.0])),
         sigma2=float(fc * rng.uniform(0.1, 0.6) / speed),
-        presliding=float(10.0 ** rng.uniform(-2.7, -1.8)),
+        presliding=float(10.0 ** rng.uniform(-3.2, -2.3)),
     )
 
 
@@ -161,14 +161,14 @@ def _motions(
 
 
 def _instrument(rng: np.random.Generator, friction: Friction) -> Instrument:
-    """An encoder that sees presliding: at least 512 counts over it.
+    """An encoder that sees presliding: at least 256 counts over it.
 
     The presliding stiffness turns one count into a torque error of about one per cent of Fs.
     """
-    least = int(np.ceil(np.log2(2.0 * np.pi * 512.0 / friction.presliding)))
+    least = int(np.ceil(np.log2(2.0 * np.pi * 256.0 / friction.presliding)))
     return Instrument(
         rate=float(rng.choice([200.0, 250.0, 500.0, 1000.0])),
         counts=int(2 ** rng.integers(least, least + 3)),
-        torque_noise=float(friction.Fc * 10.0 ** rng.uniform(-2.3, -1.5)),
+        torque_noise=float(friction.Fc * 10.0 ** rng.uniform(-2.0, -1.3)),
         jitter=float(rng.choice([0.0, rng.uniform(0.01, 0.1)])),
     )
