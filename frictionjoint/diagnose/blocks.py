@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_FEWEST_BLOCKS = 24
+_FEWEST_BLOCKS = 48
 _MOST_BLOCKS = 240
 _CORRELATION_TIMES = 5.0
 _FOLDS = 5
@@ -83,14 +83,14 @@ def whiten(U: Array, log_index: Index, coefficients: Array) -> Array:
 def make_blocks(residual: Array, log_index: Index) -> Blocks:
     """Cut the logs into blocks, and the blocks into folds.
 
-    Blocks span several correlation times of the whitened residual.
+    Blocks span several correlation times of the residual, as far as enough blocks remain: what
+    makes a residual correlated for longer is the effect that is looked for.
 
     With three logs or more a fold is a set of whole logs; with fewer, every log is cut into
     contiguous stretches.
     """
     logs = np.unique(log_index)
-    white = whiten(residual[:, None], log_index, whitener(residual, log_index))[:, 0]
-    longest = max(correlation_time(white[log_index == i]) for i in logs)
+    longest = max(correlation_time(residual[log_index == i]) for i in logs)
     n = len(residual)
     length = int(np.clip(_CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / _FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)

@@ -11,6 +11,7 @@
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -131,33 +132,45 @@ def _held_out(grams: Array, columns: NDArray[np.int64], blocks: Blocks) -> Array
 
 
 def _flip_test(
-    grams: Array, base: NDArray[np.int64], sets: list[NDArray[np.int64]], rng: np.random.Generator
+    grams: Array,
+    base: NDArray[np.int64],
+    sets: list[NDArray[np.int64]],
+    rng: np.random.Generator,
 ) -> Array:
     """p-value of each candidate, the smallest p over all candidates as its null distribution.
 
     Ranking every candidate against its own flips first (Westfall and Young 1993) puts curves of
     many coefficients and single constants on one scale.
     """
-    total = grams.sum(axis=0)
-    inverse = np.linalg.pinv(total[np.ix_(base, base)], rcond=1e-9, hermitian=True)
     signs = rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))
     signs = np.vstack([np.ones(len(grams)), signs])
-    e_coefficients = inverse @ total[base, -1]
     own_p = np.empty((len(sets), FLIPS + 1))
-    for i, own in enumerate(sets):
-        P = inverse @ total[np.ix_(base, own)]
-        # contribution of each block to the score of the projected candidate
-        score = grams[:, own, -1] - grams[:, base, -1] @ P
-        score -= np.einsum("bij,j->bi", grams[:, own][:, :, base], e_coefficients)
-        score += np.einsum("ki,bkl,l->bi", P, grams[:, base][:, :, base], e_coefficients)
+    for i, score in enumerate(_scores(grams, base, sets)):
         spread = np.linalg.pinv(score.T @ score, rcond=1e-9, hermitian=True)
         s = signs @ score
         statistic = np.einsum("fi,ij,fj->f", s, spread, s)
         order = np.sort(statistic)
         # share of flips at least as large, the observed one among them
-        own_p[i] = (len(order) - np.searchsorted(order, statistic * (1 - 1e-12))) / len(order)
+        below = np.searchsorted(order, statistic * (1 - 1e-12))
+        own_p[i] = (len(order) - below) / len(order)
     smallest = own_p[:, 1:].min(axis=0)
     return np.array([(1 + int(np.sum(smallest <= p))) / (FLIPS + 1) for p in own_p[:, 0]])
+
+
+def _scores(
+    grams: Array, base: NDArray[np.int64], sets: list[NDArray[np.int64]]
+) -> Iterator[Array]:
+    """Contribution of each block to the score of each candidate, the base projected out."""
+    total = grams.sum(axis=0)
+    inverse = np.linalg.pinv(total[np.ix_(base, base)], rcond=1e-9, hermitian=True)
+    fitted = inverse @ total[base, -1]
+    inside = grams[:, base][:, :, base]
+    for own in sets:
+        P = inverse @ total[np.ix_(base, own)]
+        score = grams[:, own, -1] - grams[:, base, -1] @ P
+        score -= np.einsum("bij,j->bi", grams[:, own][:, :, base], fitted)
+        score += np.einsum("ki,bkl,l->bi", P, inside, fitted)
+        yield score
 
 
 def _admissible(candidate: Candidate, beta: Array) -> bool:

@@ -76,9 +76,9 @@ def motion_bandwidth(position: Array, dt: float) -> float:
     band = np.digitize(f, edges)
     bands = np.unique(band)
     centre = np.array([np.exp(np.log(f[band == k]).mean()) for k in bands])
-    speed = np.array([(power * f**2)[band == k].sum() for k in bands])
+    motion = np.array([power[band == k].sum() for k in bands])
     acceleration = np.array([(power * f**4)[band == k].mean() for k in bands])
-    main = int(np.argmax(speed))
+    main = int(np.argmax(motion))
     valley = centre[main + int(np.argmin(acceleration[main:]))]
     return float(np.clip(2.0 * valley, 5.0, _HIGHEST / dt))
 
