@@ -111,8 +111,8 @@ def test_frictionless_plant_is_the_believed_model():
 FORMS = {
     "torque-bias": ({"bias": 0.3}, lambda s, p: -0.3 + 0.0 * s["q"]),
     "gravity-error": (
-        {"mass": 0.5},
-        lambda s, p: 0.5 * 0.2**2 * s["a"] + 0.5 * 9.81 * 0.2 * np.sin(s["q"]),
+        {"mass": 0.5, "angle": 0.8},
+        lambda s, p: 0.5 * 0.2**2 * s["a"] + 0.5 * 9.81 * 0.2 * np.sin(s["q"] + 0.8),
     ),
     "inertia-error": ({"inertia": 0.05}, lambda s, p: 0.05 * s["a"]),
     "spring": ({"stiffness": 0.9, "rest": 0.2}, lambda s, p: 0.9 * (s["q"] - 0.2)),

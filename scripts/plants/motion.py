@@ -105,7 +105,6 @@ _SHAPES = {
     "ramps": _ramps,
     "sines": _sines,
     "multisine": _multisine,
-    "torque": _multisine,
     "pick-and-place": _pick,
     "stick-slip": _stick_slip,
     "dwell": _dwell,

@@ -19,7 +19,7 @@ MICRO_DAMPING = 0.1
 class Parts:
     """What is put together: MJCF fragments, constants of the loop, and the instrument's errors.
 
-    joint: extra attributes of the joint's hinge. tip_mass: kg added at the link's centre.
+    joint: extra attributes of the joint's hinge. extra_mass, extra_angle: see `_inertial`.
     shaft: attributes of a second hinge between motor and link (None: rigid). tendons, actuators:
     MJCF elements. loop: changes to `loop.FIELDS`. other: a second joint's motion per log.
     level_by_log: friction level factor of each log. start_temperatures: C, log by log in turn.
@@ -29,6 +29,7 @@ class Parts:
     spec: PlantSpec
     joint: dict[str, str] = field(default_factory=dict)
     extra_mass: float = 0.0
+    extra_angle: float = 0.0
     extra_armature: float = 0.0
     shaft: dict[str, str] | None = None
     shaft_inertia: float = 0.0
@@ -78,7 +79,7 @@ class Parts:
         s = self.spec
         plain = {"frictionloss": "1"} if s.friction.law == "plain" else {}
         hinge = {"armature": f"{s.armature + self.extra_armature:.9g}", **plain, **self.joint}
-        link = _inertial(s, self.extra_mass)
+        link = _inertial(s, self.extra_mass, self.extra_angle)
         if self.shaft is None:
             arm = _joint(JOINT, hinge) + link
         else:
@@ -94,7 +95,7 @@ class Parts:
     def believed(self) -> str:
         """MJCF the user believes in: the nominal rigid body, no friction, no effect."""
         s = self.spec
-        arm = _joint(JOINT, {"armature": f"{s.armature:.9g}"}) + _inertial(s, 0.0)
+        arm = _joint(JOINT, {"armature": f"{s.armature:.9g}"}) + _inertial(s, 0.0, 0.0)
         nominal = Parts(s, has_other=self.has_other)
         return _document(1e-3, arm, nominal)
 
@@ -107,18 +108,20 @@ def _joint(name: str, values: dict[str, str]) -> str:
     return f'<joint name="{name}" axis="0 1 0"{_attributes(values)}/>'
 
 
-def _inertial(s: PlantSpec, extra: float) -> str:
-    """The link about its own centre; an extra point mass sits at that centre or, without an arm,
-    0.1 m out along the link."""
+def _inertial(s: PlantSpec, mass: float, angle: float) -> str:
+    """The link about its own centre; an extra point mass at that distance from the axis (0.1 m
+    where there is no arm), turned by `angle` from the centre."""
     own = max(s.inertia - s.mass * s.length**2, 1e-7)
     body = (
         f'<inertial pos="0 0 {-s.length:.9g}" mass="{s.mass:.9g}" '
         f'diaginertia="{own:.9g} {own:.9g} {own:.9g}"/>'
     )
-    if extra == 0.0:
+    if mass == 0.0:
         return body
+    arm = s.length or 0.1
+    place = f"{-arm * np.sin(angle):.9g} 0 {-arm * np.cos(angle):.9g}"
     return body + (
-        f'<body pos="0 0 {-(s.length or 0.1):.9g}"><inertial pos="0 0 0" mass="{extra:.9g}" '
+        f'<body pos="{place}"><inertial pos="0 0 0" mass="{mass:.9g}" '
         'diaginertia="1e-9 1e-9 1e-9"/></body>'
     )
 

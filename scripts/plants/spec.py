@@ -7,16 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 LAWS = ("gms", "lugre", "elasto-plastic", "plain")
-MOTIONS = (
-    "steps",
-    "ramps",
-    "sines",
-    "multisine",
-    "pick-and-place",
-    "stick-slip",
-    "dwell",
-    "torque",
-)
+MOTIONS = ("steps", "ramps", "sines", "multisine", "pick-and-place", "stick-slip", "dwell")
 
 
 @dataclass(frozen=True)
