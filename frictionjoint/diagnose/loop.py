@@ -30,6 +30,19 @@ Array = NDArray[np.float64]
 SIGNIFICANCE = 0.05
 # A gain below this changes the rms by under 1.5%: real or not, nobody's simulation gets better.
 SMALLEST_GAIN = 0.03
+# No friction law is exact. Against plants with other laws (GMS, LuGre, elasto-plastic) the base
+# fit leaves 3 to 8% of the friction torque; effects that bend the friction curve pick up to 4% of
+# it, those that act on its edges up to 2.4%. So an effect must move the torque by a share of the
+# friction's rms to be named.
+SMALLEST_SHARE = 0.015
+_LARGER_SHARES = {
+    "nonlinear-viscous": 0.05,
+    "frictional-lag": 0.05,
+    "dwell-time": 0.05,
+    "backlash": 0.05,
+    "joint-elasticity": 0.03,
+    "measurement-delay": 0.03,
+}
 _LARGE_GAIN = 0.5
 # Effects within this share of the best gain, and within chance of it, count as equals.
 _CLOSE = 0.1
@@ -97,7 +110,7 @@ def trace(
         # it the gain of the drive, and with it every torque, is off.
         known = "back-emf" if prepared.voltage_driven and number == 0 else None
         ranking = _rank_all(prepared, current, rng, known)
-        chosen = _choose(ranking, rng)
+        chosen = _choose(ranking, current, rng)
         if chosen is None:
             if known:
                 continue
@@ -151,9 +164,24 @@ def _justified(row: Ranked) -> bool:
     return row.p_value <= SIGNIFICANCE and row.held_out_gain >= SMALLEST_GAIN
 
 
-def _choose(ranking: Ranking, rng: np.random.Generator) -> tuple[Ranked, tuple[str, ...]] | None:
+def _large_enough(row: Ranked, current: Fit) -> bool:
+    """Whether an effect moves the torque by a share of the friction worth naming."""
+    at = [current.names.index(n) for n in ("Fc", "sigma2") if n in current.names]
+    friction = current.jacobian[:, at] @ current.beta[at]
+    moved = np.sqrt(row.held_out_gain) * current.rms
+    least = _LARGER_SHARES.get(row.name, SMALLEST_SHARE)
+    return bool(moved >= least * np.sqrt(np.mean(friction**2)))
+
+
+def _choose(
+    ranking: Ranking, current: Fit, rng: np.random.Generator
+) -> tuple[Ranked, tuple[str, ...]] | None:
     """The effect to add and those it is tied with; the simplest of those that tie with the best."""
-    named = [r for r in ranking.ranked if not r.candidate.smooth and _justified(r)]
+    named = [
+        r
+        for r in ranking.ranked
+        if not r.candidate.smooth and _justified(r) and _large_enough(r, current)
+    ]
     if not named:
         return None
     best = named[0]

@@ -88,7 +88,7 @@ def rank(
     sets = [np.arange(a, b) for a, b in itertools.pairwise(starts)]
     base = np.arange(p)
     base_squares = _held_out(grams, base, blocks)
-    p_values = _flip_test(white, base, sets, rng)
+    p_values = _flip_test((grams, white), base, sets, rng)
     total = float(base_squares.sum())
     rows = []
     for i, (candidate, own) in enumerate(zip(candidates, sets, strict=True)):
@@ -132,7 +132,7 @@ def _held_out(grams: Array, columns: NDArray[np.int64], blocks: Blocks) -> Array
 
 
 def _flip_test(
-    grams: Array,
+    kinds: tuple[Array, ...],
     base: NDArray[np.int64],
     sets: list[NDArray[np.int64]],
     rng: np.random.Generator,
@@ -140,19 +140,22 @@ def _flip_test(
     """p-value of each candidate, the smallest p over all candidates as its null distribution.
 
     Ranking every candidate against its own flips first (Westfall and Young 1993) puts curves of
-    many coefficients and single constants on one scale.
+    many coefficients and single constants on one scale. Each candidate is tested on the residual
+    as it is, where slow effects show, and whitened, where fast ones do (`kinds`); both tests are
+    members of the family.
     """
-    signs = rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))
-    signs = np.vstack([np.ones(len(grams)), signs])
-    own_p = np.empty((len(sets), FLIPS + 1))
-    for i, score in enumerate(_scores(grams, base, sets)):
-        spread = np.linalg.pinv(score.T @ score, rcond=1e-9, hermitian=True)
-        s = signs @ score
-        statistic = np.einsum("fi,ij,fj->f", s, spread, s)
-        order = np.sort(statistic)
-        # share of flips at least as large, the observed one among them
-        below = np.searchsorted(order, statistic * (1 - 1e-12))
-        own_p[i] = (len(order) - below) / len(order)
+    blocks = len(kinds[0])
+    signs = np.vstack([np.ones(blocks), rng.choice([-1.0, 1.0], size=(FLIPS, blocks))])
+    own_p = np.ones((len(sets), FLIPS + 1))
+    for grams in kinds:
+        for i, score in enumerate(_scores(grams, base, sets)):
+            spread = np.linalg.pinv(score.T @ score, rcond=1e-9, hermitian=True)
+            s = signs @ score
+            statistic = np.einsum("fi,ij,fj->f", s, spread, s)
+            order = np.sort(statistic)
+            # share of flips at least as large, the observed one among them
+            below = np.searchsorted(order, statistic * (1 - 1e-12))
+            own_p[i] = np.minimum(own_p[i], (len(order) - below) / len(order))
     smallest = own_p[:, 1:].min(axis=0)
     return np.array([(1 + int(np.sum(smallest <= p))) / (FLIPS + 1) for p in own_p[:, 0]])
 
