@@ -1,5 +1,7 @@
 """temperature-dependent: level and viscosity that change with the measured temperature."""
 
+import math
+
 from numba import njit
 
 from frictionjoint.effects.effect import Array, Effect, Shape
@@ -8,7 +10,9 @@ from frictionjoint.effects.signals import TEMP, H, V
 
 @njit(cache=True)
 def torque(P, e, sig, X, x):
-    """(T - T0) (a Fh/Fc + b v)."""
+    """(T - T0) (a Fh/Fc + b v); nothing where no temperature is known: the joint is at T0."""
+    if math.isnan(sig[TEMP]):
+        return 0.0
     return (sig[TEMP] - P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 
 

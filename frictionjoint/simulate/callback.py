@@ -17,7 +17,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from frictionjoint.effects.kernel import MEMORY, total_torque
-from frictionjoint.effects.signals import DT, GX, GY, LOAD, N_SIGNALS, TIME, A, H, Q, V
+from frictionjoint.effects.signals import DT, GX, GY, LOAD, N_SIGNALS, TEMP, TIME, A, H, Q, V
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import (
@@ -90,6 +90,7 @@ def effects_torque(P, p, effects, X, x, t, q, v, F, bias, inertia, gx, gy):
     sig[GX] = gx
     sig[GY] = gy
     sig[DT] = dt
+    sig[TEMP] = np.nan  # a simulation has no thermometer
     law = x + FRONT
     sig[H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
     n = MEMORY * int(P[effects])
