@@ -4,6 +4,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.law.motion import friction_torque
     from frictionjoint.parameters import FrictionParameters
     from frictionjoint.simulate.attach import attach
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
+    "close_loop": "frictionjoint.diagnose.close_loop",
     "attach": "frictionjoint.simulate.attach",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
@@ -18,7 +20,7 @@ _HOMES = {
     "friction_torque": "frictionjoint.law.motion",
 }
 
-__all__ = ["FrictionParameters", "attach", "friction_torque", "install", "load_model"]
+__all__ = ["FrictionParameters", "attach", "close_loop", "friction_torque", "install", "load_model"]
 
 
 def __getattr__(name: str) -> Any:

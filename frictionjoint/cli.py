@@ -66,7 +66,7 @@ def close_loop_command(
 
     with _progress() as told:
         fitted, kept = _split(logs, held_out or ["0.25"], joint, _mapping(column))
-        report = close_loop(fitted, kept, model, joint, seed, told)
+        report = close_loop(fitted, model, joint, kept, seed, told)
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
@@ -196,7 +196,7 @@ def demo() -> None:
         folder = Path(str(files("frictionjoint.demo")))
         read = [_read(folder / f"{n}.csv", "joint", {}) for n in ("pick_and_place", "ramps")]
         kept = [_read(folder / "multisine.csv", "joint", {})]
-        report = close_loop(read, kept, folder / "joint.xml", "joint", progress=told)
+        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=told)
         write_report(report, out, "frictionjoint demo")
     typer.echo(ours.summary())
     typer.echo("")

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.measured.readers import read_log
 from frictionjoint.report.write import write_report
 
@@ -20,7 +19,7 @@ DEMO = Path(str(files("frictionjoint"))) / "demo"
 def report():
     logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
     held_out = [read_log(DEMO / "multisine.csv", "joint")]
-    return close_loop(logs, held_out, DEMO / "joint.xml", "joint")
+    return fj.close_loop(logs, DEMO / "joint.xml", "joint", held_out)
 
 
 def test_the_undeclared_effect_is_found_first(report):
@@ -87,5 +86,5 @@ def test_report_json_follows_the_schema(report, tmp_path):
 def test_equal_seeds_give_equal_reports(report):
     logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
     held_out = [read_log(DEMO / "multisine.csv", "joint")]
-    again = close_loop(logs, held_out, DEMO / "joint.xml", "joint")
+    again = fj.close_loop(logs, DEMO / "joint.xml", "joint", held_out)
     assert again.to_dict() == report.to_dict()

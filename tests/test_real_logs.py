@@ -14,7 +14,7 @@ MODELS = kuka_model().parent
 def emps(measured_data):
     log = read_log(measured_data / "emps" / "DATA_EMPS.mat", "carriage")
     fitted, held_out = split_in_time(log, 1 / 3)
-    return close_loop([fitted], [held_out], MODELS / "emps.xml", "carriage")
+    return close_loop([fitted], MODELS / "emps.xml", "carriage", [held_out])
 
 
 def test_emps_is_explained_well_below_the_usual_model(emps):
@@ -32,13 +32,11 @@ def test_xl330_held_out_gain_is_better_explained(measured_data):
     logs = [read_log(path, "pendulum") for path in sorted((measured_data / "xl330").glob("*.json"))]
     fitted = [log for log in logs if log.metadata["kp"] != 400]
     held_out = [log for log in logs if log.metadata["kp"] == 400]
-    report = close_loop(fitted, held_out, MODELS / "xl330_pendulum.xml", "pendulum")
+    report = close_loop(fitted, MODELS / "xl330_pendulum.xml", "pendulum", held_out)
     assert report.added
     assert report.after_torque.held_out < report.before_torque.held_out
 
 
 def test_panda_joint_4_is_known_to_two_per_cent(measured_data):
-    log = read_log(measured_data / "panda", "joint4")
-    fitted, held_out = split_in_time(log, 0.3)
-    report = close_loop([fitted], [held_out], MODELS / "panda.xml", "joint4")
+    report = close_loop([measured_data / "panda"], MODELS / "panda.xml", "joint4", held_out=0.3)
     assert report.after_torque.held_out < 0.02 * report.measured_rms

@@ -28,25 +28,30 @@ from frictionjoint.identify.result import Estimate, law_estimates, term_estimate
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import VARIABLES
 from frictionjoint.identify.uncertainty import covariance
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.readers import read_log
 
 Array = NDArray[np.float64]
 _RESAMPLES = 400
 
 
+LogLike = JointLog | str | Path
+
+
 def close_loop(
-    logs: Sequence[JointLog],
-    held_out: Sequence[JointLog],
-    mjcf: str | Path,
+    logs: Sequence[LogLike],
+    model: str | Path,
     joint: str,
+    held_out: Sequence[LogLike] | float = 0.25,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
     Args:
-        logs: to fit and to choose on, at least one; held_out: used for neither.
-        mjcf: path or text of the model the user believes in. joint: its name.
+        logs: to fit and to choose on, at least one; logs or their files.
+        model: path or text of the MJCF the user believes in. joint: its name.
+        held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: told what is being done.
     Raises:
@@ -55,7 +60,8 @@ def close_loop(
     begin = time.perf_counter()
     if not logs:
         raise LogError("no log to fit: give at least one that is not held out")
-    body = RigidBody(mjcf, joint)
+    body = RigidBody(model, joint)
+    logs, held_out = _parted(logs, held_out, joint)
     for log in [*logs, *held_out]:
         if log.slide != body.slide:
             kind = "slide" if body.slide else "hinge"
@@ -90,6 +96,7 @@ def close_loop(
         after_replay=after,
         torque_interval=_intervals(kept_back or fitted_on, found),
         measured_rms=found.final.target_rms,
+        bandwidth_hz=bandwidth,
         noise_floor=None,
         unexplained=unexplained,
         verdict=_verdict(found, unexplained),
@@ -99,6 +106,21 @@ def close_loop(
         ranking=_ranking(found),
         proposals=_proposals(found),
     )
+
+
+def _parted(
+    logs: Sequence[LogLike], held_out: Sequence[LogLike] | float, joint: str
+) -> tuple[list[JointLog], list[JointLog]]:
+    """Logs to fit and logs held out, read where they are files."""
+    fitted = [_read(log, joint) for log in logs]
+    if not isinstance(held_out, float | int):
+        return fitted, [_read(log, joint) for log in held_out]
+    pairs = [split_in_time(log, held_out) for log in fitted]
+    return [first for first, _ in pairs], [last for _, last in pairs]
+
+
+def _read(log: LogLike, joint: str) -> JointLog:
+    return log if isinstance(log, JointLog) else read_log(log, joint)
 
 
 def _covariance(fitted: Fit) -> Array:

@@ -123,6 +123,7 @@ class Report:
     after_replay: Rms
     torque_interval: tuple[tuple[float, float], tuple[float, float]]
     measured_rms: float
+    bandwidth_hz: float
     noise_floor: float | None
     unexplained: tuple[tuple[str, float], ...]
     verdict: Verdict

@@ -5,7 +5,7 @@ Q V A  position, velocity, acceleration (rad or m)
 JERK SNAP  third and fourth derivative of the position; zero in simulation
 LOAD   torque the gear transmits: rigid-body torque of the MJCF at this joint, N m
 GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
-TEMP   temperature, deg C
+TEMP   temperature, deg C; not a number in simulation, which rests at the reference
 H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding
 DTAU   time derivative of the predicted torque, N m/s; zero in simulation
 DT     s since the last sample
