@@ -191,6 +191,33 @@ def test_bristle_settles_on_the_stribeck_level(plateau):
     assert force == pytest.approx(level, rel=1e-6)
 
 
+def dissipated(spec: PlantSpec) -> tuple[np.ndarray, float]:
+    """Motor work less the believed body's energy along the first log, and the work turned over."""
+    log = simulate(spec).logs[0]
+    t, q = log["time_s"], log["position_rad"]
+    v = np.gradient(q, t)
+    power = 0.5 * (log["torque_nm"] + np.roll(log["torque_nm"], 1)) * v
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(t))])
+    energy = 0.5 * (spec.inertia + spec.armature) * v**2 - spec.gravity_torque * np.cos(q)
+    keep = slice(200, -5)
+    lost = (work - energy)[keep]
+    return lost - lost[0], float(np.abs(power[keep]).mean() * (t[-1] - t[0]))
+
+
+def test_frictionless_plant_keeps_its_energy():
+    lost, turned_over = dissipated(quiet())
+    assert np.abs(lost).max() < 0.02 * turned_over
+
+
+@pytest.mark.parametrize("law", ["gms", "lugre", "elasto-plastic", "plain"])
+def test_friction_only_takes_energy(law):
+    spec = replace(rough(), friction=replace(rough().friction, law=law))
+    lost, turned_over = dissipated(spec)
+    assert lost[-1] > 0.1 * turned_over
+    # what the bristles give back at a reversal is far below what sliding takes
+    assert (np.maximum.accumulate(lost) - lost).max() < 0.02 * turned_over
+
+
 def test_plain_friction_is_mujocos_own():
     spec = replace(rough(), friction=replace(rough().friction, law="plain", Fs=0.5))
     parts = lacking(spec)
