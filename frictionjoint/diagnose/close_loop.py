@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.loop import Step, Trace, trace
 from frictionjoint.diagnose.replay import friction_spec, replay
 from frictionjoint.diagnose.report_data import (
@@ -28,11 +28,14 @@ from frictionjoint.identify.result import Estimate, law_estimates, term_estimate
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import VARIABLES
 from frictionjoint.identify.uncertainty import covariance
+from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 
 Array = NDArray[np.float64]
 _RESAMPLES = 400
+_AT_THE_FLOOR = 1.5
+_WHITE = 3.0
 
 
 LogLike = JointLog | str | Path
@@ -83,6 +86,7 @@ def close_loop(
         for log in group
     ]
     unexplained = _unexplained(found)
+    floor = _noise_floor(fitted_on, found.final.gain)
     return Report(
         joint=joint,
         slide=body.slide,
@@ -97,9 +101,9 @@ def close_loop(
         torque_interval=_intervals(kept_back or fitted_on, found),
         measured_rms=found.final.target_rms,
         bandwidth_hz=bandwidth,
-        noise_floor=None,
+        noise_floor=floor,
         unexplained=unexplained,
-        verdict=_verdict(found, unexplained),
+        verdict=_verdict(found, unexplained, fitted_on, floor),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
         curves=_curves(fitted_on, kept_back, found),
@@ -199,10 +203,46 @@ def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
     return tuple(shares.items())
 
 
-def _verdict(found: Trace, unexplained: tuple[tuple[str, float], ...]) -> Verdict:
-    if unexplained:
-        return "partly-explained"
-    return "explained" if found.steps else "no-effect-found"
+def _noise_floor(prepared: Prepared, gain: float) -> float | None:
+    """Torque noise inside the bandwidth, N m: what a perfect model would leave.
+
+    Noise is taken as white: its power above the bandwidth, where neither motion nor friction
+    reaches, tells its power below. None where the bandwidth leaves nothing above.
+    """
+    powers = []
+    for s in prepared.segments:
+        nyquist = 0.5 / s.dt
+        if s.bandwidth_hz > 0.75 * nyquist:
+            return None
+        # well above the corner, where the filter's skirt has ended
+        upper = zero_phase(s.drive, s.dt, min(0.78 * nyquist, 1.3 * s.bandwidth_hz))
+        above = (s.drive - upper)[s.mask]
+        share = s.bandwidth_hz / (nyquist - min(0.78 * nyquist, 1.3 * s.bandwidth_hz))
+        powers.append(float(np.mean(above**2)) * share)
+    return gain * float(np.sqrt(np.mean(powers)))
+
+
+def _verdict(
+    found: Trace,
+    unexplained: tuple[tuple[str, float], ...],
+    prepared: Prepared,
+    floor: float | None,
+) -> Verdict:
+    """Explained is said only of a residual down to the torque's noise, or as white as noise."""
+    if not found.steps and not unexplained:
+        return "no-effect-found"
+    at_floor = floor is not None and found.final.rms <= _AT_THE_FLOOR * floor
+    done = found.steps and not unexplained and (at_floor or _is_white(found.final, prepared))
+    return "explained" if done else "partly-explained"
+
+
+def _is_white(fitted: Fit, prepared: Prepared) -> bool:
+    """Whether a residual is correlated hardly longer than filtered white noise is."""
+    for i, s in enumerate(prepared.segments):
+        filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))
+        if correlation_time(fitted.residual[fitted.log_index == i]) > _WHITE * filtered_noise:
+            return False
+    return True
 
 
 def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:

@@ -57,7 +57,8 @@ def sentence(report: Report) -> str:
         else f"No known effect fits: {change}"
     )
     if report.verdict == "partly-explained":
-        return f"{found}, and what is left still depends on {left}."
+        rest = f"still depends on {left}" if left else "is not noise alone"
+        return f"{found}, and what is left {rest}."
     return f"{found}."
 
 
