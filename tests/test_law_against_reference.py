@@ -1,0 +1,51 @@
+"""The kernel against the independent reference and against Jenkins elements."""
+
+import os
+from collections import Counter
+
+import numpy as np
+import pytest
+from reference.integrated_solver import reference_torque
+from reference.jenkins import jenkins_torque
+from reference.motions import random_motion, random_parameters
+from test_reference import KNOTS, masing, nested_path
+
+from frictionjoint import friction_torque
+from frictionjoint.parameters import FrictionParameters
+
+# the mutation check runs without a compiler and takes fewer
+MOTIONS = int(os.environ.get("FRICTIONJOINT_MOTIONS", "200"))
+
+
+def test_random_motions_agree_and_reach_every_mechanism():
+    total = Counter()
+    for i in range(MOTIONS):
+        rng = np.random.default_rng([0, i])
+        p = random_parameters(rng)
+        time, position = random_motion(rng, p)
+        wanted, events = reference_torque(p, time, position)
+        got = friction_torque(p, time, position)
+        total += events
+        assert np.abs(got - wanted).max() <= 1e-6 * max(p.Fs_pos, p.Fs_neg), f"motion {i}: {p}"
+    assert total["reversal"] > 10 * MOTIONS
+    assert total["closing"] > 2.5 * MOTIONS
+    assert total["reset"] > 1.5 * MOTIONS
+    assert total["several_closings_in_one_step"] > 0.25 * MOTIONS
+
+
+def test_equals_jenkins_elements():
+    position = nested_path()
+    got = friction_torque(masing(), np.arange(201) * 0.01, position)
+    assert np.abs(got - jenkins_torque(KNOTS, position)).max() <= 1e-6 * 5.0
+
+
+@pytest.mark.parametrize("n", [1.0, 2.0, 6.0])
+def test_sampled_smooth_motion_converges(n):
+    """S is frozen over a step: the error against fine steps falls at least in first order."""
+    p = FrictionParameters.symmetric(Fs=5.0, Fc=3.0, Vs=0.01, n=n, knots=KNOTS)
+    ends = []
+    for m in (250, 500, 1000, 16000):
+        t = np.linspace(0, 1, m + 1)
+        ends.append(friction_torque(p, t, 6e-4 * np.sin(7 * t))[:: m // 250])
+    errors = [np.abs(e - ends[-1]).max() for e in ends[:-1]]
+    assert errors[2] < 0.6 * errors[1] < 0.36 * errors[0]

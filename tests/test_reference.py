@@ -1,0 +1,71 @@
+"""The reference itself: against quadrature, Jenkins elements, and with a mechanism broken."""
+
+import numpy as np
+import pytest
+from reference import integrated_solver
+from reference.integrated_solver import reference_torque
+from reference.jenkins import jenkins_torque
+from reference.motions import random_motion, random_parameters
+from reference.relaxation import advance, span
+from scipy.integrate import quad
+
+from frictionjoint.parameters import FrictionParameters
+
+KNOTS = ((1e-5, 4.0), (3e-5, 8.0), (1e-4, 12.0))
+
+
+def masing(**others):
+    return FrictionParameters.symmetric(
+        Fs=5.0, Fc=5.0, Vs=0.01, n=200.0, knots=KNOTS, virgin="masing", **others
+    )
+
+
+@pytest.mark.parametrize("n", [1.0, 1.7, 4.0, 50.0])
+@pytest.mark.parametrize(("r0", "r1"), [(0.0, 0.9), (-1.8, 0.5), (-0.4, -0.1), (1.6, 1.05)])
+def test_span_is_the_integral_and_advance_its_inverse(n, r0, r1):
+    wanted = quad(
+        lambda r: 1 / (1 - np.sign(r) * abs(r) ** n),
+        r0,
+        r1,
+        epsabs=1e-13,
+        limit=400,
+        points=[x for x in (-1.0, 0.0) if r0 < x < r1] or None,
+    )[0]
+    assert span(r0, r1, n) == pytest.approx(wanted, rel=1e-9)
+    assert advance(r0, span(r0, r1, n), n) == pytest.approx(r1, rel=1e-10)
+
+
+def nested_path():
+    turns = np.array([0, 2.2, -1.0, 1.4, -0.4, 0.9, 0.1, 1.9, -1.8, 2.3, 0.3]) * 1e-5
+    return np.interp(np.linspace(0, 10, 201), np.arange(11), turns)
+
+
+def test_reference_equals_jenkins_elements_below_nine_tenths_of_breakaway():
+    position = nested_path()
+    wanted = jenkins_torque(KNOTS, position)
+    assert np.abs(wanted).max() < 0.9 * 5.0
+    got, events = reference_torque(masing(), np.arange(201) * 0.01, position)
+    assert np.abs(got - wanted).max() <= 1e-6 * 5.0
+    assert events["closing"] >= 4
+
+
+@pytest.mark.parametrize("broken", ["close", "reset"])
+def test_breaking_a_mechanism_leaves_the_reference(monkeypatch, broken):
+    off = 0.0
+    for i in range(6):
+        rng = np.random.default_rng([7, i])
+        p = random_parameters(rng)
+        time, position = random_motion(rng, p)
+        wanted, _ = reference_torque(p, time, position)
+        with monkeypatch.context() as patch:
+            if broken == "close":
+
+                def forget(self):  # drops the extremum but keeps its partner as the base
+                    self.x.Fh = self.x.ahead().pop()
+
+                patch.setattr(integrated_solver._Solver, "close", forget)
+            else:
+                patch.setattr(integrated_solver, "RESET_MARGIN", 0.3)
+            got, _ = reference_torque(p, time, position)
+        off = max(off, np.abs(got - wanted).max() / p.Fs_pos)
+    assert off > 1e-3
