@@ -124,3 +124,18 @@ for name, turns in PATHS.items():
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def test_torque_far_above_the_level_at_a_large_exponent_relaxes_without_overflow():
+    """Fs / Fc of 333 and n = 730: r**n is beyond the largest double, the answer is not."""
+    parameters = fj.FrictionParameters.symmetric(
+        Fs=5,
+        Fc=0.015,
+        Vs=3e-5,
+        n=730,
+        knots=((1e-5, 4), (3e-5, 8), (1e-4, 12)),
+        variant="lampaert2002",
+    )
+    found = fj.friction_torque(parameters, [0, 100, 100.000001], [0, 5e-5, 5e-5 + 1e-9])
+    assert np.all(np.isfinite(found))
+    assert np.all(np.abs(found) <= 5.0)

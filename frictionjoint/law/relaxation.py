@@ -76,7 +76,7 @@ def _above(u, n):
     e = math.exp(-u)
     if n == 4.0:
         return 1.0 / ((2.0 + e) * (1.0 + (1.0 + e) ** 2))
-    return e / math.expm1(n * math.log1p(e))
+    return e / math.expm1(min(n * math.log1p(e), 700.0))  # r**n may exceed a double
 
 
 @njit(cache=True, inline="always")
