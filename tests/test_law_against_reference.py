@@ -1,5 +1,6 @@
 """The kernel against the independent reference and against Jenkins elements."""
 
+import dataclasses
 import os
 from collections import Counter
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from reference.integrated_solver import reference_torque
 from reference.jenkins import jenkins_torque
-from reference.motions import random_motion, random_parameters
+from reference.motions import random_motion, random_parameters, violent_motion
 from test_reference import KNOTS, masing, nested_path
 
 from frictionjoint import friction_torque
@@ -31,6 +32,20 @@ def test_random_motions_agree_and_reach_every_mechanism():
     assert total["closing"] > 2.5 * MOTIONS
     assert total["reset"] > 1.5 * MOTIONS
     assert total["several_closings_in_one_step"] > 0.25 * MOTIONS
+
+
+def test_steps_of_fifteen_decades_agree():
+    """1e-12 to 1e3 rad a step; without the terms in v, which dwarf Fh at 1e9 rad/s."""
+    total = Counter()
+    for i in range(MOTIONS):
+        rng = np.random.default_rng([1, i])
+        p = dataclasses.replace(random_parameters(rng), sigma1=0, sigma2_pos=0, sigma2_neg=0)
+        time, position = violent_motion(rng)
+        wanted, events = reference_torque(p, time, position)
+        got = friction_torque(p, time, position)
+        total += events
+        assert np.abs(got - wanted).max() <= 1e-6 * max(p.Fs_pos, p.Fs_neg), f"motion {i}: {p}"
+    assert min(total["reversal"], total["closing"], total["reset"]) > MOTIONS
 
 
 def test_equals_jenkins_elements():

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.joint import Joint
 from reference.motions import random_motion, random_parameters
 
 from frictionjoint import friction_torque
@@ -26,15 +27,7 @@ def quasi_static(p):
     return dataclasses.replace(p, Fc_pos=p.Fs_pos, Fc_neg=p.Fs_neg)
 
 
-def path(turns, per=8):
-    turns = np.asarray(turns)
-    position = np.interp(
-        np.linspace(0, len(turns) - 1, per * (len(turns) - 1) + 1), np.arange(len(turns)), turns
-    )
-    return np.arange(len(position)) * 0.01, position
-
-
-@settings(max_examples=150)
+@settings(max_examples=100)
 @given(
     SEEDS,
     EXPONENTS,
@@ -46,13 +39,14 @@ def test_finite_and_bounded_for_any_steps(seed, n, moves):
     p = dry(seed, n)
     steps = np.array([10**e * (1 if up else -1) for e, up, _ in moves])
     time = np.concatenate(([0.0], np.cumsum([10**d for *_, d in moves])))
-    F = friction_torque(p, time, np.concatenate(([0.0], np.cumsum(steps))))
+    F = friction_torque(p, time, np.append(0.0, np.cumsum(steps)))
     assert np.isfinite(F).all()
+    assert np.isfinite(friction_torque(law(seed, n), time, np.append(0.0, np.cumsum(steps)))).all()
     assert (p.Fs_pos * (1 + 1e-9) >= F).all()
     assert (-p.Fs_neg * (1 + 1e-9) <= F).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=100)
 @given(SEEDS, EXPONENTS, st.integers(0, 10**6))
 def test_mirrored_motion_and_sides_mirror_the_torque(seed, n, motion):
     p = law(seed, n)
@@ -66,34 +60,106 @@ def test_mirrored_motion_and_sides_mirror_the_torque(seed, n, motion):
     np.testing.assert_allclose(mirrored, -friction_torque(p, time, q), atol=1e-12 * p.Fs_pos)
 
 
-@settings(max_examples=60)
-@given(SEEDS, st.floats(0.01, 3), st.floats(0.1, 0.9), EXPONENTS)
-def test_every_closed_cycle_dissipates(seed, width, share, n):
+# from a billionth of a leg to all of it: resolves what happens right behind a reversal
+GRADED = np.concatenate(([0.0], np.geomspace(1e-9, 1.0, 300)))
+
+
+def work_at_least(p, joint, leg, speed):
+    """Lower bound of the work of Fh over a leg, N m rad.
+
+    Mirrored so that the leg goes up, Fh(q) is concave while it rises (slopes fall along a curve
+    and at every closing), so that the trapezoid lies below it; while it falls it is at least
+    what it falls to.
+    """
+    s = np.sign(leg)
+    before, total = s * joint.Fh, 0.0
+    for dq in np.diff(GRADED) * abs(leg):
+        joint.move(s * dq, speed)
+        after = s * joint.Fh
+        total += dq * (0.5 * (before + after) if after >= before else after)
+        before = after
+    return total
+
+
+@settings(max_examples=100)
+@given(
+    SEEDS,
+    EXPONENTS,
+    st.floats(-6, 1),
+    st.floats(-0.8, 0.8),
+    st.lists(st.floats(-4, 1), min_size=4, max_size=4),
+)
+def test_every_closed_cycle_dissipates(seed, n, width, share, speeds):
+    """Nothing is gained once the state repeats; something is lost where a leg runs into sliding.
+
+    The 2002 form promises it at any speeds, the 1997 form where the level is constant: see
+    test_weaknesses for what it may gain otherwise.
+    """
     p = dry(seed, n)
-    a = width * p.knots[-1][0]
-    cycle = [0, a, share * a - a / 2, a / 3, -a, 0]
-    time, q = path([*cycle, *(cycle[1:] * 4)], per=40)
-    F = friction_torque(p, time, q)
-    last = slice(len(q) - 1 - 40 * (len(cycle) - 1), None)
-    # Fh moves monotonically within a step, so the work lies between the two rectangle sums
-    dq, Fq = np.diff(q[last]), F[last]
-    assert np.sum(np.maximum(Fq[1:] * dq, Fq[:-1] * dq)) > 0
+    if p.variant == "ganseman1997":
+        p = quasi_static(p)
+    a = 10**width * p.knots[-1][0]
+    turns = [a, share * a, (share + 1) / 2 * a - a / 50, -a, 0, a]
+    legs = [(b - a, 10**v) for a, b, v in zip(turns, turns[1:], [*speeds, 0], strict=False)]
+    joint = Joint(p)
+    joint.move(a)
+    for _ in range(300):
+        for leg, speed in legs:
+            joint.move(leg, speed)
+    before = joint.Fh
+    work = sum(work_at_least(p, joint, leg, speed) for leg, speed in legs)
+    # a loop that still drifts exchanges stored energy
+    stored = abs(joint.Fh - before) * p.knots[-1][0]
+    assert work >= -stored - 1e-12 * max(p.Fs_pos, p.Fs_neg) * a
+    if a > p.knots[-1][0]:
+        assert work > 0.0
 
 
-@settings(max_examples=60)
-@given(SEEDS, st.floats(0.1, 0.8))
-def test_a_closed_inner_loop_is_wiped_out(seed, share):
-    p = quasi_static(dry(seed, 1000.0))
-    reach = min(z for z, F in p.knots if 0.4 * min(p.Fs_pos, p.Fs_neg) <= F)
-    a = min(p.knots[0][0], reach) * 0.3 * min(p.Fs_pos, p.Fs_neg) / p.knots[0][1]
-    plain = friction_torque(p, *path([0, a, -a / 2, a * 0.9]))
-    looped = friction_torque(
-        p, *path([0, a, -a / 2, a * 0.5, a * (0.5 - share / 2), a * 0.5, a * 0.9])
-    )
-    assert abs(plain[-1] - looped[-1]) <= 1e-9 * p.Fs_pos
+@settings(max_examples=100)
+@given(SEEDS, EXPONENTS, st.booleans(), st.floats(0.05, 0.95), st.floats(0.05, 0.95))
+def test_a_closed_loop_is_wiped_out_as_if_it_had_never_been(seed, n, slid, high, low):
+    """Return-point memory in the torque, for every exponent and variant: same base, same stacks."""
+    p = quasi_static(dry(seed, n))
+    joint = Joint(p)
+    if slid:
+        joint.move(-3 * p.knots[-1][0] - 1.0)
+    Fs = p.Fs_pos
+    joint.move_to_torque(0.99 * high * Fs)
+    plain, looped = joint.copy(), joint.copy()
+    # above the mirror image of the top, where a Masing first loading would close
+    looped.move_to_torque(max(0.99 * high * Fs * (1 - 1.9 * low), -0.9 * p.Fs_neg))
+    assert looped.extrema != plain.extrema
+    target = 0.99 * high * Fs + (1 - 0.99 * high) * 0.3 * Fs
+    looped.move_to_torque(target)
+    plain.move_to_torque(target)
+    assert looped.extrema == plain.extrema
+    assert looped.base == plain.base
+    for part in (0.02, 0.2, 1.0):
+        dq = part * p.knots[0][0]
+        assert abs(plain.copy().move(dq) - looped.copy().move(dq)) <= 1e-9 * Fs
+        assert abs(plain.copy().move(-dq) - looped.copy().move(-dq)) <= 1e-9 * Fs
 
 
-@settings(max_examples=60)
+@settings(max_examples=100)
+@given(SEEDS, EXPONENTS, st.floats(-0.8, 0.7), st.floats(0.02, 0.9), st.floats(0.05, 0.95))
+def test_loops_between_the_same_torques_are_congruent(seed, n, bottom, swing, within):
+    """The way from one torque to another does not depend on how the first was reached."""
+    p = quasi_static(dry(seed, n))
+    Fs = min(p.Fs_pos, p.Fs_neg)
+    low = bottom * Fs
+    high = low + swing * (0.95 * Fs - low)
+    slid, inner = Joint(p), Joint(p)
+    slid.move(3 * p.knots[-1][0] + 1.0)
+    inner.move_to_torque(0.97 * Fs)
+    for joint in (slid, inner):
+        joint.move_to_torque(low)
+    assert slid.extrema != inner.extrema or slid.base != inner.base
+    way = slid.copy().move_to_torque(high)
+    torques = [joint.copy().move(within * way) for joint in (slid, inner)]
+    assert abs(torques[0] - torques[1]) <= 1e-9 * Fs
+
+
+@settings(max_examples=100)
 @given(SEEDS, EXPONENTS, st.floats(1e-3, 1e3))
 def test_rate_independent_where_the_level_is_constant(seed, n, factor):
     p = quasi_static(dry(seed, n))
@@ -103,7 +169,7 @@ def test_rate_independent_where_the_level_is_constant(seed, n, factor):
     )
 
 
-@settings(max_examples=60)
+@settings(max_examples=100)
 @given(SEEDS, EXPONENTS, st.integers(2, 9))
 def test_refining_a_step_at_constant_speed_changes_nothing(seed, n, parts):
     p = law(seed, n)

@@ -4,19 +4,32 @@ import numpy as np
 
 from frictionjoint.parameters import FrictionParameters
 
+# smallest values drawn where parameters.py allows anything above zero
+LEAST_FC, LEAST_DELTA = 1e-6, 0.01
+
 
 def random_parameters(rng: np.random.Generator) -> FrictionParameters:
-    """Asymmetric law: both variants, both virgins, n in 1..50."""
-    Fs = 10 ** rng.uniform(-1, 2) * rng.uniform(0.7, 1.4, 2)
-    Fc = Fs * rng.uniform(0.3, 1.0, 2)
-    m = int(rng.integers(1, 6))
-    slopes = np.sort(10 ** rng.uniform(0, 2, m))[::-1]
-    dz = rng.uniform(0.2, 1.0, m)
+    """Asymmetric law from all that parameters.py allows.
+
+    Both variants, both virgins, n in 1..1000, delta in 0.01..10, Fc from Fs down to a millionth of
+    it, 1 to 16 knots, curves that end at the least torque allowed or far above it, and levels,
+    stiffnesses and Stribeck velocities over many decades.
+    """
+    Fs = 10 ** rng.uniform(-3, 3) * 10 ** rng.uniform(-0.5, 0.5, 2)
+    share = np.where(rng.random(2) < 0.5, rng.random(2), LEAST_FC ** rng.random(2))
+    Fc = Fs * np.clip(share, LEAST_FC, 1.0)
+    m = int(rng.integers(1, 17))
+    slopes = np.sort(10 ** rng.uniform(-1, 3, m))[::-1]
+    dz = 10 ** rng.uniform(-1.5, 0, m)
     z, F = np.cumsum(dz), np.cumsum(dz * slopes)
-    F *= Fs.sum() * rng.uniform(1.01, 1.3) / F[-1]
-    z *= 10 ** rng.uniform(-5, -2)
-    Vs = 10 ** rng.uniform(-3, -1, 2)
-    delta, sigma2 = rng.uniform(0.5, 3, 2), Fs * rng.uniform(0, 1, 2)
+    # rounding must not leave the last knot below the least torque allowed
+    F *= Fs.sum() * rng.choice([1 + 1e-9, rng.uniform(1.01, 1.3), rng.uniform(1, 10)]) / F[-1]
+    z *= 10 ** rng.uniform(-6, 0)
+    Vs = 10 ** rng.uniform(-5, 1, 2)
+    delta = np.where(
+        rng.random(2) < 0.5, 10 - rng.uniform(0, 10 - LEAST_DELTA, 2), 10 ** rng.uniform(-2, 1, 2)
+    )
+    sigma2 = Fs * rng.uniform(0, 1, 2)
     return FrictionParameters(
         Fs_pos=Fs[0],
         Fs_neg=Fs[1],
@@ -29,7 +42,7 @@ def random_parameters(rng: np.random.Generator) -> FrictionParameters:
         sigma2_pos=sigma2[0],
         sigma2_neg=sigma2[1],
         sigma1=float(Fs.mean() * rng.uniform(0, 0.5)),
-        n=float(rng.choice([1, 2, rng.uniform(1, 5), rng.uniform(5, 50)])),
+        n=float(rng.choice([1, 2, 4, 1000, rng.uniform(1, 5), 10 ** rng.uniform(0, 3)])),
         knots=tuple((float(a), float(b)) for a, b in zip(z, F, strict=True)),
         variant=str(rng.choice(["ganseman1997", "lampaert2002"])),
         virgin=str(rng.choice(["literal", "masing"])),
@@ -49,3 +62,11 @@ def random_motion(rng, parameters, samples: int = 40) -> tuple[np.ndarray, np.nd
     speed = 10 ** rng.uniform(-4, 0, samples - 1)
     step = np.abs(np.diff(position))
     return np.concatenate(([0.0], np.cumsum(np.where(step > 0, step, 1e-3) / speed))), position
+
+
+def violent_motion(rng, samples: int = 40) -> tuple[np.ndarray, np.ndarray]:
+    """(time s, position rad): steps of 1e-12 to 1e3 rad in 1 us to 100 s, pauses between."""
+    step = 10 ** rng.uniform(-12, 3, samples - 1) * rng.choice([-1, 1, 1], samples - 1)
+    step *= rng.choice([0, 1, 1, 1], samples - 1)
+    duration = 10 ** rng.uniform(-6, 2, samples - 1)
+    return np.append(0.0, np.cumsum(duration)), np.append(0.0, np.cumsum(step))
