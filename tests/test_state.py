@@ -195,6 +195,22 @@ def test_two_models_attached_at_once_and_one_without_friction():
         np.testing.assert_array_equal(run(m, mujoco.MjData(m), 100), alone)
 
 
+def test_attached_models_may_be_left_in_any_order():
+    mujoco.set_mjcb_passive(None)
+    first, second = model(), model()
+    outer, inner = fj.attach(first), fj.attach(second)
+    outer.__enter__()
+    inner.__enter__()
+    alone = run(second, mujoco.MjData(second), 100)
+    outer.__exit__(None, None, None)
+    np.testing.assert_array_equal(run(second, mujoco.MjData(second), 100), alone)
+    inner.__exit__(None, None, None)
+    assert mujoco.get_mjcb_passive() is None
+    with fj.attach(first), fj.attach(second):
+        pass
+    assert mujoco.get_mjcb_passive() is None
+
+
 def test_second_attach_of_one_model_is_refused():
     m = model()
     with fj.attach(m), pytest.raises(ModelError, match="attached already"), fj.attach(m):

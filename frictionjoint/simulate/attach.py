@@ -4,6 +4,7 @@ import contextlib
 import functools
 import warnings
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import mujoco
@@ -15,8 +16,17 @@ from frictionjoint.simulate.layout import LayoutMismatchError
 
 Backend = Literal["native", "python"]
 
-# models attached now, by the address of their C structure: a nested second attach is a mistake
-_attached: set[int] = set()
+
+@dataclass
+class _Attached:
+    """A model attached now, by the address of its C structure, and the callback it replaced."""
+
+    address: int
+    previous: Any
+
+
+# outermost first; a second attach of one model is a mistake
+_attached: list[_Attached] = []
 
 
 @functools.lru_cache(maxsize=1)
@@ -39,7 +49,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoc
     """Friction of `model` acts inside the block; the previous callback returns after it.
 
     The callback serves every model in the process that carries friction and leaves all others
-    alone, so several models may be attached at once, one inside another.
+    alone, so several models may be attached at once, and left in any order.
 
     Args:
         model: carries friction, see `install`.
@@ -50,7 +60,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoc
     """
     if backend not in ("native", "python"):
         raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
-    if model._address in _attached:
+    if any(entry.address == model._address for entry in _attached):
         raise ModelError("this model is attached already: leave the first attach before")
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if (model.opt.disableflags & off) == off:
@@ -61,11 +71,20 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoc
     if not resolve(model):
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
     callback = _callback(backend)
-    previous = mujoco.get_mjcb_passive()
+    entry = _Attached(model._address, mujoco.get_mjcb_passive())
     mujoco.set_mjcb_passive(callback)
-    _attached.add(model._address)
+    _attached.append(entry)
     try:
         yield model
     finally:
-        _attached.discard(model._address)
-        mujoco.set_mjcb_passive(previous)
+        _leave(entry)
+
+
+def _leave(entry: _Attached) -> None:
+    """Undo one attach. Environments end in any order, so one below the top only hands down."""
+    at = next(i for i, other in enumerate(_attached) if other is entry)
+    if at + 1 < len(_attached):
+        _attached[at + 1].previous = entry.previous
+    else:
+        mujoco.set_mjcb_passive(entry.previous)
+    del _attached[at]
