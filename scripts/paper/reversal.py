@@ -9,7 +9,7 @@ from .claim import OTHER, OURS, Claim, panels
 from .presliding import LAW
 from .traced import Traced, trace
 
-OUT, BACK, ON = 1.6e-4, 0.2e-4, 2.2e-4  # rad: forward, back, forward again
+OUT, BACK, ON = 1.6e-4, 0.2e-4, 2.0e-4  # rad: forward, back, forward again
 
 
 def looped(n: float) -> tuple[Traced, Traced]:
