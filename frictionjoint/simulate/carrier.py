@@ -35,7 +35,7 @@ VERSION = 1.0
 RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = 9
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-_TAG = "frictionjoint:"
+TAG = "frictionjoint:"
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,11 @@ def install(
             )
         if name not in friction:
             raise ModelError(f"joint {name!r} has effects but no friction law: give both")
-        if _TAG + name in taken:
+        if TAG + name in taken:
             raise ModelError(f"joint {name!r} carries friction already: delete its numeric first")
     for name, parameters in friction.items():
         block = _encode(parameters.pack(), list((effects or {}).get(name, ())))
-        numeric = spec.add_numeric(name=_TAG + name, data=block, size=len(block))
+        numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len((effects or {}).get(name, ()))
         spec.nuserdata = max(spec.nuserdata, 0) + row_size(_law_row(parameters), n_effects)
@@ -114,10 +114,17 @@ def blocks(model: mujoco.MjModel) -> dict[str, int]:
     """Address in ``numeric_data`` of each joint's block, by joint name."""
     found = {}
     for i in range(model.nnumeric):
-        prefix, tag, joint = (model.numeric(i).name or "").partition(_TAG)
+        prefix, tag, joint = (model.numeric(i).name or "").partition(TAG)
         if tag:
             found[prefix + joint] = int(model.numeric_adr[i])
     return found
+
+
+def rows_of_block(block: Sequence[float]) -> int:
+    """float64 of user data that a joint with this block takes."""
+    numbers = np.asarray(block, dtype=np.float64)
+    n_effects = int(numbers[int(numbers[EFFECTS])])
+    return row_size(int(law_row_size(numbers, HEAD)), n_effects)
 
 
 def resolve(model: mujoco.MjModel) -> dict[str, int]:
@@ -136,8 +143,7 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
         exact = np.frombuffer(pieces.astype("<u2").tobytes(), dtype="<f8")
         model.numeric_data[at + HEAD : at + HEAD + n] = exact
         unpack(exact[: int(model.numeric_data[at + EFFECTS]) - HEAD])
-        n_effects = int(model.numeric_data[at + int(model.numeric_data[at + EFFECTS])])
-        sizes[name] = row_size(int(law_row_size(exact, 0)), n_effects)
+        sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
     need = sum(sizes.values())
     if need > model.nuserdata:
         raise ModelError(
@@ -158,7 +164,7 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
 
 def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
     head = model.numeric_data[at : at + HEAD]
-    where = f"numeric {_TAG}{name}"
+    where = f"numeric {TAG}{name}"
     size = next(
         int(model.numeric_size[i]) for i in range(model.nnumeric) if model.numeric_adr[i] == at
     )

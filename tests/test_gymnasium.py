@@ -1,0 +1,105 @@
+"""Gymnasium: friction starts afresh at every reset, alone and in vectors of environments."""
+
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.errors import ModelError
+from frictionjoint.simulate.stick_slip import kuka_model, native_model
+
+gymnasium = pytest.importorskip("gymnasium")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from gym_joint import JointTracking  # noqa: E402
+
+from frictionjoint.simulate.gymnasium import Friction  # noqa: E402
+
+STEPS = 60
+
+
+def action(k: int) -> np.ndarray:
+    """Commands that break the joint away both ways: 51 N m need 51 mrad."""
+    return np.array([0.09 * np.sin(0.25 * k) + 0.02 * np.sin(1.7 * k)])
+
+
+def episode(environment) -> np.ndarray:
+    environment.reset(seed=1)
+    return np.array([environment.step(action(k))[0][0] for k in range(STEPS)])
+
+
+@pytest.fixture(scope="module")
+def plain() -> np.ndarray:
+    """The same commands through plain mj_step."""
+    model = fj.load_model(kuka_model())
+    data = mujoco.MjData(model)
+    positions = []
+    with fj.attach(model):
+        for k in range(STEPS):
+            data.ctrl[:] = action(k)
+            mujoco.mj_step(model, data, nstep=10)
+            positions.append(data.qpos[0])
+    return np.array(positions)
+
+
+def test_an_episode_equals_plain_steps_also_after_resets(plain):
+    environment = Friction(JointTracking())
+    for _ in range(3):
+        np.testing.assert_array_equal(episode(environment), plain)
+    environment.close()
+    assert mujoco.get_mjcb_passive() is None
+    assert np.abs(episode(JointTracking()) - plain).max() > 1e-2
+
+
+def test_user_data_is_wiped_by_a_reset():
+    environment = Friction(JointTracking())
+    episode(environment)
+    data = environment.unwrapped.data
+    assert np.abs(data.userdata).max() > 1.0
+    environment.unwrapped.reset_model = lambda: None
+    environment.unwrapped.reset()
+    assert not data.userdata.any()
+    environment.close()
+
+
+def test_a_model_without_friction_is_refused():
+    with pytest.raises(ModelError, match="carries no friction"):
+        Friction(JointTracking(native_model(kuka_model())))
+
+
+def test_one_environment_closing_leaves_the_others_their_friction(plain):
+    first, second = Friction(JointTracking()), Friction(JointTracking())
+    episode(first)
+    first.close()
+    np.testing.assert_array_equal(episode(second), plain)
+    second.close()
+
+
+@pytest.mark.parametrize("kind", ["SyncVectorEnv", "AsyncVectorEnv"])
+def test_vectors_equal_plain_steps(kind, plain):
+    def make():
+        return Friction(JointTracking())
+
+    environments = getattr(gymnasium.vector, kind)([make] * 2)
+    for _ in range(2):
+        environments.reset(seed=1)
+        positions = [
+            environments.step(np.tile(action(k), (2, 1)))[0][:, 0].copy() for k in range(STEPS)
+        ]
+        np.testing.assert_array_equal(np.array(positions), np.stack([plain, plain], axis=1))
+    environments.close()
+
+
+def test_registered_environments_take_friction_as_a_wrapper(plain):
+    gymnasium.register(id="frictionjoint/Tracking-v0", entry_point=JointTracking)
+    vector = gymnasium.make_vec(
+        "frictionjoint/Tracking-v0", num_envs=2, vectorization_mode="sync", wrappers=[Friction]
+    )
+    vector.reset(seed=1)
+    for k in range(STEPS):
+        observation, *_ = vector.step(np.tile(action(k), (2, 1)))
+        np.testing.assert_array_equal(observation[:, 0], plain[k])
+    vector.close()
