@@ -18,6 +18,7 @@ NAMES = (
     "whisker",
     "reversal",
     "presliding",
+    "stick_slip",
     "general",
     "weaknesses",
 )
