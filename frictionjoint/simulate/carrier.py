@@ -106,8 +106,35 @@ def _law_row(parameters: Friction) -> int:
 def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
     numbers = np.concatenate([law, [float(len(effects))], *(e.pack() for e in effects)])
     head = np.array([MAGIC, VERSION, 0, 0, 0, 0, 0, len(numbers), HEAD + len(law)])
-    pieces = np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
-    return np.concatenate([head, numbers, pieces])
+    return np.concatenate([head, numbers, _pieces(numbers)])
+
+
+def _pieces(numbers: Array) -> Array:
+    return np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
+
+
+def write_parameters(numeric_data: Array, block: int, parameters: Friction) -> None:
+    """Change a joint's law without compiling, in a model or in one simulation of a batch.
+
+    Args:
+        numeric_data: ``model.numeric_data``, or a row of ``batch.expand("numeric_data")``;
+            changed in place. The data's friction state stays as it is.
+        block: where the joint's block begins, from `blocks`.
+        parameters: of the same law, with as many knots.
+    Raises:
+        ModelError: another law or another number of knots, which need compiling.
+    """
+    law = parameters.pack()
+    first = block + HEAD
+    room = int(numeric_data[block + EFFECTS]) - HEAD
+    if len(law) != room or law[0] != numeric_data[first]:
+        raise ModelError(
+            f"the new law takes {len(law)} numbers, the model's {room}: keep law and number of "
+            "knots, or install and compile"
+        )
+    numeric_data[first : first + room] = law
+    pieces = first + int(numeric_data[block + COUNT])
+    numeric_data[pieces : pieces + 4 * room] = _pieces(law)
 
 
 def blocks(model: mujoco.MjModel) -> dict[str, int]:

@@ -1,0 +1,86 @@
+"""The example scripts run as a reader would run them, and print what they promise."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import mujoco
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+NUMBER = r"(-?[\d.]+(?:e[-+]?\d+)?)"
+
+
+def run(name: str, folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        [sys.executable, str(SCRIPTS / f"{name}.py"), *arguments],
+        cwd=folder,
+        env=os.environ | {"MUJOCO_GL": "disable", "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def numbers(line: str, text: str) -> list[float]:
+    """The numbers on the line that begins so."""
+    (found,) = re.findall(rf"^{line}(.*)$", text, re.MULTILINE)
+    return [float(x) for x in re.findall(NUMBER, found)]
+
+
+def test_five_lines_hold_the_arm_that_frictionloss_lets_creep(tmp_path):
+    text = run("five_lines", tmp_path)
+    ours, native = numbers("frictionjoint", text), numbers("frictionloss", text)
+    assert abs(ours[0]) < 0.3
+    assert abs(ours[1]) < 1e-9
+    assert abs(native[0]) > 10.0
+    assert abs(native[1]) > 1.0
+
+
+def test_a_log_becomes_a_model_that_replays_better(tmp_path):
+    text = run("log_to_model", tmp_path, "--out", "joint.xml")
+    (without,) = numbers("error after 0.5 s without friction", text)
+    (with_friction,) = numbers("error after 0.5 s with friction", text)
+    assert abs(with_friction) < 0.2 * abs(without)
+    assert "frictionjoint:joint" in (tmp_path / "joint.xml").read_text()
+
+
+def test_the_hidden_effect_of_the_shipped_log_is_named(tmp_path):
+    text = run("what_is_hidden", tmp_path)
+    assert "hidden: position-periodic" in text
+    before, after = numbers("torque error on the held-out log:", text)
+    assert after < 0.4 * before
+
+
+def test_a_batch_sticks_longer_where_it_breaks_away_later(tmp_path):
+    text = run("thousand_joints", tmp_path, "--joints", "64", "--seconds", "3")
+    shares = [float(x) for x in re.findall(r"(\d+)% of the time", text)]
+    assert len(shares) == 4
+    assert sorted(shares) == shares
+    assert shares[0] > 0
+
+
+def test_gymnasium_environment_with_and_without_friction(tmp_path):
+    pytest.importorskip("gymnasium")
+    text = run("gym_joint", tmp_path, "--seconds", "5")
+    tracking_error_grows(text)
+    (one,) = numbers("frictionjoint", text)
+    assert numbers("four at once", text) == pytest.approx([one] * 4, abs=0.06)
+
+
+def test_dm_control_task_with_and_without_friction(tmp_path):
+    if int(mujoco.__version__.split(".")[0]) >= 4:
+        pytest.skip("dm_control 1.0.50 does not import on MuJoCo 4")
+    pytest.importorskip("dm_control")
+    tracking_error_grows(run("dm_control_joint", tmp_path, "--seconds", "5"))
+
+
+def tracking_error_grows(text: str) -> None:
+    (free,), (native,), (ours,) = (
+        numbers(name, text) for name in ("no friction", "frictionloss", "frictionjoint")
+    )
+    assert free < native < ours
