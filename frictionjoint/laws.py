@@ -19,7 +19,7 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
         ParameterError: unknown law, or parameters that it refuses.
     """
     law = values.get("law", "integrated")
-    if law not in _CLASSES:
+    if not isinstance(law, str) or law not in _CLASSES:
         raise ParameterError(f"unknown law {law!r}: known are {', '.join(_CLASSES)}")
     return _CLASSES[law].from_dict(values)
 
