@@ -2,7 +2,15 @@
 
 
 class FrictionJointError(ValueError):
-    """Base of every error this package raises on bad input."""
+    """Base of every error this package raises on bad input.
+
+    Args:
+        message: names what is wrong, where, and the mend; made one line whatever names of a user's
+            file it quotes.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.split()))
 
 
 class ParameterError(FrictionJointError):

@@ -1,5 +1,7 @@
 """Parameter files: TOML with the law's fields and, under ``[[effects]]``, what was added to it."""
 
+import contextlib
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -39,16 +41,28 @@ def read_parameters(path: Path) -> JointFriction:
 def _effect(table: Any) -> SimulatedEffect:
     if not isinstance(table, dict) or "form" not in table:
         raise ParameterError("an effect needs its form: the number of its kernel")
-    effect = next((e for e in CATALOGUE if e.effect_id == table["form"]), None)
-    if effect is None:
-        raise ParameterError(f"no effect has the form {table['form']!r}")
+    form = table["form"]
+    effect = next((e for e in CATALOGUE if e.effect_id == form), None)
+    if effect is None or isinstance(form, bool):
+        raise ParameterError(f"no effect has the form {form!r}")
+    name = table.get("effect", effect.name)
+    if name != effect.name:
+        raise ParameterError(f"effect {name!r} does not go with form {form!r}, {effect.name}")
     names = (*effect.shape, *effect.coefficients)
-    try:
-        values = tuple(float(table[name]) for name in names)
-    except (KeyError, TypeError, ValueError) as error:
-        raise ParameterError(f"effect {effect.name}: {error} must be a number") from None
+    unknown = [key for key in table if key not in (*names, "effect", "form")]
+    if unknown:
+        raise ParameterError(f"effect {name}: unknown {unknown[0]!r}, it has {', '.join(names)}")
+    values = tuple(_number(name, key, table.get(key)) for key in names)
     cut = len(effect.shape)
     return SimulatedEffect(effect, values[:cut], values[cut:])
+
+
+def _number(effect: str, key: str, value: Any) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):
+            if math.isfinite(value):
+                return float(value)
+    raise ParameterError(f"effect {effect}: {key} is {value!r}, give a finite number")
 
 
 def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:

@@ -198,9 +198,13 @@ def _segments(knots: Knots) -> Iterator[tuple[float, float, float]]:
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ParameterError(f"{name} is {value!r}: give a number")
-    if not math.isfinite(value):
-        raise ParameterError(f"{name} is {value}: give a finite number")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise ParameterError(f"{name} is {number}: give a finite number")
+    return number
 
 
 def _require(holds: bool, name: str, value: Any, allowed: str) -> None:

@@ -43,8 +43,3 @@ CATALOGUE: tuple[Effect, ...] = (
     end_stop.EFFECT,
     back_emf.EFFECT,
 )
-
-
-def by_id(effect_id: int) -> Effect:
-    """The effect with this kernel number."""
-    return next(effect for effect in CATALOGUE if effect.effect_id == effect_id)

@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.effects.catalogue import by_id
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
@@ -169,7 +169,9 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
         pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
         exact = np.frombuffer(pieces.astype("<u2").tobytes(), dtype="<f8")
         model.numeric_data[at + HEAD : at + HEAD + n] = exact
-        unpack(exact[: int(model.numeric_data[at + EFFECTS]) - HEAD])
+        law = int(model.numeric_data[at + EFFECTS]) - HEAD
+        unpack(exact[:law])
+        _effects(exact[law:], f"numeric {TAG}{name}")
         sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
     need = sum(sizes.values())
     if need > model.nuserdata:
@@ -199,6 +201,8 @@ def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
         raise ModelError(f"{where} is no friction block: install the friction anew")
     if head[1] != VERSION:
         raise ModelError(f"{where} has version {head[1]:g}, this package reads {VERSION:g}")
+    if not np.isfinite(head).all() or np.any(head != np.round(head)):
+        raise ModelError(f"{where} was edited by hand: install the friction anew")
     n = int(head[COUNT])
     if size != HEAD + 5 * n or not HEAD < head[EFFECTS] < HEAD + n:
         raise ModelError(f"{where} has {size} numbers, not {HEAD + 5 * n}: install it anew")
@@ -213,6 +217,23 @@ def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
         raise ModelError(f"{where}: joint {name!r} is neither a hinge nor a slide")
 
 
+def _effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
+    """The effects' block: their count, then each one's id, length and numbers."""
+    known = {float(effect.effect_id): effect for effect in CATALOGUE}
+    found, at = [], 1
+    while np.isfinite(numbers).all() and at + 1 < len(numbers):
+        effect = known.get(float(numbers[at]))
+        if effect is None or numbers[at + 1] != effect.size:
+            break
+        values = tuple(float(x) for x in numbers[at + 2 : at + 2 + effect.size])
+        cut = len(effect.shape)
+        found.append(SimulatedEffect(effect, values[:cut], values[cut:]))
+        at += 2 + effect.size
+    if at != len(numbers) or numbers[0] != len(found):
+        raise ModelError(f"{where} holds damaged effects: install the friction anew")
+    return tuple(found)
+
+
 def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
     """What a model carries, by joint name, exactly as it was installed."""
     found = {}
@@ -220,14 +241,8 @@ def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
         n = int(model.numeric_data[at + COUNT])
         numbers = np.array(model.numeric_data[at + HEAD : at + HEAD + n])
         k = int(model.numeric_data[at + EFFECTS]) - HEAD
-        effects, i = [], k + 1
-        for _ in range(int(numbers[k])):
-            effect, size = by_id(int(numbers[i])), int(numbers[i + 1])
-            values = tuple(float(x) for x in numbers[i + 2 : i + 2 + size])
-            cut = len(effect.shape)
-            effects.append(SimulatedEffect(effect, values[:cut], values[cut:]))
-            i += 2 + size
-        found[name] = JointFriction(unpack(numbers[:k]), tuple(effects))
+        effects = _effects(numbers[k:], f"numeric {TAG}{name}")
+        found[name] = JointFriction(unpack(numbers[:k]), effects)
     return found
 
 
