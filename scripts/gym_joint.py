@@ -8,9 +8,6 @@ environments in a vector.
 """
 
 import argparse
-import os
-
-os.environ.setdefault("MUJOCO_GL", "egl")  # asked for when a frame is rendered, not before
 
 import gymnasium
 import mujoco

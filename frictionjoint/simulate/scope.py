@@ -1,0 +1,187 @@
+"""A joint's friction while it runs: torque over time, hysteresis loop, stick or slip.
+
+Drawn with MuJoCo's own figures, so the same `Scope` serves the interactive viewer
+(``handle.set_figures(scope.figures(handle.viewport))``) and a rendering off screen.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from frictionjoint.errors import ModelError
+from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
+from frictionjoint.simulate.carrier import ROW, read_friction, resolve
+from frictionjoint.simulate.row import FRONT, TORQUE
+
+STICK_COLOUR = (0.10, 0.75, 0.55)
+SLIP_COLOUR = (0.95, 0.45, 0.10)
+# A line of MjvFigure takes 1000 points, a figure 100 lines.
+_POINTS = 1000
+_LINES = 100
+# A joint slower than this share of its Stribeck velocity counts as resting.
+_RESTING = 0.01
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Friction at one instant.
+
+    Attributes:
+        time: s. position: rad. velocity: rad/s. torque: N m, of the law, opposing motion.
+        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
+        depth: extrema remembered inside the limits.
+    """
+
+    time: float
+    position: float
+    velocity: float
+    torque: float
+    sticks: bool
+    depth: int
+
+
+class Scope:
+    """The last seconds of one joint's friction.
+
+    Args:
+        model: attached, or resolved by `load_model`.
+        joint: a joint that carries friction.
+        seconds: how far back the figures reach.
+    Raises:
+        ModelError: the joint carries no friction.
+    """
+
+    def __init__(self, model: mujoco.MjModel, joint: str, seconds: float = 5.0) -> None:
+        carried = read_friction(model)
+        if joint not in carried:
+            raise ModelError(
+                f"joint {joint!r} carries no friction: {', '.join(carried) or 'no joint'} does"
+            )
+        self.joint, self.seconds = joint, seconds
+        self._id = model.joint(joint).id
+        self._q, self._v = int(model.jnt_qposadr[self._id]), int(model.jnt_dofadr[self._id])
+        self._row = int(model.numeric_data[resolve(model)[joint] + ROW])
+        parameters = carried[joint].parameters.to_dict()
+        # the loop is looked at through a window as wide as presliding reaches
+        self._window = float(parameters["knots"][-1][0])
+        self._resting = _RESTING * min(float(parameters[f"Vs_{side}"]) for side in ("pos", "neg"))
+        slide = model.jnt_type[self._id] == mujoco.mjtJoint.mjJNT_SLIDE
+        self._units = ("m", "N") if slide else ("rad", "N m")
+        self._every = seconds / _POINTS
+        self._samples: deque[Sample] = deque(maxlen=_POINTS)
+
+    def record(self, data: mujoco.MjData) -> Sample:
+        """Read the joint's state after a step; a time that goes back empties the figures."""
+        X = data.userdata
+        header = self._row + FRONT + HEADER
+        velocity = float(data.qvel[self._v])
+        resting = abs(velocity) <= self._resting
+        sample = Sample(
+            float(data.time),
+            float(data.qpos[self._q]),
+            velocity,
+            float(X[self._row + TORQUE]),
+            bool(resting or X[header + RATE] > 0.5),
+            max(0, int(X[header + N_MIN] + X[header + N_MAX]) - 2),
+        )
+        if self._samples and sample.time < self._samples[-1].time:
+            self._samples.clear()
+        if not self._samples or sample.time - self._samples[-1].time >= 0.999 * self._every:
+            self._samples.append(sample)
+        return sample
+
+    def figures(self, viewport: mujoco.MjrRect) -> list[tuple[mujoco.MjrRect, mujoco.MjvFigure]]:
+        """Torque over time and the hysteresis loop, in the lower corners of the viewport.
+
+        The loop is that around the place where the joint stuck last.
+        """
+        position, torque = self._units
+        width, height = viewport.width * 2 // 5, viewport.height * 2 // 5
+        bottom = viewport.bottom
+        left = mujoco.MjrRect(viewport.left, bottom, width, height)
+        right = mujoco.MjrRect(viewport.left + viewport.width - width, bottom, width, height)
+        now = self._samples[-1].time if self._samples else 0.0
+        over_time = _figure(f"{self.joint}: friction, {torque}", "time, s")
+        home = next((s.position for s in reversed(self._samples) if s.sticks), 0.0)
+        loop = _figure(
+            f"{self.joint}: hysteresis, {torque}", f"m{position} about {home:.4f} {position}"
+        )
+        _draw(over_time, [(s.time - now, s.torque, s.sticks) for s in self._samples])
+        away = [(1e3 * (s.position - home), s.torque, s.sticks) for s in self._samples]
+        reach = 1e3 * self._window
+        _draw(loop, [p if abs(p[0]) <= reach else None for p in away])
+        over_time.range[0] = (-self.seconds, 0.0)
+        loop.range[0] = (-reach, reach)
+        return [(left, over_time), (right, loop)]
+
+    def text(self, sample: Sample) -> tuple[str, str]:
+        """Names and values, a line each, as an overlay wants them."""
+        position, torque = self._units
+        rows = {
+            self.joint: "sticks" if sample.sticks else "SLIPS",
+            "friction": f"{sample.torque:.3f} {torque}",
+            "position": f"{sample.position:.6f} {position}",
+            "velocity": f"{sample.velocity:.6f} {position}/s",
+            "remembered": f"{sample.depth} extrema",
+        }
+        return "\n".join(rows), "\n".join(rows.values())
+
+    def mark(
+        self, scene: mujoco.MjvScene, model: mujoco.MjModel, data: mujoco.MjData, sample: Sample
+    ) -> None:
+        """Add a disc across the joint's axis to a scene: green sticks, orange slips.
+
+        A full scene is left as it is.
+        """
+        if scene.ngeom >= scene.maxgeom:
+            return
+        colour = STICK_COLOUR if sample.sticks else SLIP_COLOUR
+        rgba = np.array([*colour, 0.5], dtype=np.float32)
+        size = np.array([0.25, 0.002, 0.0]) * float(model.stat.extent)
+        quaternion, frame = np.zeros(4), np.zeros(9)
+        mujoco.mju_quatZ2Vec(quaternion, data.xaxis[self._id])
+        mujoco.mju_quat2Mat(frame, quaternion)
+        kind = mujoco.mjtGeom.mjGEOM_CYLINDER
+        place = data.xanchor[self._id]
+        mujoco.mjv_initGeom(scene.geoms[scene.ngeom], kind, size, place, frame, rgba)
+        scene.ngeom += 1
+
+
+def _figure(title: str, xlabel: str) -> mujoco.MjvFigure:
+    figure = mujoco.MjvFigure()
+    mujoco.mjv_defaultFigure(figure)
+    figure.title, figure.xlabel = title, xlabel
+    figure.figurergba[:] = (0.08, 0.09, 0.11, 0.75)
+    figure.panergba[:] = (0.15, 0.16, 0.19, 0.75)
+    figure.xformat, figure.yformat = "%.3g", "%.3g"
+    figure.gridsize[:] = (5, 5)
+    figure.flg_extend = 1
+    figure.flg_legend = 1
+    return figure
+
+
+def _draw(figure: mujoco.MjvFigure, points: list[tuple[float, float, bool] | None]) -> None:
+    """One line for every stretch of sticking or slipping; None is a gap.
+
+    Where stretches are more than a figure holds the oldest are left out.
+    """
+    runs: list[tuple[bool, list[tuple[float, float]]]] = []
+    previous = None
+    for point in points:
+        if point is not None:
+            x, y, sticks = point
+            if previous is None or previous[2] != sticks:
+                # a stretch begins where the last one ended, so that the curve is whole
+                runs.append((sticks, [] if previous is None else [previous[:2]]))
+            runs[-1][1].append((x, y))
+        previous = point
+    named: set[bool] = set()
+    for i, (sticks, run) in enumerate(runs[-_LINES:]):
+        figure.linedata[i, : 2 * len(run)] = np.array(run, dtype=np.float32).ravel()
+        figure.linepnt[i] = len(run)
+        figure.linergb[i] = STICK_COLOUR if sticks else SLIP_COLOUR
+        if sticks not in named:
+            figure.linename[i] = "stick" if sticks else "slip"
+            named.add(sticks)

@@ -1,0 +1,198 @@
+"""What the viewer shows of a joint's friction: samples, figures, a frame off screen, a window."""
+
+import contextlib
+import os
+import shutil
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.errors import ModelError
+from frictionjoint.simulate.scope import SLIP_COLOUR, STICK_COLOUR, Scope
+from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
+
+SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+VIEWPORT = mujoco.MjrRect(0, 0, 1000, 600)
+
+
+def pulled(seconds: float, reach: float = 5.0):
+    """The KUKA joint pulled into stick-slip: model, data, scope and every sample."""
+    model = fj.load_model(kuka_model())
+    data, scope, samples = mujoco.MjData(model), Scope(model, JOINT, reach), []
+    with fj.attach(model):
+        while data.time < seconds:
+            data.ctrl[0] = SPEED * data.time
+            mujoco.mj_step(model, data)
+            samples.append(scope.record(data))
+    return model, data, scope, samples
+
+
+@pytest.fixture(scope="module")
+def run():
+    return pulled(3.0)
+
+
+def test_the_torque_shown_is_the_torque_that_acts(run):
+    model, data, scope, _ = run
+    with fj.attach(model):
+        mujoco.mj_forward(model, data)
+        assert scope.record(data).torque == -data.qfrc_passive[0]
+
+
+def test_stick_and_slip_alternate_and_agree_with_the_motion(run):
+    *_, samples = run
+    sticks = np.array([s.sticks for s in samples])
+    speed = np.abs([s.velocity for s in samples])
+    assert sticks[:200].all(), "before the first breakaway the joint sticks"
+    assert 4 <= np.count_nonzero(np.diff(sticks)) <= 20
+    assert speed[sticks].max() < 0.1 * speed.max()
+    assert not sticks[speed > 0.1 * speed.max()].any()
+
+
+def lines(figure: mujoco.MjvFigure):
+    """Drawn lines as (x, y, colour)."""
+    for i in range(len(figure.linepnt)):
+        n = int(figure.linepnt[i])
+        if n:
+            xy = np.array(figure.linedata[i, : 2 * n]).reshape(n, 2)
+            yield xy[:, 0], xy[:, 1], tuple(figure.linergb[i])
+
+
+def test_figures_hold_the_last_seconds_in_two_colours(run):
+    _, data, scope, samples = run
+    (left, over_time), (right, loop) = scope.figures(VIEWPORT)
+    assert left.left + left.width <= right.left
+    drawn = list(lines(over_time))
+    x = np.concatenate([line[0] for line in drawn])
+    y = np.concatenate([line[1] for line in drawn])
+    assert x.min() == pytest.approx(-data.time, abs=0.02)
+    assert x.max() == 0.0
+    assert y.max() == pytest.approx(max(s.torque for s in samples), rel=0.01)
+    for colour in (STICK_COLOUR, SLIP_COLOUR):
+        for figure in (over_time, loop):
+            assert any(np.allclose(c, colour) for *_, c in lines(figure))
+    # within presliding, in mrad about where it stuck: the knots end at 0.9 mrad
+    assert max(np.abs(line[0]).max() for line in lines(loop)) < 1.0
+
+
+def test_an_hour_of_samples_fits_a_figure():
+    model = fj.load_model(kuka_model())
+    data, scope = mujoco.MjData(model), Scope(model, JOINT)
+    with fj.attach(model):
+        mujoco.mj_step(model, data)
+    rng = np.random.default_rng(3)
+    for k in range(20_000):
+        data.time = 0.18 * k
+        data.qvel[0] = rng.choice([0.0, 1.0])
+        data.userdata[:] = rng.uniform(0.0, 1.0, model.nuserdata)
+        scope.record(data)
+    for _, figure in scope.figures(VIEWPORT):
+        assert max(figure.linepnt) <= 1000
+
+
+def test_a_reset_empties_the_figures():
+    model, data, scope, _ = pulled(0.2)
+    mujoco.mj_resetData(model, data)
+    scope.record(data)
+    ((_, over_time), _) = scope.figures(VIEWPORT)
+    assert sum(over_time.linepnt) == 1
+
+
+def test_a_joint_without_friction_is_refused():
+    with pytest.raises(ModelError, match="'wrist' carries no friction: joint1 does"):
+        Scope(fj.load_model(kuka_model()), "wrist")
+
+
+class Handle:
+    """The part of MuJoCo's viewer handle that a script needs, without a window."""
+
+    def __init__(self, model):
+        self.user_scn = mujoco.MjvScene(model, 10)
+        self.viewport = VIEWPORT
+        self.seen = []
+
+    def is_running(self):
+        return True
+
+    def lock(self):
+        return contextlib.nullcontext()
+
+    def set_figures(self, figures):
+        self.figures = figures
+
+    def set_texts(self, texts):
+        self.texts = texts
+
+    def sync(self):
+        self.seen.append((len(self.figures), self.texts[3].split("\n")[0], self.user_scn.ngeom))
+
+
+@pytest.fixture
+def viewer():
+    sys.path.insert(0, str(SCRIPTS))
+    try:
+        import viewer
+    finally:
+        sys.path.remove(str(SCRIPTS))
+    assert isinstance(viewer, types.ModuleType)
+    return viewer
+
+
+def test_the_viewer_loop_shows_every_frame(viewer):
+    model = fj.load_model(kuka_model())
+    data, scope, handle = mujoco.MjData(model), Scope(model, JOINT), Handle(model)
+    with fj.attach(model):
+        viewer.watch(handle, model, data, scope, 2.0, viewer.pull, sleep=lambda seconds: None)
+    assert len(handle.seen) == pytest.approx(2.0 * viewer.FRAMES_PER_SECOND, abs=1)
+    assert {figures for figures, *_ in handle.seen} == {2}
+    assert {state for _, state, _ in handle.seen} == {"sticks", "SLIPS"}
+    assert {geoms for *_, geoms in handle.seen} == {1}
+
+
+def near(image, colour) -> int:
+    """Pixels close to a colour."""
+    wanted = 255 * np.array(colour)
+    return int((np.abs(image.astype(float) - wanted).max(axis=2) < 12).sum())
+
+
+def test_a_frame_off_screen_shows_both_colours(tmp_path):
+    pytest.importorskip("imageio")
+    script = [sys.executable, str(SCRIPTS / "viewer.py"), "--seconds", "1.6"]
+    for gl in ("egl", "osmesa"):
+        done = subprocess.run(
+            [*script, "--frame", str(tmp_path / "frame.png")],
+            env=os.environ | {"MUJOCO_GL": gl, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        if done.returncode == 0:
+            break
+    else:
+        pytest.skip(f"no OpenGL off screen here: {done.stderr.strip().splitlines()[-1]}")
+    import imageio.v3 as imageio
+
+    image = imageio.imread(tmp_path / "frame.png")
+    assert image.shape == (720, 1280, 3)
+    for colour in (STICK_COLOUR, SLIP_COLOUR):
+        assert near(image[432:, :512], colour) > 100, "torque over time"
+        assert near(image[432:, 768:], colour) > 20, "hysteresis loop"
+
+
+@pytest.mark.skipif(shutil.which("xvfb-run") is None, reason="no Xvfb: no window can be opened")
+def test_a_real_window_opens_runs_and_closes():
+    screen = ["xvfb-run", "-a", "-s", "-screen 0 640x480x24"]
+    done = subprocess.run(
+        [*screen, sys.executable, str(SCRIPTS / "viewer.py"), "--seconds", "0.4"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "LIBGL_ALWAYS_SOFTWARE": "1"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
