@@ -21,6 +21,7 @@ NAMES = (
     "stick_slip",
     "general",
     "weaknesses",
+    "accuracy",
 )
 HEAD = """# What the paper claims, and what is found
 

@@ -6,6 +6,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from reference.continuous import continuous_torque
 from reference.integrated_solver import reference_torque
 from reference.jenkins import jenkins_torque
 from reference.motions import random_motion, random_parameters, violent_motion
@@ -54,13 +55,19 @@ def test_equals_jenkins_elements():
     assert np.abs(got - jenkins_torque(KNOTS, position)).max() <= 1e-6 * 5.0
 
 
+@pytest.mark.parametrize("variant", ["ganseman1997", "lampaert2002"])
 @pytest.mark.parametrize("n", [1.0, 2.0, 6.0])
-def test_sampled_smooth_motion_converges(n):
-    """S is frozen over a step: the error against fine steps falls at least in first order."""
-    p = FrictionParameters.symmetric(Fs=5.0, Fc=3.0, Vs=0.01, n=n, knots=KNOTS)
-    ends = []
-    for m in (250, 500, 1000, 16000):
-        t = np.linspace(0, 1, m + 1)
-        ends.append(friction_torque(p, t, 6e-4 * np.sin(7 * t))[:: m // 250])
-    errors = [np.abs(e - ends[-1]).max() for e in ends[:-1]]
-    assert errors[2] < 0.6 * errors[1] < 0.36 * errors[0]
+def test_sampled_smooth_motion_converges_in_second_order_to_continuous_time(n, variant):
+    """The motion is linear and S constant over a step: the error falls with its square."""
+    p = FrictionParameters.symmetric(Fs=5.0, Fc=3.0, Vs=0.01, n=n, knots=KNOTS, variant=variant)
+    samples = np.linspace(0.0, 2.0, 251)
+    wanted = continuous_torque(p, lambda t: 8.4e-3 * np.cos(7 * t), samples)
+    errors = []
+    for m in (1000, 2000, 4000, 8000):
+        t = np.linspace(0.0, 2.0, m + 1)
+        found = friction_torque(p, t, 1.2e-3 * np.sin(7 * t))[:: m // 250]
+        errors.append(np.abs(found - wanted).max() / 5.0)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 5e-5
+    assert orders.min() > 1.5
+    assert np.log2(errors[0] / errors[-1]) / 3 > 1.8

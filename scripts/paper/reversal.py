@@ -64,7 +64,7 @@ def claim() -> Claim:
         f"{found['extrema_inside_the_loop']} extrema, after it {found['extrema_after_closing']}, "
         "the two limits. At n = 50 Fh behind "
         f"the loop differs from the motion without one by {left['50']:.1g} Fs; at n = 1 by "
-        f"{left['1']:.2g} Fs, because the loop then closes in torque before it closes in position "
-        "(see the whisker experiment)."
+        f"{left['1']:.2g} Fs, because there the curve comes back to its old torque only beyond the "
+        "old position (see the whisker experiment)."
     )
     return Claim("reversal", "Reversal and closing (figures 5 and 6)", text, found, figure)
