@@ -38,7 +38,7 @@ def over_time(report: Report) -> go.Figure:
     figure.update_yaxes(title_text=f"torque, {_torque(report)}", row=1, col=1)
     figure.update_yaxes(title_text=f"residual, {_torque(report)}", row=2, col=1)
     figure.update_xaxes(title_text="time, s", row=2, col=1)
-    return _styled(figure, 520)
+    return styled(figure, 520)
 
 
 def planes(report: Report) -> go.Figure:
@@ -66,7 +66,7 @@ def planes(report: Report) -> go.Figure:
     figure.update_xaxes(title_text=f"velocity, {position}/s", row=1, col=1)
     figure.update_xaxes(title_text=f"position, {position}", row=1, col=2)
     figure.update_yaxes(title_text=f"torque, {_torque(report)}", row=1, col=1)
-    return _styled(figure, 420)
+    return styled(figure, 420)
 
 
 def residual_against(report: Report, quantity: str) -> go.Figure:
@@ -90,7 +90,7 @@ def residual_against(report: Report, quantity: str) -> go.Figure:
         )
     figure.update_xaxes(title_text=quantity)
     figure.update_yaxes(title_text=f"residual, {_torque(report)}")
-    return _styled(figure, 320)
+    return styled(figure, 320)
 
 
 def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
@@ -116,14 +116,15 @@ def ranking(report: Report) -> go.Figure:
         )
     )
     figure.update_xaxes(title_text="held-out gain, % of the residual's variance")
-    return _styled(figure, 90 + 28 * len(rows))
+    return styled(figure, 90 + 28 * len(rows))
 
 
 def _torque(report: Report) -> str:
     return "N" if report.slide else "N m"
 
 
-def _styled(figure: go.Figure, height: int) -> go.Figure:
+def styled(figure: go.Figure, height: int) -> go.Figure:
+    """The house style, on a background of its page's own."""
     figure.update_layout(
         height=height,
         margin={"l": 60, "r": 20, "t": 30, "b": 50},

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from frictionjoint.diagnose.report_data import Report
@@ -30,8 +31,8 @@ def write_report(report: Report, folder: Path, command: str) -> None:
     write_files(folder, contents)
 
 
-def write_files(folder: Path, contents: dict[str, str]) -> None:
-    """Write text files into a folder, each by renaming a finished one.
+def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> None:
+    """Write files into a folder, each by renaming a finished one.
 
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
@@ -41,7 +42,7 @@ def write_files(folder: Path, contents: dict[str, str]) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(prefix=".frictionjoint-", dir=folder))
         for name, text in contents.items():
-            (staging / name).write_text(text, encoding="utf-8")
+            (staging / name).write_bytes(text if isinstance(text, bytes) else text.encode())
         for name in contents:
             os.replace(staging / name, folder / name)
     except OSError as error:

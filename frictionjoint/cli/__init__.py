@@ -1,20 +1,28 @@
-"""Command line: ``frictionjoint demo | close-loop | identify | install | check | data``."""
+"""Command line: ``frictionjoint demo | close-loop | identify | compare | install | check | data``.
 
-import contextlib
+One function a command; what they print is in `terminal`, how they end is in `main`.
+"""
+
 import json
 import shlex
+import signal
 import sys
-from collections.abc import Callable, Iterator
+import warnings
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
-from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from frictionjoint.cli.compare import compare
+from frictionjoint.cli.data import data
+from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, LogError, ParameterError
+
+_INTERRUPTED = 130
+# click's error of wrong usage, wherever this version of typer keeps click
+_UsageError = typer.BadParameter.__base__
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -22,11 +30,19 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help=(
         "Joint friction for MuJoCo that is true at low speed and learns from logs.\n\n"
-        "`close-loop` fits the friction of one joint, finds what the model still lacks, adds it, "
-        "and reports the error before and after on held-out data. `identify` stops after the fit. "
-        "`install` writes an MJCF that carries friction itself. Start with `frictionjoint demo`."
+        "Start with `frictionjoint demo`. With logs of your own joint:\n\n"
+        "1. `close-loop` fits the friction of the joint, finds what the model still lacks, adds "
+        "it, and reports the error before and after on data held out.\n"
+        "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
+        "beside others.\n"
+        "3. `install` writes an MJCF that carries the friction itself; `check` tells whether its "
+        "time step suits it and what it costs.\n\n"
+        "No log yet? `frictionjoint data list` names public ones. "
+        "Bad input ends in one line and exit code 2, and writes nothing."
     ),
 )
+app.command()(compare)
+app.add_typer(data, name="data")
 
 Logs = Annotated[list[Path], typer.Argument(help="CSV, Parquet, npz, mat or XL330 json logs.")]
 Model = Annotated[Path, typer.Option("--model", help="MJCF of the robot, without its friction.")]
@@ -64,7 +80,7 @@ def close_loop_command(
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import write_report
 
-    with _progress() as told:
+    with progress() as told:
         fitted, kept = _split(logs, held_out or ["0.25"], joint, _mapping(column))
         report = close_loop(fitted, model, joint, kept, seed, told)
         told("writing the report")
@@ -72,7 +88,7 @@ def close_loop_command(
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
     else:
-        _show(report)
+        show_report(report)
         typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
 
 
@@ -98,7 +114,7 @@ def identify(
     from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.report.write import write_files
 
-    with _progress() as told:
+    with progress() as told:
         mapping = _mapping(column)
         body = RigidBody(model, joint)
         prepared = prepare([_read(path, joint, mapping) for path in logs], body)
@@ -110,7 +126,7 @@ def identify(
         rows = {name: x.to_dict() for name, x in estimates.items()}
         typer.echo(json.dumps({"torque_rms": fitted.rms, "parameters": rows}, indent=2))
         return
-    _table(list(estimates.items()))
+    show_estimates(list(estimates.items()))
     unit = "N" if body.slide else "N m"
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
 
@@ -175,7 +191,7 @@ def check(
             ", ".join(row["effects"]) or "none",
             row["remark"],
         )
-    Console().print(table)
+    console().print(table)
 
 
 @app.command()
@@ -189,7 +205,7 @@ def demo() -> None:
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
     out = Path("frictionjoint-demo")
-    with _progress() as told:
+    with progress() as told:
         told("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
         write_files(out, {"stick_slip.svg": draw(ours, native)})
@@ -200,7 +216,7 @@ def demo() -> None:
         write_report(report, out, "frictionjoint demo")
     typer.echo(ours.summary())
     typer.echo("")
-    _show(report)
+    show_report(report)
     typer.echo(f"Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
 
 
@@ -250,57 +266,39 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _show(report: Any) -> None:
-    from frictionjoint.report.page import sentence
-
-    unit = "N" if report.slide else "N m"
-    table = Table("torque rms", "fitted logs", "held out")
-    for name, rms in (("before", report.before_torque), ("after", report.after_torque)):
-        cells = ["-" if x is None else f"{x:.4g} {unit}" for x in (rms.fit, rms.held_out)]
-        table.add_row(name, *cells)
-    console = Console()
-    console.print(table)
-    for added in report.added:
-        ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
-        console.print(
-            f"added {added.effect}{ties}: held-out gain {added.evidence.held_out_gain:.1%}, "
-            f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
-        )
-    console.print(sentence(report), soft_wrap=True)
-
-
-def _table(rows: list[tuple[str, Any]]) -> None:
-    table = Table("parameter", "value", "standard error", "unit")
-    for name, x in rows:
-        table.add_row(
-            name, f"{x.value:.5g}", "-" if x.stderr is None else f"{x.stderr:.2g}", x.unit
-        )
-    Console().print(table)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr that tells what is being done; silent where stderr is no terminal."""
-    console = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task("reading")
-
-        def tell(text: str) -> None:
-            bar.update(task, description=text)
-
-        yield tell
-
-
 def main() -> None:
-    """Run the command line; our own errors become one line and exit code 2."""
+    """Run the command line.
+
+    Bad input becomes one line and exit code 2, an interruption exit code 130 (terminated: 143);
+    in all of them nothing half-written stays.
+    """
+    signal.signal(signal.SIGTERM, _terminated)
+    warnings.showwarning = _one_line
     try:
-        app()
+        code = app(sys.argv[1:] or ["--help"], prog_name="frictionjoint", standalone_mode=False)
     except FrictionJointError as error:
-        typer.echo(f"frictionjoint: {error}", err=True)
-        raise SystemExit(2) from None
-    except KeyboardInterrupt:
-        typer.echo("frictionjoint: interrupted, nothing was written", err=True)
-        raise SystemExit(130) from None
+        _fail(str(error), 2)
+    except _UsageError as error:
+        _fail(f"{error.format_message()}; see {_path(error)} --help", 2)
+    if code == _INTERRUPTED:
+        _fail("interrupted, nothing was written", _INTERRUPTED)
+    raise SystemExit(code)
+
+
+def _fail(text: str, code: int) -> NoReturn:
+    typer.echo(f"frictionjoint: {' '.join(text.split())}", err=True)
+    raise SystemExit(code)
+
+
+def _path(error: Any) -> str:
+    return error.ctx.command_path if error.ctx else "frictionjoint"
+
+
+def _terminated(number: int, frame: Any) -> NoReturn:
+    """A plain exit, so that what was begun is cleared away."""
+    raise SystemExit(128 + number)
+
+
+def _one_line(message: Any, category: Any, *place: Any) -> None:
+    """Warnings as one line, without the place in our code."""
+    typer.echo(f"frictionjoint: {message}", err=True)

@@ -1,0 +1,61 @@
+"""``frictionjoint compare``: laws and parameter sets side by side."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.terminal import console, progress
+from frictionjoint.errors import ParameterError
+
+
+def compare(
+    parameters: Annotated[
+        list[Path], typer.Argument(help="Parameter files (TOML), as `identify` writes them.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="Drawing to write: .html, .png or .svg."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
+) -> None:
+    """Set laws and parameters side by side: breakaway, presliding, sliding.
+
+    Every file's law is driven through the same three motions: a slow pull from rest, small
+    reversals before sliding, and steady sliding over the speeds.
+
+    Examples: `frictionjoint compare elbow.toml wrist.toml`,
+    `frictionjoint compare elbow.toml elbow_lugre.toml --out compare.html`
+    """
+    from frictionjoint.files import read_parameters
+    from frictionjoint.report.compare import KINDS, compared, draw
+    from frictionjoint.report.write import write_files
+
+    if out is not None and out.suffix.lower() not in KINDS:
+        raise ParameterError(f"--out {out}: end it in {', '.join(KINDS)}")
+    with progress() as told:
+        read = {}
+        for i, path in enumerate(parameters):
+            told(f"driving {path.name}, {i + 1} of {len(parameters)}")
+            name = path.stem if path.stem not in read else str(path)
+            if path in parameters[:i]:
+                raise ParameterError(f"{path} is given twice: give it once")
+            read[name] = read_parameters(path)
+        found = compared(read)
+        if out is not None:
+            told("drawing")
+            write_files(out.parent, {out.name: draw(found, out.suffix.lower())})
+    if as_json:
+        typer.echo(json.dumps({x.name: x.figures for x in found}, indent=2))
+        return
+    table = Table("", *(x.name for x in found))
+    for row in dict.fromkeys(name for x in found for name in x.figures):
+        cells = (x.figures.get(row) for x in found)
+        table.add_row(
+            row, *("-" if c is None else f"{c:.4g}" if isinstance(c, float) else c for c in cells)
+        )
+    console().print(table)
+    if out is not None:
+        typer.echo(f"Wrote {out}")

@@ -1,0 +1,74 @@
+"""``frictionjoint data``: public measured logs, fetched from their authors' repositories."""
+
+import json
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.terminal import console, progress
+
+data = typer.Typer(
+    rich_markup_mode="markdown",
+    help=(
+        "Public measured logs to try the commands on.\n\n"
+        "Fetched from their authors' repositories, hashes checked; nothing is shipped with the "
+        "package. `FRICTIONJOINT_DATA` may name a folder that holds copies: then the network is "
+        "not used.\n\n"
+        "Examples: `frictionjoint data list`, `frictionjoint data get xl330`"
+    ),
+)
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+
+
+@data.command("list")
+def list_command(as_json: Json = False) -> None:
+    """Name the data sets, with source and licence.
+
+    Example: `frictionjoint data list`
+    """
+    from frictionjoint.measured.registry import list_data
+
+    found = list_data()
+    if as_json:
+        rows = [
+            {
+                "name": x.name,
+                "title": x.title,
+                "licence": x.licence,
+                "source": x.source,
+                "files": dict(x.files),
+                "logs": list(x.logs),
+            }
+            for x in found
+        ]
+        typer.echo(json.dumps(rows, indent=2))
+        return
+    table = Table("name", "what", "files", "licence", "source")
+    for x in found:
+        table.add_row(x.name, x.title, str(len(x.files)), x.licence, x.source)
+    console().print(table)
+
+
+@data.command("get")
+def get_command(
+    name: Annotated[str, typer.Argument(help="As `data list` names it.")], as_json: Json = False
+) -> None:
+    """Bring a data set here and tell where its logs lie.
+
+    Example: `frictionjoint data get emps`
+    """
+    from frictionjoint.measured.registry import get_data, list_data
+
+    with progress() as told:
+        told(f"fetching {name}")
+        folder = get_data(name)
+    found = next(x for x in list_data() if x.name == name)
+    logs = [str(folder / log) for log in found.logs]
+    if as_json:
+        row = {"name": name, "licence": found.licence, "source": found.source, "logs": logs}
+        typer.echo(json.dumps(row, indent=2))
+        return
+    typer.echo(f"{found.title}\nlicence: {found.licence}\nsource: {found.source}\nlogs:")
+    for log in logs:
+        typer.echo(f"  {log}")

@@ -1,0 +1,69 @@
+"""What a person sees while a command runs and when it ends; silent and plain where it is piped."""
+
+import contextlib
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from frictionjoint.identify.result import Estimate
+
+# "fit: start 3 of 12": work that tells how much is left gets a bar
+_COUNTED = re.compile(r"(\d+) of (\d+)")
+_PIPED_WIDTH = 120
+
+
+def console() -> Console:
+    """Standard output; wide enough for tables where it goes into a file."""
+    out = Console()
+    return out if out.is_terminal else Console(width=_PIPED_WIDTH)
+
+
+@contextlib.contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """A line on stderr that tells what is being done and what is left of it."""
+    err = Console(stderr=True)
+    bar = BarColumn(bar_width=24)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), bar, TimeElapsedColumn())
+    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as shown:
+        task = shown.add_task("reading", total=None)
+
+        def tell(text: str) -> None:
+            counted = _COUNTED.search(text)
+            done, total = (int(counted[1]) - 1, int(counted[2])) if counted else (0, None)
+            shown.update(task, description=text, completed=done, total=total)
+
+        yield tell
+
+
+def show_report(report: Any) -> None:
+    """Errors before and after, what was added and why, the verdict."""
+    from frictionjoint.report.page import sentence
+
+    unit = "N" if report.slide else "N m"
+    table = Table("torque rms", "fitted logs", "held out")
+    for name, rms in (("before", report.before_torque), ("after", report.after_torque)):
+        cells = ["-" if x is None else f"{x:.4g} {unit}" for x in (rms.fit, rms.held_out)]
+        table.add_row(name, *cells)
+    out = console()
+    out.print(table)
+    for added in report.added:
+        ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
+        out.print(
+            f"added {added.effect}{ties}: held-out gain {added.evidence.held_out_gain:.1%}, "
+            f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
+        )
+    out.print(sentence(report), soft_wrap=True)
+
+
+def show_estimates(rows: list[tuple[str, Estimate]]) -> None:
+    """Parameters with their errors and units."""
+    table = Table("parameter", "value", "standard error", "unit")
+    for name, x in rows:
+        table.add_row(
+            name, f"{x.value:.5g}", "-" if x.stderr is None else f"{x.stderr:.2g}", x.unit
+        )
+    console().print(table)

@@ -1,0 +1,172 @@
+"""Laws and parameter sets side by side, driven through the same three motions.
+
+Nothing here knows a law: each is driven by `friction_torque`, so any law with parameters in a file
+can be compared. Effects beyond the law depend on more than the joint's own motion; they are named,
+not drawn.
+"""
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from plotly.offline import get_plotlyjs
+from plotly.subplots import make_subplots
+
+from frictionjoint.law.motion import friction_torque
+from frictionjoint.parameters import Friction
+from frictionjoint.report.plots import styled
+from frictionjoint.simulate.carrier import JointFriction
+
+Array = NDArray[np.float64]
+KINDS = (".html", ".png", ".svg")
+# Panels: what is drawn, with its axes.
+PANELS = (
+    ("sliding: torque against velocity", "velocity, rad/s", "torque, N m"),
+    ("presliding: torque against displacement", "displacement, rad", "torque, N m"),
+    ("breakaway: a slow pull from rest", "displacement, rad", "torque, N m"),
+)
+_COLOURS = ("#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02", "#a6761d", "#666666")
+# A pull so slow and so long that every law in reach of a joint breaks away in it, rad and rad/s.
+_PULLED = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 4000)])
+_SLOW = 1e-9
+# A torque this share below the largest one counts as reached: laws approach theirs slowly.
+_REACHED = 0.99
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One parameter set.
+
+    Attributes:
+        name: of its file. curves: (x, y) of each of `PANELS`, shape (n,) each.
+        figures: by name with its unit; text or a number.
+    """
+
+    name: str
+    curves: tuple[tuple[Array, Array], ...]
+    figures: dict[str, float | str]
+
+
+def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
+    """Drive each set of parameters through the three motions, the same for all of them."""
+    pulls = {name: _pull(joint.parameters) for name, joint in read.items()}
+    lengths = [length for _, length in pulls.values()]
+    fastest = max(_fastest(joint.parameters) for joint in read.values())
+    return [_one(name, joint, pulls[name], lengths, fastest) for name, joint in read.items()]
+
+
+def _one(
+    name: str, joint: JointFriction, pull: tuple[Array, float], lengths: list[float], fastest: float
+) -> Compared:
+    F, length = pull
+    speed, sliding = _sliding(joint.parameters, fastest)
+    q, loop = _reversals(joint.parameters, 0.5 * min(lengths))
+    shown = 3.0 * max(lengths) >= _PULLED
+    least = int(np.argmin(sliding[speed > 0]))
+    figures: dict[str, float | str] = {
+        "law": joint.parameters.law,
+        "breakaway torque, N m": float(F.max()),
+        "breakaway displacement, rad": length,
+        "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
+        "least sliding torque, N m": float(sliding[speed > 0][least]),
+        "at velocity, rad/s": float(speed[speed > 0][least]),
+        f"torque at {fastest:.3g} rad/s, N m": float(sliding[-1]),
+        f"torque at -{fastest:.3g} rad/s, N m": float(sliding[0]),
+        "work of one presliding loop, J": _loop_work(q, loop),
+        "effects, not drawn": ", ".join(e.effect.name for e in joint.effects) or "none",
+    }
+    return Compared(name, ((speed, sliding), (q, loop), (_PULLED[shown], F[shown])), figures)
+
+
+def _pull(parameters: Friction) -> tuple[Array, float]:
+    """Torque along a slow pull from rest, and the displacement at which the joint breaks away."""
+    F = friction_torque(parameters, _PULLED / _SLOW, _PULLED)
+    return F, float(_PULLED[int(np.argmax(_REACHED * F.max() <= F))])
+
+
+def _fastest(parameters: Friction) -> float:
+    """Speed up to which sliding is drawn: ten Stribeck velocities, where the law has one."""
+    own = [x for key, x in parameters.to_dict().items() if key.startswith("Vs")]
+    return 10.0 * max(own) if own else 1.0
+
+
+def _sliding(parameters: Friction, fastest: float) -> tuple[Array, Array]:
+    """Steady torque at speeds of both signs."""
+    half = np.geomspace(1e-3 * fastest, fastest, 60)
+    speed = np.concatenate([-half[::-1], half])
+    q = np.concatenate([[0.0], np.geomspace(1e-9, 10.0, 1500)])
+    F = [friction_torque(parameters, q / abs(v), np.sign(v) * q)[-1] for v in speed]
+    return speed, np.array(F)
+
+
+def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
+    """Two large loops with a small one inside, before sliding and very slowly."""
+    corners = amplitude * np.array([0.0, 1.0, -1.0, 0.2, -0.4, 1.0, -1.0, 1.0])
+    legs = [np.linspace(a, b, 200, endpoint=False) for a, b in pairwise(corners)]
+    q = np.concatenate([*legs, corners[-1:]])
+    time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))]) / _SLOW
+    return q, friction_torque(parameters, time, q)
+
+
+def _loop_work(q: Array, F: Array) -> float:
+    """Work that the last whole loop takes, J."""
+    last = slice(len(q) - 401, len(q))
+    return float(np.trapezoid(F[last], q[last]))
+
+
+def draw(found: list[Compared], kind: str) -> str | bytes:
+    """The three panels as a page of its own (.html) or a picture (.png, .svg)."""
+    return _page(found) if kind == ".html" else _picture(found, kind.removeprefix("."))
+
+
+def _page(found: list[Compared]) -> str:
+    figure = make_subplots(rows=3, cols=1, subplot_titles=[p[0] for p in PANELS])
+    for k, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
+        for row, (a, b) in enumerate(x.curves, start=1):
+            figure.add_scatter(
+                x=np.round(a, 9),
+                y=np.round(b, 6),
+                name=x.name,
+                legendgroup=str(k),
+                showlegend=row == 1,
+                line={"color": colour, "width": 2},
+                row=row,
+                col=1,
+            )
+    for row, (_, x_title, y_title) in enumerate(PANELS, start=1):
+        figure.update_xaxes(title_text=x_title, row=row, col=1)
+        figure.update_yaxes(title_text=y_title, row=row, col=1)
+    styled(figure, 1150)
+    head = (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        "<title>Friction laws compared</title><style>:root { color-scheme: light dark; } "
+        "body { margin: 0 auto; max-width: 1000px; padding: 1rem; font: 16px/1.5 system-ui; }"
+        "</style>"
+    )
+    plot = figure.to_html(full_html=False, include_plotlyjs=False, config={"responsive": True})
+    script = f"<script>{get_plotlyjs()}</script></head>"
+    return f"{head}{script}<body><h1>Friction laws compared</h1>{plot}</body></html>"
+
+
+def _picture(found: list[Compared], kind: str) -> bytes:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13, 4.2), layout="constrained")
+    for axes, (k, (title, x_title, y_title)) in zip(
+        figure.subplots(1, 3), enumerate(PANELS), strict=True
+    ):
+        for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
+            # dashes let equal curves be seen
+            line = "-" if i % 2 == 0 else "--"
+            axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
+        axes.set(title=title, xlabel=x_title, ylabel=y_title)
+        axes.ticklabel_format(axis="x", scilimits=(-2, 3))
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=kind, dpi=120)
+    return buffer.getvalue()

@@ -1,0 +1,90 @@
+"""``frictionjoint compare``: a law's known figures come out, as table, JSON and picture."""
+
+import json
+
+import numpy as np
+import pytest
+from test_cli import run
+
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.files import toml_text
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.report.compare import compared, draw
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+
+KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
+A = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, n=2, knots=KNOTS)
+B = FrictionParameters.symmetric(Fs=1.2, Fc=1.0, Vs=0.02, n=1, knots=KNOTS)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "a.toml").write_text(toml_text(A))
+    (tmp_path / "b.toml").write_text(toml_text(B))
+    return tmp_path
+
+
+def test_figures_are_those_of_the_law():
+    a, b = compared({"a": JointFriction(A), "b": JointFriction(B)})
+    assert a.figures["breakaway torque, N m"] == pytest.approx(1.5, rel=1e-3)
+    assert b.figures["breakaway torque, N m"] == pytest.approx(1.2, rel=1e-3)
+    assert a.figures["stiffness at rest, N m/rad"] == pytest.approx(A.stiffness, rel=1e-3)
+    # both are driven to the larger of the two speeds: 10 Vs of a, where only sigma2 is left of it
+    speed, torque = a.curves[0]
+    assert speed[-1] == 0.5
+    assert torque[-1] == pytest.approx(1.0 + 0.3 * 0.5, rel=1e-3)
+    assert np.allclose(torque, -torque[::-1])
+    # a presliding loop takes work
+    assert a.figures["work of one presliding loop, J"] > 0.0
+
+
+def test_presliding_motion_is_the_same_for_all_and_slides_in_none():
+    a, b = compared({"a": JointFriction(A), "b": JointFriction(B)})
+    assert np.array_equal(a.curves[1][0], b.curves[1][0])
+    for x, Fs in ((a, 1.5), (b, 1.2)):
+        assert np.abs(x.curves[1][1]).max() < 0.99 * Fs
+
+
+def test_effects_are_named():
+    effect = SimulatedEffect(
+        CATALOGUE[0], (1.0,) * len(CATALOGUE[0].shape), (0.1,) * len(CATALOGUE[0].coefficients)
+    )
+    (a,) = compared({"a": JointFriction(A, (effect,))})
+    assert a.figures["effects, not drawn"] == CATALOGUE[0].name
+
+
+@pytest.mark.parametrize(("kind", "begins"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_pictures(kind, begins):
+    assert bytes(draw(compared({"a": JointFriction(A)}), kind)).startswith(begins)
+
+
+def test_table_and_page(folder):
+    done = run("compare", "a.toml", "b.toml", "--out", "c.html", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "breakaway torque" in done.stdout
+    page = (folder / "c.html").read_text()
+    assert "breakaway: a slow pull from rest" in page
+    assert 'src="http' not in page
+
+
+def test_json(folder):
+    done = run("compare", "a.toml", "b.toml", "--json", cwd=folder)
+    found = json.loads(done.stdout)
+    assert set(found) == {"a", "b"}
+    assert found["b"]["law"] == "integrated"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["a.toml", "a.toml"], "twice"),
+        (["none.toml"], "none.toml"),
+        (["a.toml", "--out", "c.doc"], ".html"),
+        ([], "argument"),
+    ],
+)
+def test_bad_arguments_make_one_line(arguments, word, folder):
+    done = run("compare", *arguments, cwd=folder)
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert word in done.stderr
