@@ -110,6 +110,9 @@ def main():
             with mujoco.viewer.launch_passive(
                 model, data, show_left_ui=False, show_right_ui=bool(asked.model)
             ) as handle:
+                if not asked.model:
+                    handle.cam.type = mujoco.mjtCamera.mjCAMERA_FIXED
+                    handle.cam.fixedcamid = model.camera("side").id
                 watch(handle, model, data, scope, asked.seconds, drive)
             return 0
         if asked.seconds == float("inf"):

@@ -84,3 +84,15 @@ def tracking_error_grows(text: str) -> None:
         numbers(name, text) for name in ("no friction", "frictionloss", "frictionjoint")
     )
     assert free < native < ours
+
+
+def test_sysid_finds_a_joint_made_with_another_law(tmp_path):
+    sysid = pytest.importorskip("mujoco.sysid")
+    if not hasattr(sysid, "optimize"):
+        pytest.skip("mujoco.sysid lacks its dependencies: install mujoco[sysid]")
+    text = run("sysid_joint", tmp_path)
+    # the plant is Maxwell-slip: what the two laws share comes back
+    for name, tolerance in (("Fc", 0.02), ("Fs", 0.03), ("sigma2", 0.1), ("kp", 0.02)):
+        true, started, found = numbers(rf"{name} ", text)
+        assert found == pytest.approx(true, rel=tolerance), name
+        assert abs(found - true) < 0.5 * abs(started - true), name

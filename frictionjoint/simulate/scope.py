@@ -153,8 +153,8 @@ def _figure(title: str, xlabel: str) -> mujoco.MjvFigure:
     figure = mujoco.MjvFigure()
     mujoco.mjv_defaultFigure(figure)
     figure.title, figure.xlabel = title, xlabel
-    figure.figurergba[:] = (0.08, 0.09, 0.11, 0.75)
-    figure.panergba[:] = (0.15, 0.16, 0.19, 0.75)
+    figure.figurergba[:] = (0.08, 0.09, 0.11, 0.85)
+    figure.panergba[:] = (0.15, 0.16, 0.19, 0.85)
     figure.xformat, figure.yformat = "%.3g", "%.3g"
     figure.gridsize[:] = (5, 5)
     figure.flg_extend = 1
