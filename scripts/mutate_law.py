@@ -98,7 +98,7 @@ def verdict(name: str | None, source: str) -> str:
         env = os.environ | {
             "PYTHONPATH": f"{folder}{os.pathsep}{TESTS}",
             "NUMBA_DISABLE_JIT": "1",
-            "FRICTIONJOINT_MOTIONS": "20",
+            "FRICTIONJOINT_MOTIONS": "100",
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         files = [str(TESTS / f"test_{x}.py") for x in SUBSET]
@@ -115,7 +115,7 @@ def verdict(name: str | None, source: str) -> str:
             *files,
         ]
         try:
-            done = subprocess.run(command, env=env, cwd=folder, capture_output=True, timeout=20)
+            done = subprocess.run(command, env=env, cwd=folder, capture_output=True, timeout=60)
         except subprocess.TimeoutExpired:
             return "killed (hangs)"
     if done.returncode not in (0, 1, 2):

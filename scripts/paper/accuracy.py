@@ -60,6 +60,8 @@ def claim() -> Claim:
         ax.loglog(
             STEPS, 2e3 * np.array(STEPS, dtype=float) ** -2, "--", color=GREY, label="order 2"
         )
+        ax.set_xticks(STEPS, [str(m) for m in STEPS], minor=False)
+        ax.set_xticks([], minor=True)
         ax.set(xlabel="steps in 2 s", ylabel="largest error of Fh, Fs", title=variant)
         ax.legend(frameon=False, fontsize=8)
     rows = [
