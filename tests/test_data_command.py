@@ -1,4 +1,4 @@
-"""``frictionjoint data``: names, licences and hashes of public logs; local copies, never a guess."""
+"""``frictionjoint data``: names, licences, hashes of public logs; local copies, never a guess."""
 
 import json
 import os

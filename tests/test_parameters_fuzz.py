@@ -67,6 +67,14 @@ anything: st.SearchStrategy[Any] = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
     max_leaves=6,
 )
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(content=st.binary(max_size=120) | st.text(max_size=80).map(lambda s: s.encode()))
+def test_any_bytes(file: Path, content: bytes) -> None:
+    never_anything_else(file, content)
+
+
 LINES = toml_text(GOOD, EFFECTS).splitlines()
 AT = [i for i, line in enumerate(LINES) if "=" in line]
 

@@ -280,6 +280,8 @@ def main() -> None:
         _fail(str(error), 2)
     except _UsageError as error:
         _fail(f"{error.format_message()}; see {_path(error)} --help", 2)
+    except KeyboardInterrupt:
+        code = _INTERRUPTED
     if code == _INTERRUPTED:
         _fail("interrupted, nothing was written", _INTERRUPTED)
     raise SystemExit(code)

@@ -3,13 +3,15 @@
 import contextlib
 import re
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from frictionjoint.identify.result import Estimate
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    from frictionjoint.diagnose.report_data import Report
+    from frictionjoint.identify.result import Estimate
 
 # "fit: start 3 of 12": work that tells how much is left gets a bar
 _COUNTED = re.compile(r"(\d+) of (\d+)")
@@ -39,7 +41,7 @@ def progress() -> Iterator[Callable[[str], None]]:
         yield tell
 
 
-def show_report(report: Any) -> None:
+def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict."""
     from frictionjoint.report.page import sentence
 
@@ -59,7 +61,7 @@ def show_report(report: Any) -> None:
     out.print(sentence(report), soft_wrap=True)
 
 
-def show_estimates(rows: list[tuple[str, Estimate]]) -> None:
+def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
     """Parameters with their errors and units."""
     table = Table("parameter", "value", "standard error", "unit")
     for name, x in rows:

@@ -17,9 +17,6 @@ FILES = ("report.json", "report.html", "model.xml")
 def write_report(report: Report, folder: Path, command: str) -> None:
     """Write report.json, report.html and model.xml into `folder`.
 
-    Each file is complete before it takes its name, so that an interrupted run leaves the old
-    report or none.
-
     Raises:
         FrictionJointError: the folder cannot be written.
     """
@@ -32,17 +29,27 @@ def write_report(report: Report, folder: Path, command: str) -> None:
 
 
 def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder, each by renaming a finished one.
+    """Write files into a folder, all of them or none, whatever ends the run meanwhile.
+
+    They are finished in a hidden folder first. A new folder then takes its name in one step, so
+    that it is whole or absent; into a folder that exists each file is moved finished.
 
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
     staging = None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=".frictionjoint-", dir=folder))
-        for name, text in contents.items():
-            (staging / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+        new = not folder.exists()
+        place = folder.absolute().parent if new else folder
+        place.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(prefix=".frictionjoint-", dir=place))
+        for name, content in contents.items():
+            data = content if isinstance(content, bytes) else content.encode()
+            (staging / name).write_bytes(data)
+        if new:
+            staging.chmod(0o777 & ~_umask())  # mkdtemp makes it private
+            os.rename(staging, folder)
+            return
         for name in contents:
             os.replace(staging / name, folder / name)
     except OSError as error:
@@ -51,3 +58,9 @@ def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> None:
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,124 @@
+"""Ended at any moment, or on a full disk, the loop leaves its output whole or absent."""
+
+import importlib.util
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from test_cli import LOG, MODEL, run
+
+from frictionjoint.errors import FrictionJointError
+from frictionjoint.files import toml_text
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.report.write import write_files
+
+_SCRIPT = Path(__file__).parents[1] / "scripts" / "kill_loop.py"
+_SPEC = importlib.util.spec_from_file_location("kill_loop", _SCRIPT)
+kill_loop = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(kill_loop)
+
+IDENTIFY = ("identify", LOG, "--model", MODEL, "--joint", "joint")
+
+
+@pytest.mark.parametrize("number", kill_loop.SIGNALS, ids=lambda n: n.name)
+def test_loop_killed_at_a_random_moment(number, tmp_path):
+    moment = random.Random(int(number)).uniform(0.5, 5.0)
+    assert kill_loop.kill_once(tmp_path, moment, number) is None
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_exit_code_tells_the_signal(number, code, tmp_path):
+    process = kill_loop.start(tmp_path)
+    until_it_listens(process)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == code, err
+    assert "Traceback" not in err
+    assert len(err.strip().splitlines()) <= 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def until_it_listens(process):
+    """Until the command has put its own answer to SIGTERM in place."""
+    status = Path(f"/proc/{process.pid}/status")
+    if not status.exists():
+        pytest.skip("no /proc: cannot tell when the command listens")
+    end = time.monotonic() + 30
+    while time.monotonic() < end and process.poll() is None:
+        caught = next(x for x in status.read_text().splitlines() if x.startswith("SigCgt"))
+        if int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1:
+            return
+        time.sleep(0.01)
+    pytest.fail("the command never listened")
+
+
+def test_folder_appears_whole(tmp_path, monkeypatch):
+    """At the moment the new folder takes its name all files in it are finished."""
+    seen = []
+    rename = os.rename
+
+    def watched(source, target):
+        seen.append(sorted((p.name, p.read_text()) for p in Path(source).iterdir()))
+        rename(source, target)
+
+    monkeypatch.setattr("os.rename", watched)
+    write_files(tmp_path / "out", {"a": "1", "b": "2"})
+    assert seen == [[("a", "1"), ("b", "2")]]
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["a", "b"]
+
+
+def test_a_full_disk_leaves_nothing(tmp_path):
+    """Files may grow to 4 kB only, as on a disk that is full there; one line, nothing written."""
+    script = (
+        "import resource, signal, sys\n"
+        "from pathlib import Path\n"
+        "from frictionjoint.errors import FrictionJointError\n"
+        "from frictionjoint.report.write import write_files\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))\n"
+        "try:\n"
+        "    write_files(Path(sys.argv[1]), {'small': 'x', 'large': 'x' * 10000})\n"
+        "except FrictionJointError as error:\n"
+        "    sys.exit(str(error))\n"
+    )
+    for out in (tmp_path / "new", tmp_path):
+        command = [sys.executable, "-B", "-c", script, str(out)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 1
+        assert "cannot write the result" in done.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_older_files_stay_where_the_new_ones_cannot_be_written(tmp_path):
+    (tmp_path / "a").write_text("old")
+    with pytest.raises(FrictionJointError, match="cannot write"):
+        write_files(tmp_path, {"a": "new", "missing/b": "new"})
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("a", "old")]
+
+
+def test_a_file_in_the_folders_place_is_refused_and_kept(tmp_path):
+    (tmp_path / "out").write_text("a file")
+    done = run(*IDENTIFY, "--out", "out/joint.toml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert "out" in done.stderr
+    assert (tmp_path / "out").read_text() == "a file"
+
+
+def test_a_place_that_takes_no_files_is_refused_in_one_line(tmp_path):
+    """Under /proc nobody writes, not even root."""
+    parameters = FrictionParameters.symmetric(
+        Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-4, 1.5), (1e-3, 3.2))
+    )
+    (tmp_path / "a.toml").write_text(toml_text(parameters))
+    done = run(
+        "install", MODEL, "--joint", "joint=a.toml", "--out", "/proc/x/arm.xml", cwd=tmp_path
+    )
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert "/proc/x" in done.stderr
