@@ -57,3 +57,11 @@ def run(law: str, target: Array, dt: float, kp: float, kd: float) -> tuple[Array
     k, alpha = maxwell_elements(Fs, REACH)
     q, v, torque = _run(target, round(dt / _STEP), kp, kd, k, alpha, law == "LuGre")
     return q, v, torque
+
+
+def masing_knots() -> tuple[tuple[float, float], ...]:
+    """Twice the Maxwell-slip joint's virgin curve, in both directions: what Fd would be."""
+    k, alpha = maxwell_elements(Fs, REACH)
+    yields = np.sort(2.0 * alpha * Fs / k)
+    torques = np.minimum(k * yields[:, None], 2.0 * alpha * Fs).sum(axis=1)
+    return tuple((float(z), float(F)) for z, F in zip(yields, torques, strict=True))
