@@ -1,7 +1,7 @@
 """Stick-slip of the KUKA IR 361's first joint beside MuJoCo's native frictionloss.
 
     python scripts/stick_slip.py                          numbers, and stick_slip.svg
-    python scripts/stick_slip.py --video stick_slip.gif   and a video (needs imageio and OpenGL)
+    python scripts/stick_slip.py --video stick_slip.gif   and a video (needs imageio, OpenGL)
     python scripts/stick_slip.py --json                   numbers for a script
 
 The joint is under a proportional position controller of 1000 N m/rad; its target moves at
@@ -14,11 +14,15 @@ import os
 import sys
 from pathlib import Path
 
-import numpy as np
+if sys.platform == "linux":
+    os.environ.setdefault("MUJOCO_GL", "egl")  # read when mujoco is imported
 
-from frictionjoint.simulate.stick_slip import StickSlip, draw, kuka_model, stick_slip
+import mujoco
+from viewer import film, pull, save
 
-FRAMES_PER_SECOND = 25
+import frictionjoint as fj
+from frictionjoint.simulate.scope import Scope
+from frictionjoint.simulate.stick_slip import JOINT, StickSlip, draw, kuka_model, stick_slip
 
 
 def main() -> int:
@@ -28,7 +32,7 @@ def main() -> int:
     )
     parser.add_argument("--duration", type=float, default=12.0, help="s")
     parser.add_argument("--out", type=Path, default=Path("stick_slip.svg"), help="drawing")
-    parser.add_argument("--video", type=Path, help="GIF of the joint with our friction")
+    parser.add_argument("--video", type=Path, help="GIF or MP4 of the joint with our friction")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     ours = stick_slip(kuka_model(), arguments.duration)
@@ -42,7 +46,7 @@ def main() -> int:
         print("native frictionloss\n" + native.summary())
     arguments.out.write_text(draw(ours, native))
     if arguments.video:
-        return video(ours, arguments.video)
+        return video(arguments.duration, arguments.video)
     return 0
 
 
@@ -54,28 +58,17 @@ def numbers(run: StickSlip) -> dict[str, list[float]]:
     }
 
 
-def video(run: StickSlip, path: Path) -> int:
-    """Render the run off screen."""
-    os.environ.setdefault("MUJOCO_GL", "egl")
+def video(seconds: float, path: Path) -> int:
+    """Render the run off screen, with its torque and hysteresis loop."""
     try:
-        import imageio.v3 as imageio
-        import mujoco
-
-        model = mujoco.MjModel.from_xml_path(str(kuka_model()))
-        data = mujoco.MjData(model)
-        every = round(1.0 / FRAMES_PER_SECOND / model.opt.timestep)
-        frames = []
-        with mujoco.Renderer(model, 360, 480) as renderer:
-            for q in run.position[::every]:
-                data.qpos[0] = q
-                mujoco.mj_forward(model, data)
-                renderer.update_scene(data, camera="side")
-                frames.append(renderer.render())
+        model = fj.load_model(kuka_model())
+        data, scope = mujoco.MjData(model), Scope(model, JOINT)
+        with fj.attach(model):
+            save(path, list(film(model, data, scope, seconds, pull, "side", (960, 540))))
     except Exception as error:
         # OpenGL, drivers and imageio fail in many ways; the numbers above stand all the same
         print(f"no video: {' '.join(str(error).split())}; try MUJOCO_GL=osmesa", file=sys.stderr)
         return 2
-    imageio.imwrite(path, np.stack(frames), duration=1000 / FRAMES_PER_SECOND, loop=0)
     return 0
 
 

@@ -90,6 +90,19 @@ def film(model, data, scope, seconds, drive, camera=-1, size=(1280, 720)):
         context.free()
 
 
+def save(path, frames):
+    """Write an image of one frame, or a video of several."""
+    import imageio.v3 as imageio  # only films need it
+
+    frames = np.stack(frames)
+    if len(frames) == 1:
+        imageio.imwrite(path, frames[0])
+    elif path.suffix == ".gif":
+        imageio.imwrite(path, frames, duration=1000 / FRAMES_PER_SECOND, loop=0)
+    else:
+        imageio.imwrite(path, frames, fps=FRAMES_PER_SECOND)
+
+
 def main():
     """A window, or a film."""
     parser = argparse.ArgumentParser(
@@ -98,8 +111,9 @@ def main():
     parser.add_argument("--model", type=Path, help="MJCF that carries friction")
     parser.add_argument("--joint", default="joint1")
     parser.add_argument("--seconds", type=float, default=float("inf"))
-    parser.add_argument("--frame", type=Path, help="PNG of the last frame")
-    parser.add_argument("--video", type=Path, help="MP4 or GIF of the run")
+    film_of = parser.add_mutually_exclusive_group()
+    film_of.add_argument("--frame", type=Path, help="PNG of the last frame")
+    film_of.add_argument("--video", type=Path, help="MP4 or GIF of the run")
     asked = parser.parse_args()
     model = fj.load_model(asked.model or kuka_model())
     data = mujoco.MjData(model)
@@ -122,12 +136,7 @@ def main():
             advance(model, data, scope, drive)  # only the last frame is asked for
         camera = -1 if asked.model else "side"
         frames = list(film(model, data, scope, asked.seconds, drive, camera))
-    import imageio.v2 as imageio  # only films need it
-
-    if asked.frame:
-        imageio.imwrite(asked.frame, frames[-1])
-    if asked.video:
-        imageio.imwrite(asked.video, np.stack(frames), fps=FRAMES_PER_SECOND)
+        save(asked.video or asked.frame, frames if asked.video else frames[-1:])
     return 0
 
 

@@ -13,15 +13,19 @@ SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
 NUMBER = r"(-?[\d.]+(?:e[-+]?\d+)?)"
 
 
-def run(name: str, folder: Path, *arguments: str) -> str:
-    done = subprocess.run(
+def call(name: str, folder: Path, gl: str, *arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
         [sys.executable, str(SCRIPTS / f"{name}.py"), *arguments],
         cwd=folder,
-        env=os.environ | {"MUJOCO_GL": "disable", "PYTHONPATH": os.pathsep.join(sys.path)},
+        env=os.environ | {"MUJOCO_GL": gl, "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         timeout=120,
     )
+
+
+def run(name: str, folder: Path, *arguments: str) -> str:
+    done = call(name, folder, "disable", *arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -62,6 +66,21 @@ def test_a_batch_sticks_longer_where_it_breaks_away_later(tmp_path):
     assert len(shares) == 4
     assert sorted(shares) == shares
     assert shares[0] > 0
+
+
+def test_stick_slip_is_filmed(tmp_path):
+    imageio = pytest.importorskip("imageio.v3")
+    arguments = ("--duration", "0.2", "--video", "film.gif")
+    for gl in ("egl", "osmesa"):
+        done = call("stick_slip", tmp_path, gl, *arguments)
+        if done.returncode == 0:
+            break
+    else:
+        assert "no video: " in done.stderr
+        pytest.skip(f"no OpenGL off screen here: {done.stderr.strip()}")
+    frames = imageio.imread(tmp_path / "film.gif")
+    assert frames.shape == (5, 540, 960, 3)
+    assert frames[0].std() > 20, "the picture is blank"
 
 
 def test_gymnasium_environment_with_and_without_friction(tmp_path):
