@@ -11,7 +11,9 @@ Off screen needs OpenGL without a window: MUJOCO_GL=egl or osmesa. On macOS run 
 import argparse
 import os
 import sys
+import threading
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 if sys.platform == "linux":
@@ -56,6 +58,21 @@ def watch(handle, model, data, scope, seconds, drive, sleep=time.sleep):
         handle.set_texts((mujoco.mjtFontScale.mjFONTSCALE_150, place, *scope.text(sample)))
         handle.sync()
         sleep(max(0.0, data.time - (time.monotonic() - start)))
+
+
+@contextmanager
+def window(model, data, **options):
+    """MuJoCo's passive viewer; leaving waits until the window is gone.
+
+    `close` only asks for it. A program that ends while the viewer's thread still draws crashes in
+    the graphics library.
+    """
+    before = set(threading.enumerate())
+    with mujoco.viewer.launch_passive(model, data, **options) as handle:
+        drawing = set(threading.enumerate()) - before
+        yield handle
+    for thread in drawing:
+        thread.join(timeout=10)
 
 
 def film(model, data, scope, seconds, drive, camera=-1, size=(1280, 720)):
@@ -121,9 +138,8 @@ def main():
     drive = (lambda model, data: None) if asked.model else pull
     with fj.attach(model):
         if not (asked.frame or asked.video):
-            with mujoco.viewer.launch_passive(
-                model, data, show_left_ui=False, show_right_ui=bool(asked.model)
-            ) as handle:
+            sides = {"show_left_ui": False, "show_right_ui": bool(asked.model)}
+            with window(model, data, **sides) as handle:
                 if not asked.model:
                     handle.cam.type = mujoco.mjtCamera.mjCAMERA_FIXED
                     handle.cam.fixedcamid = model.camera("side").id
