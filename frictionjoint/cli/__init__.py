@@ -109,6 +109,7 @@ def identify(
     from frictionjoint.files import toml_text
     from frictionjoint.identify.fit import fit
     from frictionjoint.identify.prepare import prepare
+    from frictionjoint.identify.rest import resolved
     from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.uncertainty import covariance
@@ -118,7 +119,7 @@ def identify(
         mapping = _mapping(column)
         body = RigidBody(model, joint)
         prepared = prepare([_read(path, joint, mapping) for path in logs], body)
-        fitted = fit(prepared, progress=told)
+        prepared, fitted = resolved(prepared, fit(prepared, progress=told))
         blocks = make_blocks(fitted.residual, fitted.log_index)
         estimates = law_estimates(fitted, covariance(fitted, blocks.of_sample), body.slide)
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})

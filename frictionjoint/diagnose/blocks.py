@@ -29,10 +29,12 @@ class Blocks:
     Attributes:
         of_sample: block of each sample, shape (n,).
         fold: fold of each block, shape (B,).
+        within: folds that cut every log, for coefficients that belong to a log, shape (B,).
     """
 
     of_sample: Index
     fold: Index
+    within: Index
 
     @property
     def count(self) -> int:
@@ -95,13 +97,13 @@ def make_blocks(residual: Array, log_index: Index) -> Blocks:
     length = int(np.clip(_CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / _FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)
     fold: list[int] = []
+    within: list[int] = []
     for i in logs:
         where = np.flatnonzero(log_index == i)
         k = max(1, round(len(where) / max(length, 1)))
         own = np.minimum(np.arange(len(where)) * k // len(where), k - 1)
         of_sample[where] = own + len(fold)
-        if len(logs) >= 3:
-            fold += [int(i) % _FOLDS] * k
-        else:
-            fold += [int(b * _FOLDS // k) for b in range(k)]
-    return Blocks(of_sample, np.array(fold))
+        cut = [int(b * _FOLDS // k) for b in range(k)]
+        within += cut
+        fold += [int(i) % _FOLDS] * k if len(logs) >= 3 else cut
+    return Blocks(of_sample, np.array(fold), np.array(within))

@@ -7,17 +7,29 @@ from numpy.typing import NDArray
 
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.signals import H, Q
+from frictionjoint.effects.signals import TIME, H, Q
 from frictionjoint.identify.fit import Fit, full_signals
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.identify.terms import VARIABLES, EffectTerm, SmoothTerm, Term, quantity
+from frictionjoint.identify.smooth import (
+    VARIABLES,
+    HysteresisTerm,
+    LogTerm,
+    SmoothTerm,
+    SplineTerm,
+    WaveTerm,
+    quantity,
+)
+from frictionjoint.identify.terms import EffectTerm, Term
 
 Array = NDArray[np.float64]
 
 _PERIODIC = (11, 12)
 _BACK_EMF = 10
 _POSITION_BINS = 4096
-_FEWEST_PERIODS = 3.0
+_FEWEST_PERIODS = 1.5
+# waves in time that the longest log must hold
+_FEWEST_WAVES = 4.0
+_REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
 
 
@@ -39,6 +51,11 @@ class Candidate:
     def smooth(self) -> bool:
         """Whether it is a curve without a physical name."""
         return isinstance(self.term, SmoothTerm)
+
+    @property
+    def within_logs(self) -> bool:
+        """Whether its coefficients belong to each log."""
+        return isinstance(self.term, SmoothTerm) and self.term.within_logs
 
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
@@ -87,10 +104,13 @@ def _varies(x: Array) -> bool:
 
 
 def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidate]:
-    """A smooth curve in every measured quantity, alone and times the direction of friction."""
-    variables = [*VARIABLES, *prepared.segments[0].others]
-    found = []
-    for variable in variables:
+    """Curves without a physical name, in every measured quantity.
+
+    A spline alone and times the direction of friction; hysteresis in position over a hundredth to
+    a third of the travel; a friction level for each log.
+    """
+    terms: list[SmoothTerm] = []
+    for variable in [*VARIABLES, *prepared.segments[0].others]:
         try:
             x = np.concatenate(
                 [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]
@@ -100,12 +120,54 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
         if not _varies(x):
             continue
         low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
-        if high <= low:
-            continue
-        for odd in (False, True):
-            term = SmoothTerm(variable, low, high, odd)
-            found.append(Candidate(term, columns_of(prepared, signals, term)))
-    return found
+        if high > low:
+            terms += [SplineTerm(variable, low, high, odd) for odd in (False, True)]
+    span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
+    terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
+    names = tuple(s.name for s in prepared.segments)
+    if len(names) > 1:
+        terms.append(LogTerm("log", names))
+    return [Candidate(term, columns_of(prepared, signals, term)) for term in terms]
+
+
+def wave_candidates(
+    prepared: Prepared,
+    residual: Array,
+    log_index: NDArray[np.int64],
+    blocks: Blocks,
+    rng: np.random.Generator,
+    flips: int,
+) -> list[Candidate]:
+    """A wave in time, from outside the joint: the strongest line of the residual's spectrum.
+
+    The p-value of the line counts the search over all of them (sign flips by block).
+    """
+    times = [(s.signals[:: s.step, TIME])[s.kept] for s in prepared.segments]
+    longest = max(float(np.ptp(t)) for t in times)
+    rate = min(1.0 / (s.dt * s.step) for s in prepared.segments)
+    cells = int(longest * rate) + 1
+    sums = np.zeros((blocks.count, cells))
+    t = np.concatenate([x - x[0] for x in times])
+    cell = np.minimum((t * rate).astype(int), cells - 1)
+    np.add.at(sums, (blocks.of_sample, cell), residual)
+    first = int(_FEWEST_WAVES * 2)
+    F = np.fft.rfft(sums, 2 * cells, axis=1)[:, first : cells // 4]
+    if F.shape[1] == 0:
+        return []
+    # phases belong to the logs: power adds up over logs, not amplitudes
+    log_of_block = np.array([log_index[blocks.of_sample == b][0] for b in range(blocks.count)])
+    signs = np.vstack([np.ones(blocks.count), rng.choice([-1.0, 1.0], (flips, blocks.count))])
+    power = np.zeros((flips + 1, F.shape[1]))
+    for i in np.unique(log_index):
+        inside = log_of_block == i
+        norm = np.sum(np.abs(F[inside]) ** 2)
+        power += np.abs(signs[:, inside] @ F[inside]) ** 2 / (norm + 1e-300)
+    best = power.max(axis=1)
+    p = float(np.mean(best >= best[0] * (1 - 1e-12)))
+    frequency = (int(np.argmax(power[0])) + first) * rate / (2 * cells)
+    term = WaveTerm("time", float(frequency), tuple(s.name for s in prepared.segments))
+    signals = [s.signals for s in prepared.segments]
+    return [Candidate(term, columns_of(prepared, signals, term), p)]
 
 
 def periodic_candidates(

@@ -24,9 +24,10 @@ from frictionjoint.effects.signals import Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit, predict
 from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.terms import VARIABLES
+from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
@@ -74,19 +75,21 @@ def close_loop(
     bandwidth = fitted_on.segments[0].bandwidth_hz
     kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
     found = trace(fitted_on, seed, progress)
+    moving = found.prepared
+    kept_moving = without_rest(kept_back, moving.rest_speed) if kept_back else None
     progress("replay")
     spec = body.spec()
     friction_spec(spec, joint, found.final)
     spec.compile()
     before, after = (_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final))
-    torque = [_torque_rms(fitted_on, kept_back, f) for f in (found.base, found.final)]
+    torque = [_torque_rms(moving, kept_moving, f) for f in (found.base, found.final)]
     entries = [
         LogEntry(log.name, len(log.time), log.duration, role)
         for role, group in (("fit", logs), ("held-out", held_out))
         for log in group
     ]
     unexplained = _unexplained(found)
-    floor = _noise_floor(fitted_on, found.final.gain)
+    floor = _noise_floor(moving, found.final.gain)
     return Report(
         joint=joint,
         slide=body.slide,
@@ -95,20 +98,35 @@ def close_loop(
         final=law_estimates(found.final, _covariance(found.final), body.slide),
         before_torque=torque[0],
         before_replay=before,
-        added=_added(found, fitted_on, kept_back),
+        added=_added(found, moving, kept_moving),
         after_torque=torque[1],
         after_replay=after,
-        torque_interval=_intervals(kept_back or fitted_on, found),
+        torque_interval=_intervals(kept_moving or moving, found),
         measured_rms=found.final.target_rms,
         bandwidth_hz=bandwidth,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=_verdict(found, unexplained, fitted_on, floor),
+        verdict=_verdict(found, unexplained, moving, floor),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
-        curves=_curves(fitted_on, kept_back, found),
+        curves=_curves(moving, kept_moving, found),
         ranking=_ranking(found),
         proposals=_proposals(found),
+        notes=_notes(fitted_on, moving),
+    )
+
+
+def _notes(prepared: Prepared, moving: Prepared) -> tuple[str, ...]:
+    """What a reader must know of the samples behind the figures."""
+    if moving.rest_speed == 0.0:
+        return ()
+    kept = sum(int(s.kept.sum()) for s in moving.segments)
+    share = 1.0 - kept / sum(int(s.kept.sum()) for s in prepared.segments)
+    unit = "m/s" if prepared.slide else "rad/s"
+    return (
+        f"Below {moving.rest_speed:.2g} {unit} the measured position does not tell the torque: no "
+        f"presliding is resolved there. These samples ({share:.0%}) are in neither the fits nor "
+        "the torque errors.",
     )
 
 
@@ -203,22 +221,26 @@ def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
     return tuple(shares.items())
 
 
-def _noise_floor(prepared: Prepared, gain: float) -> float | None:
+def _noise_floor(prepared: Prepared, gain: float) -> float:
     """Torque noise inside the bandwidth, N m: what a perfect model would leave.
 
     Noise is taken as white: its power above the bandwidth, where neither motion nor friction
-    reaches, tells its power below. None where the bandwidth leaves nothing above.
+    reaches, tells its power below. Where the bandwidth leaves too little above, the fourth
+    differences of the torque tell it: the median passes over the edges of friction.
     """
     powers = []
     for s in prepared.segments:
         nyquist = 0.5 / s.dt
-        if s.bandwidth_hz > 0.75 * nyquist:
-            return None
+        corner = min(s.bandwidth_hz, nyquist)
+        if corner > 0.75 * nyquist:
+            d = np.abs(np.diff(s.drive, 4))
+            white = float(np.median(d) / 0.6745) ** 2 / 70.0
+            powers.append(white * (corner / nyquist))
+            continue
         # well above the corner, where the filter's skirt has ended
-        upper = zero_phase(s.drive, s.dt, min(0.78 * nyquist, 1.3 * s.bandwidth_hz))
-        above = (s.drive - upper)[s.mask]
-        share = s.bandwidth_hz / (nyquist - min(0.78 * nyquist, 1.3 * s.bandwidth_hz))
-        powers.append(float(np.mean(above**2)) * share)
+        end = min(0.78 * nyquist, 1.3 * corner)
+        above = (s.drive - zero_phase(s.drive, s.dt, end))[s.mask]
+        powers.append(float(np.mean(above**2)) * corner / (nyquist - end))
     return gain * float(np.sqrt(np.mean(powers)))
 
 
@@ -226,12 +248,12 @@ def _verdict(
     found: Trace,
     unexplained: tuple[tuple[str, float], ...],
     prepared: Prepared,
-    floor: float | None,
+    floor: float,
 ) -> Verdict:
     """Explained is said only of a residual down to the torque's noise, or as white as noise."""
     if not found.steps and not unexplained:
         return "no-effect-found"
-    at_floor = floor is not None and found.final.rms <= _AT_THE_FLOOR * floor
+    at_floor = found.final.rms <= _AT_THE_FLOOR * floor
     done = found.steps and not unexplained and (at_floor or _is_white(found.final, prepared))
     return "explained" if done else "partly-explained"
 

@@ -12,6 +12,7 @@ from frictionjoint.diagnose.candidates import (
     periodic_candidates,
     signals_of,
     smooth_candidates,
+    wave_candidates,
 )
 from frictionjoint.diagnose.trace import (
     FLIPS,
@@ -23,29 +24,35 @@ from frictionjoint.diagnose.trace import (
 )
 from frictionjoint.identify.fit import Fit, fit
 from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.terms import Term
 
 Array = NDArray[np.float64]
 
 SIGNIFICANCE = 0.05
-# A gain below this changes the rms by under 1.5%: real or not, nobody's simulation gets better.
-SMALLEST_GAIN = 0.03
+# Share of the residual's squares that an effect must take away: what takes less beside a residual
+# that stays is as likely a by-product of whatever else is in it. Growing stiction acts on the few
+# samples of a breakaway only.
+SMALLEST_GAIN = 0.08
+_SMALLER_GAINS = {"dwell-time": 0.04}
 # No friction law is exact. Against plants with other laws (GMS, LuGre, elasto-plastic) the base
-# fit leaves 3 to 8% of the friction torque; effects that bend the friction curve pick up to 4% of
-# it, those that act on its edges up to 2.4%. So an effect must move the torque by a share of the
-# friction's rms to be named.
-SMALLEST_SHARE = 0.015
-_LARGER_SHARES = {
-    "nonlinear-viscous": 0.05,
-    "frictional-lag": 0.05,
-    "dwell-time": 0.05,
-    "backlash": 0.05,
-    "joint-elasticity": 0.03,
-    "measurement-delay": 0.03,
+# fit leaves 1 to 5% of the friction torque; effects that act on the edges of friction pick up to
+# 1.2% of it. So an effect must move the torque by a share of the friction's rms to be named.
+SMALLEST_SHARE = 0.01
+_OTHER_SHARES = {
+    "dwell-time": 0.004,
+    "nonlinear-viscous": 0.015,
+    "measurement-delay": 0.015,
+    "backlash": 0.02,
+    "joint-elasticity": 0.025,
 }
 _LARGE_GAIN = 0.5
 # Effects within this share of the best gain, and within chance of it, count as equals.
-_CLOSE = 0.1
+_CLOSE = 0.05
+# Two effects nearer than this are one to these logs, whatever the resampling says.
+_SAME = 0.02
+# An effect that explains less than this share of what a curve explains is not the cause.
+_ENOUGH = 0.7
 _MOST_STEPS = 8
 
 
@@ -76,11 +83,13 @@ class Trace:
     """Outcome of the loop.
 
     Attributes:
+        prepared: the logs, without the rest that the position does not resolve.
         base: fit of the law alone. steps: additions in order. final: the last fit.
         unexplained: smooth curves that still explain something, best first.
         last_ranking: candidates against the final residual.
     """
 
+    prepared: Prepared
     base: Fit
     steps: tuple[Step, ...]
     final: Fit
@@ -102,48 +111,94 @@ def trace(
     rng = np.random.default_rng(seed)
     progress("base fit")
     base = fit(prepared, progress=progress)
-    current, steps = base, []
-    ranking = None
-    for number in range(_MOST_STEPS):
-        progress(f"step {number + 1}: trying candidates")
+    progress("rest")
+    prepared, base = resolved(prepared, base)
+    prepared, current, steps, ranking = _grown(prepared, base, [], rng, progress)
+    if len(steps) > 1:
+        progress("looking again at what was added first")
+        current, steps = _reconsidered(prepared, current, steps, rng)
+        prepared, current, steps, ranking = _grown(prepared, current, steps, rng, progress)
+    if base.residual.size != current.residual.size:
+        base = fit(prepared)
+    named = [s for s in steps if not s.evidence.candidate.smooth]
+    final = current
+    if len(named) < len(steps):
+        final = fit(prepared, tuple(s.term for s in named), start=current.shape)
+    named, final = _without_idle(prepared, named, final)
+    if final is not current:
+        ranking = _rank_all(prepared, final, rng)
+    return Trace(prepared, base, tuple(named), final, _unexplained(ranking, final), ranking)
+
+
+def _grown(
+    prepared: Prepared,
+    current: Fit,
+    steps: list[Step],
+    rng: np.random.Generator,
+    progress: Callable[[str], None],
+) -> tuple[Prepared, Fit, list[Step], Ranking]:
+    """Add effects until none is justified; the last ranking is that of the final residual."""
+    steps = list(steps)
+    while True:
+        number = len(steps) + 1
+        progress(f"step {number}: trying candidates")
         # A motor driven by a voltage has a back-EMF: that is asked first and alone, for without
         # it the gain of the drive, and with it every torque, is off.
-        known = "back-emf" if prepared.voltage_driven and number == 0 else None
-        ranking = _rank_all(prepared, current, rng, known)
-        chosen = _choose(ranking, current, rng)
+        chosen = None
+        if prepared.voltage_driven and not steps:
+            ranking = _rank_all(prepared, current, rng, "back-emf")
+            chosen = _choose(ranking, current, rng)
         if chosen is None:
-            if known:
-                continue
-            break
+            ranking = _rank_all(prepared, current, rng)
+            chosen = _choose(ranking, current, rng) if number <= _MOST_STEPS else None
+        if chosen is None:
+            return prepared, current, steps, ranking
         winner, ties = chosen
-        progress(f"step {number + 1}: adding {winner.name}")
-        terms = (*current.terms, winner.candidate.term)
+        progress(f"step {number}: adding {winner.name}")
         # after a large change the old shape may sit in another valley: start from everywhere
         start = current.shape if winner.held_out_gain < _LARGE_GAIN else None
-        refitted = fit(prepared, terms, start=start)
-        others = [r for r in ranking.ranked if r is not winner and not r.candidate.smooth]
-        runner = others[0] if others else None
-        gap = margin(winner, runner, ranking.base_squares, rng)[0] if runner else 0.0
-        named = tuple(r for r in ranking.ranked if not r.candidate.smooth)
-        frequency = selection_frequency(winner, named, rng)
-        current = refitted
-        steps.append(
-            Step(
-                winner.candidate.term,
-                winner,
-                runner.name if runner else None,
-                gap,
-                ties,
-                frequency,
-                current,
-                ranking,
-            )
-        )
-    else:
-        ranking = _rank_all(prepared, current, rng)
-    steps, current = _without_idle(prepared, steps, current)
-    assert ranking is not None
-    return Trace(base, tuple(steps), current, _unexplained(ranking), ranking)
+        refitted = fit(prepared, (*current.terms, winner.candidate.term), start=start)
+        prepared, current = resolved(prepared, refitted)
+        steps.append(_step(winner, ties, current, ranking, rng))
+
+
+def _step(
+    winner: Ranked, ties: tuple[str, ...], fitted: Fit, ranking: Ranking, rng: np.random.Generator
+) -> Step:
+    others = [r for r in ranking.ranked if r is not winner and not r.candidate.smooth]
+    runner = others[0] if others else None
+    gap = margin(winner, runner, ranking.base_squares, rng)[0] if runner else 0.0
+    kin = tuple(r for r in ranking.ranked if r.candidate.smooth == winner.candidate.smooth)
+    return Step(
+        winner.candidate.term,
+        winner,
+        runner.name if runner else None,
+        gap,
+        ties,
+        selection_frequency(winner, kin, rng),
+        fitted,
+        ranking,
+    )
+
+
+def _reconsidered(
+    prepared: Prepared, current: Fit, steps: list[Step], rng: np.random.Generator
+) -> tuple[Fit, list[Step]]:
+    """Each early choice once more, beside the ones that came after it: a better one replaces it."""
+    for i in range(len(steps) - 1):
+        rest = tuple(t for k, t in enumerate(current.terms) if k != i)
+        without = fit(prepared, rest, start=current.shape)
+        ranking = _rank_all(prepared, without, rng)
+        chosen = _choose(ranking, without, rng)
+        if chosen is None or chosen[0].name == steps[i].term.name:
+            continue
+        term = chosen[0].candidate.term
+        terms = (*current.terms[:i], term, *current.terms[i + 1 :])
+        other = fit(prepared, terms, start=without.shape)
+        if (other.rms / current.rms) ** 2 < 1.0 - SMALLEST_GAIN:
+            current = other
+            steps = [*steps[:i], _step(*chosen, other, ranking, rng), *steps[i + 1 :]]
+    return current, steps
 
 
 def _rank_all(
@@ -157,45 +212,55 @@ def _rank_all(
         return rank(found, current.jacobian, current.residual, current.log_index, blocks, rng)
     found += periodic_candidates(prepared, signals, current.residual, blocks, rng, FLIPS)
     found += smooth_candidates(prepared, signals)
+    found += wave_candidates(prepared, current.residual, current.log_index, blocks, rng, FLIPS)
     return rank(found, current.jacobian, current.residual, current.log_index, blocks, rng)
 
 
+def _least_gain(name: str) -> float:
+    return _SMALLER_GAINS.get(name, SMALLEST_GAIN)
+
+
 def _justified(row: Ranked) -> bool:
-    return row.p_value <= SIGNIFICANCE and row.held_out_gain >= SMALLEST_GAIN
+    return row.p_value <= SIGNIFICANCE and row.held_out_gain >= _least_gain(row.name)
 
 
 def _large_enough(row: Ranked, current: Fit) -> bool:
     """Whether an effect moves the torque by a share of the friction worth naming."""
-    at = [current.names.index(n) for n in ("Fc", "sigma2") if n in current.names]
-    friction = current.jacobian[:, at] @ current.beta[at]
     moved = np.sqrt(row.held_out_gain) * current.rms
-    least = _LARGER_SHARES.get(row.name, SMALLEST_SHARE)
-    return bool(moved >= least * np.sqrt(np.mean(friction**2)))
+    least = _OTHER_SHARES.get(row.name, SMALLEST_SHARE)
+    return bool(moved >= least * np.sqrt(np.mean(current.friction**2)))
 
 
 def _choose(
     ranking: Ranking, current: Fit, rng: np.random.Generator
 ) -> tuple[Ranked, tuple[str, ...]] | None:
-    """The effect to add and those it is tied with; the simplest of those that tie with the best."""
-    named = [
-        r
-        for r in ranking.ranked
-        if not r.candidate.smooth and _justified(r) and _large_enough(r, current)
-    ]
+    """What to add, and the effects it is tied with.
+
+    The simplest of the effects close to the best one. Where a curve without a name explains much
+    more than any effect, none of them is the cause: then the curve stands in for it.
+    """
+    worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
+    named = [r for r in worth if not r.candidate.smooth]
+    smooth = [r for r in worth if r.candidate.smooth]
+    if smooth and (not named or named[0].held_out_gain < _ENOUGH * smooth[0].held_out_gain):
+        return smooth[0], ()
     if not named:
         return None
     best = named[0]
-    tied = [best]
-    for row in named[1:]:
-        gap, tie = margin(best, row, ranking.base_squares, rng)
-        if tie and gap < _CLOSE * best.held_out_gain:
-            tied.append(row)
-    size = [len(r.coefficients) + len(r.candidate.term.shape) for r in tied]
-    winner = tied[int(np.argmin(size))]
+    close = [r for r in named if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain]
+    size = [len(r.coefficients) + len(r.candidate.term.shape) for r in close]
+    winner = close[int(np.argmin(size))]
     ties = tuple(
-        r.name for r, k in zip(tied, size, strict=True) if r is not winner and k == min(size)
+        r.name
+        for r, k in zip(close, size, strict=True)
+        if r is not winner and k == min(size) and _tied(winner, r, ranking.base_squares, rng)
     )
     return winner, ties
+
+
+def _tied(winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator) -> bool:
+    gap, chance = margin(winner, other, base, rng)
+    return chance or gap < _SAME * winner.held_out_gain
 
 
 def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[list[Step], Fit]:
@@ -206,12 +271,16 @@ def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[
         for i in range(len(steps) - 1):
             terms = tuple(t for k, t in enumerate(current.terms) if k != i)
             without = fit(prepared, terms, start=current.shape)
-            if 1.0 - (current.rms / without.rms) ** 2 < SMALLEST_GAIN:
+            if 1.0 - (current.rms / without.rms) ** 2 < _least_gain(steps[i].term.name):
                 steps = [s for k, s in enumerate(steps) if k != i]
                 current, changed = without, True
                 break
     return steps, current
 
 
-def _unexplained(ranking: Ranking) -> tuple[Ranked, ...]:
-    return tuple(r for r in ranking.ranked if r.candidate.smooth and _justified(r))
+def _unexplained(ranking: Ranking, current: Fit) -> tuple[Ranked, ...]:
+    return tuple(
+        r
+        for r in ranking.ranked
+        if r.candidate.smooth and _justified(r) and _large_enough(r, current)
+    )

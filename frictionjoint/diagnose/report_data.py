@@ -132,6 +132,7 @@ class Report:
     curves: tuple[Curve, ...] = field(repr=False)
     ranking: tuple[tuple[str, float, float], ...] = field(repr=False)
     proposals: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
@@ -154,5 +155,7 @@ class Report:
             },
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
+            "proposals": list(self.proposals),
+            "notes": list(self.notes),
             "verdict": self.verdict,
         }

@@ -10,17 +10,21 @@ from frictionjoint.effects.signals import DT, H
 
 @njit(cache=True)
 def torque(P, e, sig, X, x):
-    """-c (H - H filtered with the time constant tau): the part of the dry torque not yet there."""
+    """c sgn(H) (L filtered with the time constant tau - L), L = max(|Fh/Fc|, 1) the sliding level.
+
+    The level is late, the direction is not: a reversal turns friction round at once.
+    """
     h = sig[H]
+    level = max(abs(h), 1.0)
     if sig[DT] <= 0.0:
-        X[x] = h
+        X[x] = level
     else:
-        X[x] += (h - X[x]) * -math.expm1(-sig[DT] / P[e])
-    return -P[e + 1] * (h - X[x])
+        X[x] += (level - X[x]) * -math.expm1(-sig[DT] / P[e])
+    return math.copysign(P[e + 1] * (X[x] - level), h)
 
 
 def _time_constants(signals: Array) -> list[Shape]:
-    return [(tau,) for tau in (0.005, 0.015, 0.05)]
+    return [(tau,) for tau in (0.005, 0.01, 0.02, 0.04, 0.08)]
 
 
 EFFECT = Effect(
@@ -29,10 +33,11 @@ EFFECT = Effect(
     coefficients=("level",),
     units=("T",),
     cause="the lubricant film takes time to build up or collapse",
-    form="first order with time constant tau on the dry friction",
+    form="c sgn(v) (S late by a first order with time constant tau - S)",
     source="Hess and Soom (1990)",
     signature="a loop in the torque-velocity plane at low speed that widens with frequency",
     separating_motion="unidirectional oscillating velocity near Vs at three frequencies",
+    bounds=((0.0, float("inf")),),
     entry="scales the friction level",
     shape=("tau",),
     shape_units=("s",),

@@ -20,6 +20,7 @@ from frictionjoint.effects import (
     joint_elasticity,
     load_dependent,
     measurement_delay,
+    motor_side_elasticity,
     nonlinear_viscous,
     position_periodic,
     spring,
@@ -50,6 +51,7 @@ _stop = end_stop.torque
 _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
+_motor_side = motor_side_elasticity.torque
 
 
 @njit(cache=True)
@@ -93,6 +95,8 @@ def effect_torque(effect_id, P, e, sig, X, x):
         return _dwell(P, e, sig, X, x)
     if effect_id == 19:
         return _backlash(P, e, sig, X, x)
+    if effect_id == 20:
+        return _motor_side(P, e, sig, X, x)
     return np.nan
 
 

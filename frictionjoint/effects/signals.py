@@ -9,7 +9,8 @@ TEMP   temperature, deg C; not a number in simulation, which rests at the refere
 H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding
 DTAU   time derivative of the predicted torque, N m/s; zero in simulation
 DT     s since the last sample
+RATE   dz/dq of the bristle, 1 at a reversal and 0 in sliding; zero in simulation
 """
 
-TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT = range(13)
-N_SIGNALS = 13
+TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE = range(14)
+N_SIGNALS = 14

@@ -1,7 +1,7 @@
 """Least squares of the torque balance: friction law plus terms, on one or several logs.
 
-    torque  = load + Fc H(q; shape) + sigma2 v + sum of terms            (torque known)
-    voltage = (load + Fc H(q; shape) + sum of terms) / g                 (gain g unknown)
+    torque  = load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms       (torque known)
+    voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gain unknown)
 
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
 trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has no sigma2:
@@ -10,20 +10,26 @@ viscous friction.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 
-from frictionjoint.effects.signals import DTAU, LOAD, TIME, H, Q, V
+from frictionjoint.effects.signals import DTAU, LOAD, RATE, TIME, H, Q, V
 from frictionjoint.identify.prepare import Prepared, Segment
-from frictionjoint.identify.shape import EXPONENTS, Shape
+from frictionjoint.identify.shape import FORMS, Form, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.parameters import Virgin
 
 Array = NDArray[np.float64]
 # shape variables of the law, ahead of those of the terms
-LAW_SHAPE = 4
+LAW_SHAPE = 6
+_LEAST_BEND = 0.02
+# evaluations given to each start of a search, and how many of the starts go on
+_HALVING = ((3, 3), (1, 5))
+_CLOSE_ENOUGH = 25
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,12 @@ class Fit:
         """rms of the residual, N m."""
         return float(np.sqrt(np.mean(self.residual**2)))
 
+    @property
+    def friction(self) -> Array:
+        """Torque of the law alone, N m, shape (n,)."""
+        at = [self.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in self.names]
+        return np.asarray(self.jacobian[:, at] @ self.beta[at])
+
     def coefficient(self, name: str) -> float:
         """A linear coefficient in N m per unit of its column."""
         return float(self.beta[self.names.index(name)] * self.gain)
@@ -70,15 +82,17 @@ class Fit:
 def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
     """Signals with H and DTAU filled in for a law."""
     signals = segment.signals.copy()
-    signals[:, H] = shape.hysteresis(segment.signals[:, TIME], segment.signals[:, Q])
+    signals[:, H], signals[:, RATE] = shape.hysteresis(
+        segment.signals[:, TIME].copy(), segment.signals[:, Q].copy()
+    )
     torque = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
     signals[:, DTAU] = np.gradient(torque, segment.dt)
     return signals
 
 
 def base_names(voltage_driven: bool) -> tuple[str, ...]:
-    """Columns of the law alone: H and v, or load and H where the gain is unknown."""
-    return ("load", "Fc") if voltage_driven else ("Fc", "sigma2")
+    """Columns of the law alone: H, dz/dt and v, or load, H, dz/dt where the gain is unknown."""
+    return ("load", "Fc", "sigma1") if voltage_driven else ("Fc", "sigma1", "sigma2")
 
 
 class ColumnCache:
@@ -108,7 +122,6 @@ def design(
     """Columns and target on the kept samples of all logs, filtered and decimated."""
     cache = cache or ColumnCache()
     X, y = [], []
-    base = (LOAD, H) if prepared.voltage_driven else (H, V)
     for i, segment in enumerate(prepared.segments):
         signals = cache.get(
             ("signals", i, shape), lambda s=segment: full_signals(s, shape, 0.0, 0.0)
@@ -118,7 +131,10 @@ def design(
             return s.lowpass(x)[s.kept]
 
         parts = [
-            cache.get(("base", i, shape), lambda g=signals, f=filtered: f(g[:, base])),
+            cache.get(
+                ("base", i, shape),
+                lambda g=signals, f=filtered: f(_law_columns(g, prepared.voltage_driven)),
+            ),
             *(
                 cache.get(
                     (k, i, term.shape, shape if term.follows_law else None),
@@ -133,10 +149,18 @@ def design(
     return np.concatenate(X), np.concatenate(y)
 
 
+def _law_columns(signals: Array, voltage_driven: bool) -> Array:
+    """As `base_names` says."""
+    bristle = signals[:, RATE] * signals[:, V]
+    if voltage_driven:
+        return np.column_stack([signals[:, LOAD], signals[:, H], bristle])
+    return np.column_stack([signals[:, H], bristle, signals[:, V]])
+
+
 def coefficient_bounds(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    low = [1e-12, 1e-12] if voltage_driven else [1e-12, 0.0]
-    high = [np.inf, np.inf]
+    low = [1e-12, 1e-12, 0.0] if voltage_driven else [1e-12, 0.0, 0.0]
+    high = [np.inf, np.inf, np.inf]
     for term in terms:
         bounds: tuple[tuple[float, float], ...] = ()
         if isinstance(term, EffectTerm):
@@ -172,41 +196,64 @@ def fit(
     Args:
         start: shape to start from (a refit); without one several starts are tried.
     """
-    best = None
-    exponents = (start.n,) if start else EXPONENTS
-    for i, n in enumerate(exponents):
-        outer = _Outer(prepared, terms, n)
-        x0 = outer.vector(start) if start else outer.best_of_grid()
-        progress(f"fit {i + 1} of {len(exponents)}")
-        found = least_squares(
-            outer.residual,
-            x0,
-            bounds=outer.bounds,
-            diff_step=1e-3,
-            x_scale=outer.scale,
-            max_nfev=25,
-            xtol=1e-4,
-            ftol=1e-6,
-        )
-        if best is None or found.cost < best[0]:
-            best = (found.cost, outer, found.x)
-    assert best is not None
-    return best[1].result(best[2])
+    if start:
+        return _refined(_Outer(prepared, terms, start.form), start, _CLOSE_ENOUGH)
+    cache = ColumnCache()
+    places = []
+    for i, form in enumerate(FORMS):
+        progress(f"fit: form {i + 1} of {len(FORMS)}")
+        outer = _Outer(prepared, terms, form, cache)
+        places.append((outer, outer.best_of_grid()))
+    for keep, evaluations in _HALVING:
+        progress(f"fit: the better {keep} of {len(places)} starts")
+        fits = [(_refined(outer, shape, evaluations), outer) for outer, shape in places]
+        fits.sort(key=lambda found: found[0].rms)
+        places = [(outer, found.shape) for found, outer in fits[:keep]]
+    shape = places[0][1]
+    # how a joint that never moved loads for the first time matters at the start of a log only
+    virgins = [replace(shape, form=replace(shape.form, virgin=v)) for v in get_args(Virgin)]
+    fits = [
+        (_refined(o, s, 1), o) for o, s in ((_Outer(prepared, terms, s.form), s) for s in virgins)
+    ]
+    found, outer = min(fits, key=lambda f: f[0].rms)
+    progress("fit: refining")
+    return _refined(outer, found.shape, _CLOSE_ENOUGH)
+
+
+def _refined(outer: "_Outer", start: Shape, evaluations: int) -> Fit:
+    found = least_squares(
+        outer.residual,
+        outer.vector(start),
+        bounds=outer.bounds,
+        diff_step=1e-3,
+        x_scale=outer.scale,
+        max_nfev=evaluations,
+        xtol=1e-4,
+        ftol=1e-6,
+    )
+    return outer.result(found.x)
 
 
 class _Outer:
     """The search over shapes; the rest is solved for at each point."""
 
-    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], n: float) -> None:
+    def __init__(
+        self,
+        prepared: Prepared,
+        terms: tuple[Term, ...],
+        form: Form,
+        cache: ColumnCache | None = None,
+    ) -> None:
         self.prepared = prepared
         self.terms = terms
-        self.n = n
-        self.cache = ColumnCache()
+        self.form = form
+        self.cache = cache or ColumnCache()
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-        low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span)]
-        high = [3.0, np.log(2.0 * self.vmax), 3.0, np.log(0.1 * self.span)]
+        bend = np.log(_LEAST_BEND)
+        low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span), bend, bend]
+        high = [3.0, np.log(0.3 * self.vmax), 3.0, np.log(0.1 * self.span), 0.0, 0.0]
         for term in terms:
             for x in term.free_shape:
                 reach = self._reach(term, x)
@@ -223,12 +270,15 @@ class _Outer:
 
     def vector(self, shape: Shape) -> Array:
         law = [shape.excess, np.log(shape.Vs), shape.delta, np.log(shape.length)]
+        law += [np.log(bend) for bend in shape.bend]
         x = np.array([*law, *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
-        shape = Shape(float(x[0]), float(np.exp(x[1])), float(x[2]), float(np.exp(x[3])), self.n)
+        excess, delta = float(x[0]), float(x[2])
+        Vs, length, *bend = (float(np.exp(x[i])) for i in (1, 3, 4, 5))
+        shape = Shape(excess, Vs, delta, length, (bend[0], bend[1]), self.form)
         at, terms = LAW_SHAPE, []
         for term in self.terms:
             k = len(term.free_shape)
@@ -237,13 +287,14 @@ class _Outer:
             at += k
         return shape, tuple(terms)
 
-    def best_of_grid(self) -> Array:
-        """Best point of a coarse grid over Vs and length."""
+    def best_of_grid(self) -> Shape:
+        """Best point of a coarse grid."""
         trials = []
-        for Vs in (0.02, 0.1, 0.4):
+        for Vs in (0.02, 0.1):
             for length in (1e-5, 1e-4, 1e-3, 1e-2):
-                x = self.vector(Shape(0.2, Vs * self.vmax, 1.0, length * self.span, self.n))
-                trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
+                shape = Shape(0.2, Vs * self.vmax, 1.0, length * self.span, (0.4, 0.4), self.form)
+                squares = float(np.sum(self.residual(self.vector(shape)) ** 2))
+                trials.append((squares, len(trials), shape))
         return min(trials)[2]
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:

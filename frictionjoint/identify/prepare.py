@@ -74,12 +74,14 @@ class Prepared:
         joint: name; slide: True for a slide joint.
         voltage_driven: the drive is a voltage (or a current of unknown scale), so that the torque
             it makes is known only up to a gain.
+        rest_speed: rad/s; slower samples are masked, see `rest`.
     """
 
     segments: tuple[Segment, ...]
     joint: str
     slide: bool
     voltage_driven: bool
+    rest_speed: float = 0.0
 
     def __len__(self) -> int:
         return len(self.segments)

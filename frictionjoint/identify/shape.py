@@ -5,22 +5,34 @@ The integrated law is homogeneous: scaling Fs, Fc and the torques of Fd scales F
 """
 
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.law.motion import drive
-from frictionjoint.parameters import FrictionParameters, Knots
+from frictionjoint.law.motion import drive_integrated
+from frictionjoint.parameters import FrictionParameters, Knots, Variant, Virgin
 
-# Torque of the transition curve's knots over its reach, and their positions over the first one:
-# three segments as in the paper, slopes falling by 1 : 0.4 : 0.1.
+# Torque of the transition curve's knots over its reach: three segments, as in the paper.
 _TORQUES = (0.5, 0.8, 1.0)
-_POSITIONS = (1.0, 2.5, 6.5)
 
 
-# Those with closed-form steps: a log hardly tells exponents in between apart, and they are many
+@dataclass(frozen=True)
+class Form:
+    """Choices in the law that a fit makes by trying each.
+
+    Attributes:
+        n: exponent of the transition to sliding. variant, virgin: see `FrictionParameters`.
+    """
+
+    n: float
+    variant: Variant
+    virgin: Virgin
+
+
+# Exponents with closed-form steps: a log hardly tells those in between apart, and they are many
 # times faster.
-EXPONENTS = (1.0, 2.0, 4.0)
+FORMS = tuple(Form(n, variant, "literal") for variant in get_args(Variant) for n in (1.0, 2.0, 4.0))
 
 
 @dataclass(frozen=True)
@@ -32,16 +44,19 @@ class Shape:
         Vs: Stribeck velocity, rad/s.
         delta: Stribeck exponent.
         length: z of the first knot, rad; the presliding stiffness is Fs / length.
-        n: exponent of the transition to sliding; one of EXPONENTS, chosen by the fit.
+        bend: slope of the second segment over the first, and of the third over the second, each
+            in (0, 1]; (1, 1) is a straight transition curve.
+        form: what a search cannot vary smoothly.
     """
 
     excess: float
     Vs: float
     delta: float
     length: float
-    n: float
+    bend: tuple[float, float]
+    form: Form
 
-    def parameters(self, Fc: float, sigma2: float) -> FrictionParameters:
+    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
         Fs = Fc * (1.0 + self.excess)
         return FrictionParameters.symmetric(
@@ -50,19 +65,28 @@ class Shape:
             Vs=self.Vs,
             delta=self.delta,
             sigma2=sigma2,
-            n=self.n,
+            sigma1=sigma1,
+            n=self.form.n,
+            variant=self.form.variant,
+            virgin=self.form.virgin,
             knots=self.knots(Fs),
         )
 
     def knots(self, Fs: float) -> Knots:
         """Transition curve that reaches Fs_pos + Fs_neg."""
-        return tuple(
-            (self.length * z, 2.0 * Fs * F) for z, F in zip(_POSITIONS, _TORQUES, strict=True)
-        )
+        z, F, slope = 0.0, 0.0, _TORQUES[0] / self.length
+        found = []
+        for torque, bend in zip(_TORQUES, (1.0, *self.bend), strict=True):
+            slope *= bend
+            z += (torque - F) / slope
+            F = torque
+            found.append((z, 2.0 * Fs * F))
+        return tuple(found)
 
-    def hysteresis(self, time: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """H(t) = Fh / Fc along a motion."""
-        block = self.parameters(1.0, 0.0).pack()
-        H = np.empty_like(q)
-        drive(block, 0, time, q, np.empty(0), H)
-        return H
+    def hysteresis(
+        self, time: NDArray[np.float64], q: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
+        H, rate = np.empty_like(q), np.empty_like(q)
+        drive_integrated(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
+        return H, rate

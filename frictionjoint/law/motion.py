@@ -5,8 +5,13 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from frictionjoint.errors import LogError
+from frictionjoint.law import integrated
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
+from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
 from frictionjoint.parameters import Friction
+
+_start = integrated.start
+_step = integrated.step
 
 
 @njit(cache=True)
@@ -26,6 +31,22 @@ def drive(P, p, time, position, velocity, F):
         v = dq / dt if own else velocity[k]
         F[k] = step_row(P, p, X, 0, dq, dt, v)
         commit(P, p, X, 0)
+
+
+@njit(cache=True)
+def drive_integrated(P, time, position, H, rate):
+    """Fill H with Fh and `rate` with dz/dq along a motion, for a block of the integrated law."""
+    X = np.zeros(HEADER + 2 * CAPACITY)
+    _start(P, 1, X, 0, HEADER)
+    H[0] = 0.0
+    rate[0] = 1.0
+    for k in range(1, len(position)):
+        dq = position[k] - position[k - 1]
+        dt = time[k] - time[k - 1]
+        _step(P, 1, X, 0, 0, HEADER, dq, dt, dq / dt)
+        make_room(X, 0, HEADER)
+        H[k] = X[FH]
+        rate[k] = X[RATE]
 
 
 def friction_torque(

@@ -1,0 +1,58 @@
+"""joint-elasticity seen from the motor: the link swings on its spring behind the encoder."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.effects.signals import DT, TIME, A
+
+
+@njit(cache=True)
+def torque(P, e, sig, X, x):
+    """J (a_link - a_motor), the link on a spring and damper driven by the motor's motion.
+
+    With d = q_link - q_motor: d'' + 2 zeta w d' + w^2 d = -a_motor, by the trapezoidal rule,
+    which adds no damping of its own. X[x] d, X[x+1] d', X[x+2] the last a_motor.
+    """
+    w = 2.0 * math.pi * P[e]
+    damping = 2.0 * P[e + 1] * w
+    h = sig[DT]
+    if h <= 0.0:
+        X[x] = X[x + 1] = 0.0
+        X[x + 2] = sig[A]
+        return 0.0
+    old = X[x + 1]
+    rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * w * w)
+    rate -= h * w * w * X[x] + 0.5 * h * (X[x + 2] + sig[A])
+    rate /= 1.0 + 0.5 * h * damping + 0.25 * h * h * w * w
+    X[x] += 0.5 * h * (old + rate)
+    X[x + 1] = rate
+    X[x + 2] = sig[A]
+    return -P[e + 2] * (sig[A] + w * w * X[x] + damping * rate)
+
+
+def _resonances(signals: Array) -> list[Shape]:
+    nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
+    frequencies = 2.0 * 1.25 ** np.arange(14)
+    return [(float(f), zeta) for f in frequencies if f < 0.5 * nyquist for zeta in (0.03, 0.15)]
+
+
+EFFECT = Effect(
+    name="joint-elasticity",
+    effect_id=20,
+    coefficients=("link_inertia",),
+    units=("T s^2/x",),
+    cause="compliant gear or shaft between motor and link, encoder on the motor",
+    form="J (d2q_link/dt2 - d2q/dt2), the link on a spring and damper driven by q",
+    source="Spong (1987), two-mass model solved for the link",
+    signature="a resonance of the torque at one frequency of the motion, whatever its size",
+    separating_motion="fast motion with frequencies around the resonance, 3 to 30 Hz",
+    shape=("resonance", "damping_ratio"),
+    shape_units=("Hz", "1"),
+    shapes=_resonances,
+    needs=(A,),
+    bounds=((0.0, float("inf")),),
+    memory=3,
+)

@@ -1,0 +1,79 @@
+"""Rest that the position does not resolve: there friction may take any value up to breakaway.
+
+A joint stuck on rigid friction, or behind a coarse encoder, shows no presliding: its torque
+follows the drive while its position stands still, and no law driven by the motion can predict it.
+Such samples pull a fit away from every other one, so they are found and left out.
+"""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.effects.signals import V
+from frictionjoint.identify.fit import Fit, fit, predict
+from frictionjoint.identify.prepare import Prepared
+
+Array = NDArray[np.float64]
+# speeds, over the top speed: below the second a joint may count as at rest
+_SLOWEST, _REST = 1e-4, 0.03
+# rms of the residual at rest over the rms friction, and over that of all other samples, from
+# which on the rest is looked at
+_LARGE, _APART = 0.25, 1.5
+# how far leaving out the rest must lower the rms of all other samples
+_BETTER = 0.8
+_BINS = 24
+
+
+def resolved(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """Leave out the rest that the position does not resolve, and fit the same terms again."""
+    speed = rest_speed(prepared, fitted) if prepared.rest_speed == 0.0 else 0.0
+    if speed == 0.0:
+        return prepared, fitted
+    prepared = without_rest(prepared, speed)
+    return prepared, fit(prepared, fitted.terms)
+
+
+def rest_speed(prepared: Prepared, fitted: Fit) -> float:
+    """Speed below which the position does not tell the torque, rad/s; 0 where it always does.
+
+    Args:
+        fitted: on all samples.
+    """
+    v, e = _kept_speed(prepared), fitted.residual
+    top = float(np.quantile(v, 0.99))
+    slow = v < _REST * top
+    friction = float(np.sqrt(np.mean(fitted.friction**2)))
+    if slow.sum() < 0.002 * len(v) or slow.all():
+        return 0.0
+    if _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
+        return 0.0
+    moving = fit(without_rest(prepared, _REST * top), fitted.terms)
+    if moving.rms > _BETTER * _rms(e[~slow]):
+        return 0.0
+    measured, predicted = predict(prepared, moving)
+    error = np.concatenate(measured) - np.concatenate(predicted)
+    edges = top * np.geomspace(_SLOWEST, _REST, _BINS)
+    unresolved = 0.0
+    for low, high in itertools.pairwise(edges):
+        inside = (v >= low) & (v < high)
+        if inside.any() and _rms(error[inside]) > _APART * moving.rms:
+            unresolved = float(high)
+    return unresolved
+
+
+def without_rest(prepared: Prepared, speed: float) -> Prepared:
+    """The logs without the samples slower than `speed`, rad/s."""
+    segments = tuple(
+        replace(s, mask=s.mask & (np.abs(s.signals[:, V]) >= speed)) for s in prepared.segments
+    )
+    return replace(prepared, segments=segments, rest_speed=speed)
+
+
+def _kept_speed(prepared: Prepared) -> Array:
+    return np.concatenate([np.abs(s.signals[:: s.step, V][s.kept]) for s in prepared.segments])
+
+
+def _rms(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2))) if e.size else 0.0

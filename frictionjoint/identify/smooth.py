@@ -1,0 +1,171 @@
+"""Terms without a physical name: what a residual depends on when no known effect explains it.
+
+Each names the measured quantity it is a curve in. They have no shape numbers that a fit refines,
+and no place in a simulation.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from sklearn.preprocessing import SplineTransformer
+
+from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
+from frictionjoint.identify.prepare import Segment
+
+Array = NDArray[np.float64]
+
+VARIABLES = {
+    "position": Q,
+    "velocity": V,
+    "acceleration": A,
+    "load": LOAD,
+    "time": TIME,
+    "temperature_c": TEMP,
+}
+
+
+def quantity(segment: Segment, signals: Array, variable: str) -> Array:
+    """A measured quantity along a segment, shape (n,)."""
+    if variable in VARIABLES:
+        return signals[:, VARIABLES[variable]]
+    return segment.others[variable]
+
+
+@dataclass(frozen=True)
+class SmoothTerm:
+    """What all unnamed terms share; see `terms.Term`.
+
+    Attributes:
+        within_logs: its coefficients belong to each log, so that other logs cannot test them.
+    """
+
+    variable: str
+    shape: ClassVar[tuple[float, ...]] = ()
+    free_shape: ClassVar[tuple[float, ...]] = ()
+    follows_law: ClassVar[bool] = False
+    within_logs: ClassVar[bool] = False
+
+    @property
+    def name(self) -> str:
+        """The quantity."""
+        return self.variable
+
+    def with_shape(self, shape: tuple[float, ...]) -> "SmoothTerm":
+        """The same: there are no shape numbers."""
+        return self
+
+
+@dataclass(frozen=True)
+class SplineTerm(SmoothTerm):
+    """A cubic spline in a quantity, alone or times the direction of friction.
+
+    Attributes:
+        low, high: range the knots span; the curve goes on as a constant outside.
+        odd: multiplied by H, the direction of friction.
+    """
+
+    low: float
+    high: float
+    odd: bool = False
+    pieces: int = 5
+
+    @property
+    def follows_law(self) -> bool:  # type: ignore[override]
+        """Only times the direction of friction."""
+        return self.odd
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Spline coefficients; the constant is not among them."""
+        return tuple(f"b{i}" for i in range(self.pieces + 2))
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, k)."""
+        x = quantity(segment, signals, self.variable)
+        knots = np.linspace(self.low, self.high, self.pieces + 1)[:, None]
+        spline = SplineTransformer(3, knots=knots, extrapolation="constant", include_bias=False)
+        spline.fit(knots)
+        out: Array = spline.transform(np.clip(x, self.low, self.high)[:, None])
+        return out * signals[:, [H]] if self.odd else out
+
+
+@dataclass(frozen=True)
+class LogTerm(SmoothTerm):
+    """A friction level of its own for every log but the first.
+
+    Attributes:
+        logs: names of the logs, in turn.
+    """
+
+    logs: tuple[str, ...]
+    follows_law: ClassVar[bool] = True
+    within_logs: ClassVar[bool] = True
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """One a log."""
+        return tuple(f"level_{i}" for i in range(1, len(self.logs)))
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, k)."""
+        own = [1.0 if segment.name == name else 0.0 for name in self.logs[1:]]
+        return signals[:, [H]] * np.array(own)
+
+
+@dataclass(frozen=True)
+class WaveTerm(SmoothTerm):
+    """A wave in time whose phase belongs to each log.
+
+    Attributes:
+        frequency: Hz. logs: names of the logs, in turn.
+    """
+
+    frequency: float
+    logs: tuple[str, ...]
+    within_logs: ClassVar[bool] = True
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Two a log."""
+        return tuple(f"{c}_{i}" for i in range(len(self.logs)) for c in ("sin", "cos"))
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, k)."""
+        angle = 2.0 * np.pi * self.frequency * signals[:, [TIME]]
+        wave = np.hstack([np.sin(angle), np.cos(angle)])
+        own = [1.0 if segment.name == name else 0.0 for name in self.logs]
+        return np.hstack([wave * x for x in own])
+
+
+@dataclass(frozen=True)
+class HysteresisTerm(SmoothTerm):
+    """Hysteresis in position beyond the law's: elastic-plastic elements of several reaches.
+
+    Attributes:
+        reaches: displacement at which each element slips, rad.
+    """
+
+    reaches: tuple[float, ...]
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Level of each element."""
+        return tuple(f"level_{i}" for i in range(len(self.reaches)))
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, k)."""
+        return _elements(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
+
+
+@njit(cache=True)
+def _elements(q: Array, reaches: Array) -> Array:
+    out = np.zeros((len(q), len(reaches)))
+    for j in range(len(reaches)):
+        z = 0.0
+        for i in range(1, len(q)):
+            z = min(1.0, max(-1.0, z + (q[i] - q[i - 1]) / reaches[j]))
+            out[i, j] = z
+    return out
