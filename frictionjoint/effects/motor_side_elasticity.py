@@ -35,7 +35,7 @@ def torque(P, e, sig, X, x):
 
 def _resonances(signals: Array) -> list[Shape]:
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
-    frequencies = 2.0 * 1.25 ** np.arange(14)
+    frequencies = 2.0 * 1.35 ** np.arange(10)
     return [(float(f), zeta) for f in frequencies if f < 0.5 * nyquist for zeta in (0.03, 0.15)]
 
 

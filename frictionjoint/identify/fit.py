@@ -11,6 +11,7 @@ viscous friction.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import get_args
 
 import numpy as np
@@ -28,8 +29,8 @@ Array = NDArray[np.float64]
 LAW_SHAPE = 6
 _LEAST_BEND = 0.02
 # evaluations given to each start of a search, and how many of the starts go on
-_HALVING = ((3, 3), (1, 5))
-_CLOSE_ENOUGH = 25
+_HALVING = ((3, 3), (1, 4))
+_CLOSE_ENOUGH = 15
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Fit:
         shape: of the law; terms: beside it.
         beta: linear coefficients, one a column, in the drive's units (see `gain`).
         gain: torque per unit of drive; 1 where the torque is measured.
-        names: of the columns, "Fc" first ("load" before it on a voltage-driven joint).
+        names: of the columns, those of `base_names` first.
         residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
         stderr: of the parameters in the order of the jacobian, block-robust.
@@ -81,18 +82,23 @@ class Fit:
 
 def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
     """Signals with H and DTAU filled in for a law."""
+    track = _law_track(segment, shape)
     signals = segment.signals.copy()
-    signals[:, H], signals[:, RATE] = shape.hysteresis(
-        segment.signals[:, TIME].copy(), segment.signals[:, Q].copy()
-    )
+    signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
     torque = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
     signals[:, DTAU] = np.gradient(torque, segment.dt)
     return signals
 
 
+def _law_track(segment: Segment, shape: Shape) -> Array:
+    """H and dz/dq along a log, shape (n, 2)."""
+    time, q = (np.ascontiguousarray(segment.signals[:, k]) for k in (TIME, Q))
+    return np.column_stack(shape.hysteresis(time, q))
+
+
 def base_names(voltage_driven: bool) -> tuple[str, ...]:
-    """Columns of the law alone: H, dz/dt and v, or load, H, dz/dt where the gain is unknown."""
-    return ("load", "Fc", "sigma1") if voltage_driven else ("Fc", "sigma1", "sigma2")
+    """Columns of the law alone: H, dz/dt, and v, or the load where the gain is unknown."""
+    return ("load", "Fc", "sigma1") if voltage_driven else ("sigma2", "Fc", "sigma1")
 
 
 class ColumnCache:
@@ -123,43 +129,57 @@ def design(
     cache = cache or ColumnCache()
     X, y = [], []
     for i, segment in enumerate(prepared.segments):
-        signals = cache.get(
-            ("signals", i, shape), lambda s=segment: full_signals(s, shape, 0.0, 0.0)
-        )
-
-        def filtered(x: Array, s: Segment = segment) -> Array:
-            return s.lowpass(x)[s.kept]
-
-        parts = [
-            cache.get(
-                ("base", i, shape),
-                lambda g=signals, f=filtered: f(_law_columns(g, prepared.voltage_driven)),
-            ),
-            *(
-                cache.get(
-                    (k, i, term.shape, shape if term.follows_law else None),
-                    lambda t=term, s=segment, g=signals, f=filtered: f(t.columns(s, g)),
-                )
-                for k, term in enumerate(terms)
-            ),
-        ]
-        target = segment.drive - (0.0 if prepared.voltage_driven else signals[:, LOAD])
-        X.append(np.column_stack(parts))
-        y.append(cache.get(("target", i), lambda x=target, f=filtered: f(x)))
+        X.append(_log_columns(prepared, i, shape, terms, cache))
+        load = 0.0 if prepared.voltage_driven else segment.signals[:, LOAD]
+        make_target = partial(_filtered, segment, lambda s=segment, x=load: s.drive - x)
+        y.append(cache.get(("target", i), make_target))
     return np.concatenate(X), np.concatenate(y)
 
 
-def _law_columns(signals: Array, voltage_driven: bool) -> Array:
-    """As `base_names` says."""
-    bristle = signals[:, RATE] * signals[:, V]
-    if voltage_driven:
-        return np.column_stack([signals[:, LOAD], signals[:, H], bristle])
-    return np.column_stack([signals[:, H], bristle, signals[:, V]])
+def _filtered(segment: Segment, make: Callable[[], Array]) -> Array:
+    return segment.lowpass(make())[segment.kept]
+
+
+def _log_columns(
+    prepared: Prepared, i: int, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache
+) -> Array:
+    """Columns of one log, in the order of `base_names`, then the terms."""
+    segment = prepared.segments[i]
+    linear = LOAD if prepared.voltage_driven else V
+
+    def track() -> Array:
+        return cache.get(("track", i, shape), lambda: _law_track(segment, shape))
+
+    def law() -> Array:
+        found = track()
+        return np.column_stack([found[:, 0], found[:, 1] * segment.signals[:, V]])
+
+    def still() -> Array:
+        """Signals but for H: these do not change with the law."""
+        signals = segment.signals.copy()
+        signals[:, DTAU] = np.gradient(signals[:, LOAD], segment.dt)
+        return signals
+
+    def columns(term: Term) -> Array:
+        signals = cache.get(("signals", i), still)
+        if term.follows_law:
+            signals = signals.copy()
+            signals[:, H], signals[:, RATE] = track().T
+        return term.columns(segment, signals)
+
+    parts = [
+        cache.get(("linear", i), lambda: _filtered(segment, lambda: segment.signals[:, [linear]])),
+        cache.get(("law", i, shape), lambda: _filtered(segment, law)),
+    ]
+    for k, term in enumerate(terms):
+        key = (k, i, term.shape, shape if term.follows_law else None)
+        parts.append(cache.get(key, lambda t=term: _filtered(segment, lambda: columns(t))))
+    return np.column_stack(parts)
 
 
 def coefficient_bounds(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    low = [1e-12, 1e-12, 0.0] if voltage_driven else [1e-12, 0.0, 0.0]
+    low = [1e-12, 1e-12, 0.0] if voltage_driven else [0.0, 1e-12, 0.0]
     high = [np.inf, np.inf, np.inf]
     for term in terms:
         bounds: tuple[tuple[float, float], ...] = ()
@@ -197,33 +217,36 @@ def fit(
         start: shape to start from (a refit); without one several starts are tried.
     """
     if start:
-        return _refined(_Outer(prepared, terms, start.form), start, _CLOSE_ENOUGH)
-    cache = ColumnCache()
+        outer = _Outer(prepared, terms, start.form)
+        return outer.result(_refined(outer, outer.vector(start), _CLOSE_ENOUGH)[1])
+    coarse, cache = prepared.thinned(), ColumnCache()
     places = []
     for i, form in enumerate(FORMS):
         progress(f"fit: form {i + 1} of {len(FORMS)}")
-        outer = _Outer(prepared, terms, form, cache)
+        outer = _Outer(coarse, terms, form, cache)
         places.append((outer, outer.best_of_grid()))
     for keep, evaluations in _HALVING:
         progress(f"fit: the better {keep} of {len(places)} starts")
-        fits = [(_refined(outer, shape, evaluations), outer) for outer, shape in places]
-        fits.sort(key=lambda found: found[0].rms)
-        places = [(outer, found.shape) for found, outer in fits[:keep]]
-    shape = places[0][1]
+        found = [(*_refined(outer, x, evaluations), outer) for outer, x in places]
+        found.sort(key=lambda place: place[0])
+        places = [(outer, x) for _, x, outer in found[:keep]]
+    outer, x = places[0]
+    shape, terms = outer.split(x)
     # how a joint that never moved loads for the first time matters at the start of a log only
-    virgins = [replace(shape, form=replace(shape.form, virgin=v)) for v in get_args(Virgin)]
-    fits = [
-        (_refined(o, s, 1), o) for o, s in ((_Outer(prepared, terms, s.form), s) for s in virgins)
-    ]
-    found, outer = min(fits, key=lambda f: f[0].rms)
     progress("fit: refining")
-    return _refined(outer, found.shape, _CLOSE_ENOUGH)
+    outers = [
+        _Outer(prepared, terms, replace(shape.form, virgin=virgin)) for virgin in get_args(Virgin)
+    ]
+    outer = min(outers, key=lambda o: float(np.sum(o.residual(o.vector(shape)) ** 2)))
+    _, x = _refined(outer, outer.vector(shape), _CLOSE_ENOUGH)
+    return outer.result(x)
 
 
-def _refined(outer: "_Outer", start: Shape, evaluations: int) -> Fit:
+def _refined(outer: "_Outer", x: Array, evaluations: int) -> tuple[float, Array]:
+    """Half the sum of squares and the place after some steps of a search from x."""
     found = least_squares(
         outer.residual,
-        outer.vector(start),
+        x,
         bounds=outer.bounds,
         diff_step=1e-3,
         x_scale=outer.scale,
@@ -231,7 +254,7 @@ def _refined(outer: "_Outer", start: Shape, evaluations: int) -> Fit:
         xtol=1e-4,
         ftol=1e-6,
     )
-    return outer.result(found.x)
+    return float(found.cost), found.x
 
 
 class _Outer:
@@ -287,14 +310,14 @@ class _Outer:
             at += k
         return shape, tuple(terms)
 
-    def best_of_grid(self) -> Shape:
+    def best_of_grid(self) -> Array:
         """Best point of a coarse grid."""
         trials = []
         for Vs in (0.02, 0.1):
             for length in (1e-5, 1e-4, 1e-3, 1e-2):
                 shape = Shape(0.2, Vs * self.vmax, 1.0, length * self.span, (0.4, 0.4), self.form)
-                squares = float(np.sum(self.residual(self.vector(shape)) ** 2))
-                trials.append((squares, len(trials), shape))
+                x = self.vector(shape)
+                trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
         return min(trials)[2]
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:

@@ -86,9 +86,25 @@ class Prepared:
     def __len__(self) -> int:
         return len(self.segments)
 
+    def thinned(self) -> "Prepared":
+        """The logs at the rate a fit keeps, for a coarse search; finer motion is lost."""
+        return replace(self, segments=tuple(_thinned(s) for s in self.segments))
+
     def subset(self, indices: list[int]) -> "Prepared":
         """Some of the logs."""
         return replace(self, segments=tuple(self.segments[i] for i in indices))
+
+
+def _thinned(s: Segment) -> Segment:
+    dt = s.dt * s.step
+    signals = s.signals[:: s.step].copy()
+    signals[1:, DT] = dt
+    # half an octave of grace, so that the fit's own filter still decides
+    drive = zero_phase(s.drive, s.dt, 1.5 * s.bandwidth_hz)[:: s.step]
+    others = {name: x[:: s.step] for name, x in s.others.items()}
+    return replace(
+        s, dt=dt, step=1, signals=signals, drive=drive, mask=s.mask[:: s.step], others=others
+    )
 
 
 def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = None) -> Prepared:

@@ -28,30 +28,34 @@ _BINS = 24
 
 def resolved(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     """Leave out the rest that the position does not resolve, and fit the same terms again."""
-    speed = rest_speed(prepared, fitted) if prepared.rest_speed == 0.0 else 0.0
+    if prepared.rest_speed > 0.0:
+        return prepared, fitted
+    speed, moving = _rest_speed(prepared, fitted)
     if speed == 0.0:
         return prepared, fitted
     prepared = without_rest(prepared, speed)
-    return prepared, fit(prepared, fitted.terms)
+    return prepared, fit(prepared, moving.terms, start=moving.shape)
 
 
-def rest_speed(prepared: Prepared, fitted: Fit) -> float:
+def _rest_speed(prepared: Prepared, fitted: Fit) -> tuple[float, Fit]:
     """Speed below which the position does not tell the torque, rad/s; 0 where it always does.
 
     Args:
         fitted: on all samples.
+    Returns:
+        the speed, and a fit without rest where there is one to leave out.
     """
     v, e = _kept_speed(prepared), fitted.residual
     top = float(np.quantile(v, 0.99))
     slow = v < _REST * top
     friction = float(np.sqrt(np.mean(fitted.friction**2)))
     if slow.sum() < 0.002 * len(v) or slow.all():
-        return 0.0
+        return 0.0, fitted
     if _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
-        return 0.0
+        return 0.0, fitted
     moving = fit(without_rest(prepared, _REST * top), fitted.terms)
     if moving.rms > _BETTER * _rms(e[~slow]):
-        return 0.0
+        return 0.0, fitted
     measured, predicted = predict(prepared, moving)
     error = np.concatenate(measured) - np.concatenate(predicted)
     edges = top * np.geomspace(_SLOWEST, _REST, _BINS)
@@ -60,7 +64,7 @@ def rest_speed(prepared: Prepared, fitted: Fit) -> float:
         inside = (v >= low) & (v < high)
         if inside.any() and _rms(error[inside]) > _APART * moving.rms:
             unresolved = float(high)
-    return unresolved
+    return unresolved, moving
 
 
 def without_rest(prepared: Prepared, speed: float) -> Prepared:
