@@ -6,7 +6,8 @@
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
 trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has no sigma2:
 what is linear in velocity there is the effect `back-emf`, which no log of voltages can tell from
-viscous friction.
+viscous friction. Nor has it sigma1 before that effect is in the model: on a soft transition curve
+that damping would stand in for it.
 """
 
 from collections.abc import Callable
@@ -96,9 +97,12 @@ def _law_track(segment: Segment, shape: Shape) -> Array:
     return np.column_stack(shape.hysteresis(time, q))
 
 
-def base_names(voltage_driven: bool) -> tuple[str, ...]:
-    """Columns of the law alone: H, dz/dt, and v, or the load where the gain is unknown."""
-    return ("load", "Fc", "sigma1") if voltage_driven else ("sigma2", "Fc", "sigma1")
+def base_names(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[str, ...]:
+    """Columns of the law alone: v, or the load where the gain is unknown; H; dz/dt."""
+    if not voltage_driven:
+        return "sigma2", "Fc", "sigma1"
+    damped = any(term.name == "back-emf" for term in terms)
+    return ("load", "Fc", "sigma1") if damped else ("load", "Fc")
 
 
 class ColumnCache:
@@ -146,13 +150,14 @@ def _log_columns(
     """Columns of one log, in the order of `base_names`, then the terms."""
     segment = prepared.segments[i]
     linear = LOAD if prepared.voltage_driven else V
+    damped = "sigma1" in base_names(prepared.voltage_driven, terms)
 
     def track() -> Array:
         return cache.get(("track", i, shape), lambda: _law_track(segment, shape))
 
     def law() -> Array:
-        found = track()
-        return np.column_stack([found[:, 0], found[:, 1] * segment.signals[:, V]])
+        H_, rate = track().T
+        return np.column_stack([H_, rate * segment.signals[:, V]] if damped else [H_])
 
     def still() -> Array:
         """Signals but for H: these do not change with the law."""
@@ -169,7 +174,7 @@ def _log_columns(
 
     parts = [
         cache.get(("linear", i), lambda: _filtered(segment, lambda: segment.signals[:, [linear]])),
-        cache.get(("law", i, shape), lambda: _filtered(segment, law)),
+        cache.get(("law", i, shape, damped), lambda: _filtered(segment, law)),
     ]
     for k, term in enumerate(terms):
         key = (k, i, term.shape, shape if term.follows_law else None)
@@ -179,8 +184,9 @@ def _log_columns(
 
 def coefficient_bounds(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    low = [1e-12, 1e-12, 0.0] if voltage_driven else [0.0, 1e-12, 0.0]
-    high = [np.inf, np.inf, np.inf]
+    least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
+    low = [least[name] for name in base_names(voltage_driven, terms)]
+    high = [np.inf] * len(low)
     for term in terms:
         bounds: tuple[tuple[float, float], ...] = ()
         if isinstance(term, EffectTerm):
@@ -201,7 +207,7 @@ def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     if np.all(beta >= low) and np.all(beta <= high):
         return beta
     Q_, R = np.linalg.qr(X / scale)
-    found = lsq_linear(R, Q_.T @ y, (low * scale, high * scale))
+    found = lsq_linear(R, Q_.T @ y, (low * scale, high * scale), method="bvls")
     return np.asarray(found.x / scale)
 
 
@@ -333,7 +339,7 @@ class _Outer:
     def result(self, x: Array) -> Fit:
         X, y, beta = self.solved(x)
         shape, terms = self.split(x)
-        names = (*base_names(self.prepared.voltage_driven),)
+        names = base_names(self.prepared.voltage_driven, self.terms)
         names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
         gain = float(1.0 / beta[0]) if self.prepared.voltage_driven else 1.0
         model = X @ beta

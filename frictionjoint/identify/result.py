@@ -35,7 +35,8 @@ def spelled(unit: str, slide: bool) -> str:
 def law_parameters(fitted: Fit) -> FrictionParameters:
     """The law as fitted, for simulation."""
     sigma2 = fitted.coefficient("sigma2") if "sigma2" in fitted.names else 0.0
-    Fc, sigma1 = fitted.coefficient("Fc"), fitted.coefficient("sigma1")
+    sigma1 = fitted.coefficient("sigma1") if "sigma1" in fitted.names else 0.0
+    Fc = fitted.coefficient("Fc")
     return fitted.shape.parameters(Fc, sigma2, sigma1)
 
 
@@ -62,15 +63,16 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     if "sigma2" in fitted.names:
         k = fitted.names.index("sigma2")
         rows["sigma2"] = Estimate(fitted.coefficient("sigma2"), _root(cov[k, k]), viscous)
-    k = fitted.names.index("sigma1")
     found = {f"{name}_{side}": x for name, x in rows.items() for side in ("pos", "neg")}
     relative = _root(cov[s + 3, s + 3])
     found["stiffness"] = Estimate(
         K, None if relative is None else K * relative, spelled("T/x", slide)
     )
-    found["sigma1"] = Estimate(
-        fitted.coefficient("sigma1"), _scaled(cov[k, k], fitted.gain), viscous
-    )
+    if "sigma1" in fitted.names:
+        k = fitted.names.index("sigma1")
+        found["sigma1"] = Estimate(
+            fitted.coefficient("sigma1"), _scaled(cov[k, k], fitted.gain), viscous
+        )
     found["n"] = Estimate(fitted.shape.form.n, None, "1")
     if gain != 1.0:
         g = cov[0, 0] * gain**2
