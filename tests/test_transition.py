@@ -22,7 +22,7 @@ def test_through_the_knots_odd_and_with_its_inverse(z):
     assert inverse_transition(P, AT, -wanted) == pytest.approx(-z, rel=1e-12, abs=1e-18)
 
 
-@pytest.mark.parametrize("delta", [0.5, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("delta", [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 10.0])
 def test_stribeck_level(delta):
     block = np.array([5.0, 3.0, 0.01, delta, 0.0])
     for v in (0.0, 0.002, 0.01, 0.07, 1.0):
