@@ -111,6 +111,19 @@ def rank(
     return Ranking(_best_of_each(rows), base_squares[False])
 
 
+def held_out_squares(jacobian: Array, residual: Array, blocks: Blocks) -> Array:
+    """Sum of squares of each block with a fit's parameters as they would be without its fold.
+
+    Args:
+        jacobian: of a fit at its optimum, shape (n, p); residual: of the same fit, shape (n,).
+    Returns:
+        shape (B,); to first order in the change of the parameters.
+    """
+    grams = blocks.gram(np.column_stack([_scaled(jacobian), residual]))
+    moved = _held_out(grams, np.arange(jacobian.shape[1]), blocks.fold)
+    return _least(moved, grams[:, -1, -1])
+
+
 def _scaled(X: Array) -> Array:
     norm = np.linalg.norm(X, axis=0)
     norm[norm == 0.0] = 1.0

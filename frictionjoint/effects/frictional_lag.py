@@ -2,29 +2,34 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from frictionjoint.effects.effect import Array, Effect, Shape
-from frictionjoint.effects.signals import DT, H
+from frictionjoint.effects.signals import DT, H, V
+
+_TOP = 0.99
 
 
 @njit(cache=True)
 def torque(P, e, sig, X, x):
-    """c sgn(H) (L filtered with the time constant tau - L), L = max(|Fh/Fc|, 1) the sliding level.
+    """c H1 (E filtered with the time constant tau - E), E = exp(-(v/Vs)**2), H1 = H within +-1.
 
     The level is late, the direction is not: a reversal turns friction round at once.
     """
-    h = sig[H]
-    level = max(abs(h), 1.0)
+    ratio = sig[V] / P[e + 1]
+    level = math.exp(-ratio * ratio)
     if sig[DT] <= 0.0:
         X[x] = level
     else:
         X[x] += (level - X[x]) * -math.expm1(-sig[DT] / P[e])
-    return math.copysign(P[e + 1] * (X[x] - level), h)
+    return P[e + 2] * min(1.0, max(-1.0, sig[H])) * (X[x] - level)
 
 
-def _time_constants(signals: Array) -> list[Shape]:
-    return [(tau,) for tau in (0.005, 0.01, 0.02, 0.04, 0.08)]
+def _lags(signals: Array) -> list[Shape]:
+    top = float(np.quantile(np.abs(signals[:, V]), _TOP))
+    taus, speeds = (0.005, 0.01, 0.02, 0.04, 0.08), (0.03, 0.08, 0.2)
+    return [(tau, share * top) for tau in taus for share in speeds if top > 0.0]
 
 
 EFFECT = Effect(
@@ -33,14 +38,14 @@ EFFECT = Effect(
     coefficients=("level",),
     units=("T",),
     cause="the lubricant film takes time to build up or collapse",
-    form="c sgn(v) (S late by a first order with time constant tau - S)",
+    form="c Fh/Fc (E late by a first order with time constant tau - E), E = exp(-(v/Vs)^2)",
     source="Hess and Soom (1990)",
     signature="a loop in the torque-velocity plane at low speed that widens with frequency",
     separating_motion="unidirectional oscillating velocity near Vs at three frequencies",
     bounds=((0.0, float("inf")),),
     entry="scales the friction level",
-    shape=("tau",),
-    shape_units=("s",),
-    shapes=_time_constants,
+    shape=("tau", "Vs"),
+    shape_units=("s", "x/s"),
+    shapes=_lags,
     memory=1,
 )

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 # shape variables of the law, ahead of those of the terms
 LAW_SHAPE = 6
 _LEAST_BEND = 0.02
+# share of a range within which a search has arrived at the range's end
+_ON_BOUND = 1e-4
 # evaluations given to each start of a search, and how many of the starts go on
 _HALVING = ((3, 3), (1, 4))
 _CLOSE_ENOUGH = 15
@@ -45,7 +47,7 @@ class Fit:
         names: of the columns, those of `base_names` first.
         residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
-        stderr: of the parameters in the order of the jacobian, block-robust.
+        bound: which parameters sit on a bound of their range, shape (p,).
         log_index: which log each sample belongs to, shape (n,).
         target_rms: rms of the measured torque.
     """
@@ -57,6 +59,7 @@ class Fit:
     names: tuple[str, ...]
     residual: Array
     jacobian: Array
+    bound: NDArray[np.bool_]
     log_index: NDArray[np.int64]
     target_rms: float
 
@@ -64,6 +67,16 @@ class Fit:
     def rms(self) -> float:
         """rms of the residual, N m."""
         return float(np.sqrt(np.mean(self.residual**2)))
+
+    @property
+    def drive_rms(self) -> float:
+        """rms of the residual in units of the drive, to compare fits whose gains differ."""
+        return self.rms / self.gain
+
+    @property
+    def free_jacobian(self) -> Array:
+        """Columns of the parameters that can still move either way, shape (n, free)."""
+        return self.jacobian[:, ~self.bound]
 
     @property
     def friction(self) -> Array:
@@ -364,9 +377,14 @@ class _Outer:
             names=names,
             residual=(y - model) * gain,
             jacobian=np.column_stack([X, *shape_columns]) * gain,
+            bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
             log_index=index,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
         )
+
+    def _near_bound(self, x: Array) -> NDArray[np.bool_]:
+        near = _ON_BOUND * (self.bounds[1] - self.bounds[0])
+        return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)
 
     def _load(self) -> Array:
         return np.concatenate(

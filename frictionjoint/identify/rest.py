@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.effects.signals import V
+from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, fit, predict
 from frictionjoint.identify.prepare import Prepared
 
@@ -21,17 +21,19 @@ _SLOWEST, _REST = 1e-4, 0.03
 # rms of the residual at rest over the rms friction, and over that of all other samples, from
 # which on the rest is looked at
 _LARGE, _APART = 0.25, 1.5
+# share of the torque's variance at rest that the position must explain to count as resolved
+_TOLD = 0.5
 # how far leaving out the rest must lower the rms of all other samples
 _BETTER = 0.8
 _BINS = 24
+# kept samples in a row that make a stay at rest
+_LEAST_STAY = 8
 
 
 def resolved(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     """Leave out the rest that the position does not resolve, and fit the same terms again."""
-    if prepared.rest_speed > 0.0:
-        return prepared, fitted
     speed, moving = _rest_speed(prepared, fitted)
-    if speed == 0.0:
+    if speed <= prepared.rest_speed:
         return prepared, fitted
     prepared = without_rest(prepared, speed)
     return prepared, fit(prepared, moving.terms, start=moving.shape)
@@ -51,10 +53,11 @@ def _rest_speed(prepared: Prepared, fitted: Fit) -> tuple[float, Fit]:
     friction = float(np.sqrt(np.mean(fitted.friction**2)))
     if slow.sum() < 0.002 * len(v) or slow.all():
         return 0.0, fitted
-    if _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
+    stuck = _stuck(prepared, _REST * top) * fitted.gain > _LARGE * friction
+    if not stuck and _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
         return 0.0, fitted
     moving = fit(without_rest(prepared, _REST * top), fitted.terms)
-    if moving.rms > _BETTER * _rms(e[~slow]):
+    if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
     measured, predicted = predict(prepared, moving)
     error = np.concatenate(measured) - np.concatenate(predicted)
@@ -65,6 +68,28 @@ def _rest_speed(prepared: Prepared, fitted: Fit) -> tuple[float, Fit]:
         if inside.any() and _rms(error[inside]) > _APART * moving.rms:
             unresolved = float(high)
     return unresolved, moving
+
+
+def _stuck(prepared: Prepared, speed: float) -> float:
+    """rms over all rest of the drive that the position does not tell; 0 where it tells enough.
+
+    Within a stay at rest the drive is a curve of the position, steep where presliding is stiff;
+    a drive that wanders while the position stands is not.
+    """
+    left, whole, n = 0.0, 0.0, 0
+    for s in prepared.segments:
+        drive, v, q = s.lowpass(s.drive), s.signals[:: s.step, V], s.signals[:: s.step, Q]
+        slow = s.kept & (np.abs(v) < speed)
+        edges = np.flatnonzero(np.diff(slow, prepend=False, append=False))
+        for begin, end in zip(edges[::2], edges[1::2], strict=True):
+            if end - begin < _LEAST_STAY:
+                continue
+            d, x = drive[begin:end], q[begin:end]
+            curve = np.vander((x - x.mean()) / (np.ptp(x) or 1.0), 4)
+            left += float(np.sum((d - curve @ np.linalg.lstsq(curve, d, rcond=None)[0]) ** 2))
+            whole += float(np.sum((d - d.mean()) ** 2))
+            n += end - begin
+    return (left / n) ** 0.5 if n and left > (1.0 - _TOLD) * whole else 0.0
 
 
 def without_rest(prepared: Prepared, speed: float) -> Prepared:
