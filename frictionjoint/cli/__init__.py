@@ -113,12 +113,14 @@ def identify(
     from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.uncertainty import covariance
+    from frictionjoint.measured.bounded import bounded
     from frictionjoint.report.write import write_files
 
     with progress() as told:
         mapping = _mapping(column)
         body = RigidBody(model, joint)
-        prepared = prepare([_read(path, joint, mapping) for path in logs], body)
+        read = bounded([_read(path, joint, mapping) for path in logs])
+        prepared = prepare(read, body)
         prepared, fitted = resolved(prepared, fit(prepared, progress=told))
         blocks = make_blocks(fitted.residual, fitted.log_index)
         estimates = law_estimates(fitted, covariance(fitted, blocks.of_sample), body.slide)

@@ -29,6 +29,7 @@ from frictionjoint.identify.result import Estimate, law_estimates, term_estimate
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.uncertainty import covariance
+from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
@@ -136,9 +137,9 @@ def _parted(
     """Logs to fit and logs held out, read where they are files."""
     fitted = [_read(log, joint) for log in logs]
     if not isinstance(held_out, float | int):
-        return fitted, [_read(log, joint) for log in held_out]
+        return bounded(fitted), bounded([_read(log, joint) for log in held_out])
     pairs = [split_in_time(log, held_out) for log in fitted]
-    return [first for first, _ in pairs], [last for _, last in pairs]
+    return bounded([first for first, _ in pairs]), bounded([last for _, last in pairs])
 
 
 def _read(log: LogLike, joint: str) -> JointLog:
