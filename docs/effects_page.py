@@ -1,0 +1,93 @@
+"""The catalogue's page: each effect's own words, and its torque along one and the same motion.
+
+Run by mkdocs (gen-files) when the site is built; nothing it writes is committed.
+"""
+
+import io
+
+import matplotlib
+import mkdocs_gen_files
+import numpy as np
+
+matplotlib.use("svg")
+from matplotlib import pyplot as plt
+
+from frictionjoint.effects import signals as s
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Array, Effect
+from frictionjoint.effects.kernel import MEMORY, effect_torque
+
+
+def motion() -> Array:
+    """Two periods of q = sin t with every signal an effect may look at, shape (2000, N_SIGNALS)."""
+    t = np.linspace(0.0, 4.0 * np.pi, 2000)
+    rows = np.zeros((len(t), s.N_SIGNALS))
+    q, v = np.sin(t), np.cos(t)
+    H = np.tanh(v / 0.05)
+    rows[:, s.TIME], rows[:, s.DT] = t, t[1] - t[0]
+    rows[0, s.DT] = 0.0
+    rows[:, s.Q], rows[:, s.V], rows[:, s.A], rows[:, s.JERK], rows[:, s.SNAP] = q, v, -q, -v, q
+    rows[:, s.LOAD], rows[:, s.GX], rows[:, s.GY] = 5.0 * q, 9.81 * np.sin(q), 9.81 * np.cos(q)
+    rows[:, s.TEMP] = 25.0 + 10.0 * t / t[-1]
+    rows[:, s.H] = H
+    rows[:, s.DTAU] = np.gradient(5.0 * q + H, t)
+    rows[:, s.RATE] = 1.0 - np.abs(H)
+    return rows
+
+
+def torque(effect: Effect, rows: Array) -> Array:
+    """Torque with coefficients one, or the nearest their bounds allow; shape (n,)."""
+    bounds = effect.bounds or ((-np.inf, np.inf),) * len(effect.coefficients)
+    ones = [float(np.clip(1.0, low, high)) for low, high in bounds]
+    grid = effect.shapes(rows)
+    shape = grid[len(grid) // 2] if grid and grid[0] else (4.0,) * len(effect.shape)
+    P = np.array([*shape, *ones])
+    X = np.zeros(MEMORY)
+    return np.array([effect_torque(effect.effect_id, P, 0, row, X, 0) for row in rows])
+
+
+def picture(effect: Effect, rows: Array) -> str:
+    """The torque against position, velocity and time, as SVG."""
+    figure, axes = plt.subplots(1, 3, figsize=(9, 2.4), sharey=True, layout="constrained")
+    values = torque(effect, rows)
+    labels = {s.Q: "position", s.V: "velocity", s.TIME: "time"}
+    for axis, (column, label) in zip(axes, labels.items(), strict=True):
+        axis.plot(rows[:, column], values, lw=1)
+        axis.set_xlabel(label)
+        axis.grid(alpha=0.3)
+    axes[0].set_ylabel("torque, coefficients one")
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    plt.close(figure)
+    return text.getvalue()
+
+
+def main() -> None:
+    """Page and pictures."""
+    rows = motion()
+    lines = [
+        "# Effects\n",
+        "What may be missing beside the friction law. The pictures show each effect's own torque",
+        "along q = sin t with all coefficients one, against position, velocity and time; they show",
+        "shape, not size. T stands for N m or N, x for rad or m.\n",
+    ]
+    for effect in CATALOGUE:
+        name = f"img/effects/{effect.effect_id}.svg"
+        with mkdocs_gen_files.open(name, "w") as file:
+            file.write(picture(effect, rows))
+        units = [f"{c} ({u})" for c, u in zip(effect.coefficients, effect.units, strict=True)]
+        units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
+        lines += [
+            f"## {effect.name}: {effect.cause}\n",
+            f"![Torque of {effect.name}]({name})\n",
+            f"* Form: `{effect.form}`; {effect.entry}",
+            f"* Numbers: {', '.join(units)}",
+            f"* Signature: {effect.signature}",
+            f"* Record to tell it apart: {effect.separating_motion}",
+            f"* Source: {effect.source}\n",
+        ]
+    with mkdocs_gen_files.open("effects.md", "w") as file:
+        file.write("\n".join(lines))
+
+
+main()
