@@ -8,8 +8,14 @@ from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import Friction, FrictionParameters
+from frictionjoint.rivals import RIVALS
 
-_CLASSES: dict[str, type[FrictionParameters]] = {"integrated": FrictionParameters}
+_CLASSES: dict[str, Any] = {
+    FrictionParameters.law: FrictionParameters,
+    **{cls.law: cls for cls in RIVALS},
+}
+_NUMBERS: dict[float, Any] = {1.0: FrictionParameters, **{float(c.number): c for c in RIVALS}}
+LAWS = tuple(_CLASSES)
 
 
 def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
@@ -21,7 +27,8 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
     law = values.get("law", "integrated")
     if not isinstance(law, str) or law not in _CLASSES:
         raise ParameterError(f"unknown law {law!r}: known are {', '.join(_CLASSES)}")
-    return _CLASSES[law].from_dict(values)
+    found: Friction = _CLASSES[law].from_dict(values)
+    return found
 
 
 def unpack(block: NDArray[np.float64]) -> Friction:
@@ -30,6 +37,7 @@ def unpack(block: NDArray[np.float64]) -> Friction:
     Raises:
         ParameterError: the block belongs to no law, or holds values out of range.
     """
-    if len(block) < 1 or block[0] != 1.0:
+    if len(block) < 1 or float(block[0]) not in _NUMBERS:
         raise ParameterError(f"no friction law has the number {block[:1]}")
-    return FrictionParameters.unpack(block)
+    found: Friction = _NUMBERS[float(block[0])].unpack(block)
+    return found

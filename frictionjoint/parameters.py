@@ -80,21 +80,23 @@ class FrictionParameters:
         for field in dataclasses.fields(self):
             if field.name in ("knots", "variant", "virgin"):
                 continue
-            object.__setattr__(self, field.name, _number(field.name, getattr(self, field.name)))
+            object.__setattr__(
+                self, field.name, check_number(field.name, getattr(self, field.name))
+            )
         for side in ("pos", "neg"):
             Fs, Fc = getattr(self, f"Fs_{side}"), getattr(self, f"Fc_{side}")
-            _require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
-            _require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
+            require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
+            require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
             Vs = getattr(self, f"Vs_{side}")
-            _require(Vs > 0, f"Vs_{side}", Vs, "> 0")
+            require(Vs > 0, f"Vs_{side}", Vs, "> 0")
             delta = getattr(self, f"delta_{side}")
-            _require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
+            require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
             sigma2 = getattr(self, f"sigma2_{side}")
-            _require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
-        _require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
-        _require(1 <= self.n <= MOST_EXPONENT, "n", self.n, f"in [1, {MOST_EXPONENT:g}]")
-        _require(self.variant in get_args(Variant), "variant", self.variant, _one_of(Variant))
-        _require(self.virgin in get_args(Virgin), "virgin", self.virgin, _one_of(Virgin))
+            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
+        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
+        require(1 <= self.n <= MOST_EXPONENT, "n", self.n, f"in [1, {MOST_EXPONENT:g}]")
+        require(self.variant in get_args(Variant), "variant", self.variant, _one_of(Variant))
+        require(self.virgin in get_args(Virgin), "virgin", self.virgin, _one_of(Virgin))
         object.__setattr__(self, "knots", _checked_knots(self.knots, self.Fs_pos + self.Fs_neg))
 
     @classmethod
@@ -195,7 +197,8 @@ def _segments(knots: Knots) -> Iterator[tuple[float, float, float]]:
         z0, F0 = z, F
 
 
-def _number(name: str, value: Any) -> float:
+def check_number(name: str, value: Any) -> float:
+    """`value` as a finite float, or ParameterError naming it."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ParameterError(f"{name} is {value!r}: give a number")
     try:
@@ -207,7 +210,8 @@ def _number(name: str, value: Any) -> float:
     return number
 
 
-def _require(holds: bool, name: str, value: Any, allowed: str) -> None:
+def require(holds: bool, name: str, value: Any, allowed: str) -> None:
+    """Raise ParameterError, naming the value and what is allowed, unless `holds`."""
     if not holds:
         shown = f"{value:g}" if isinstance(value, float) else repr(value)
         raise ParameterError(f"{name} is {shown}: it must be {allowed}")
@@ -219,12 +223,12 @@ def _one_of(literal: Any) -> str:
 
 def _checked_knots(knots: Any, reach: float) -> Knots:
     try:
-        pairs = tuple((_number("knots", z), _number("knots", F)) for z, F in knots)
+        pairs = tuple((check_number("knots", z), check_number("knots", F)) for z, F in knots)
     except (TypeError, ValueError) as error:
         if isinstance(error, ParameterError):
             raise
         raise ParameterError("knots must be pairs [z, F] of numbers: rad and N m") from None
-    _require(1 <= len(pairs) <= MOST_KNOTS, "number of knots", len(pairs), f"1 to {MOST_KNOTS}")
+    require(1 <= len(pairs) <= MOST_KNOTS, "number of knots", len(pairs), f"1 to {MOST_KNOTS}")
     z0 = F0 = 0.0
     previous = math.inf
     for i, (z, F) in enumerate(pairs):

@@ -5,6 +5,9 @@
 ``relaxation``  the exact solution of dr/da = 1 - sgn(r) |r|**n
 ``memory``      the stacks of minima m and maxima M
 ``integrated``  one step of the integrated friction model (1997, and its 2002 modification)
+``bristle``     layout the rival laws share: ``static``, ``armstrong``, ``dahl``, ``lugre``,
+                ``elastoplastic``, ``maxwell_slip``, one file each
+``kernel``      one entry to all laws
 ``motion``      a law driven along a given motion
 
 Every law is a function on two flat float64 arrays, parameters ``P`` and state ``X``, with

@@ -1,58 +1,135 @@
 """One entry to all laws: a block of parameters says which law it is, a row of state belongs to it.
 
 Parameter block ``P[p:]``: the number of the law, then the law's own numbers (its module says
-which). State row ``X[x:]``: the committed header, the header of the last evaluation, the stacks.
-`step_row` evaluates from the committed header as often as asked; `commit` makes the last
-evaluation the new starting point.
+which). State row ``X[x:]``: the committed header, the header of the last evaluation, and for the
+integrated law the stacks. `step_row` evaluates from the committed header as often as asked;
+`commit` makes the last evaluation the new starting point.
+
+numba cannot cache a table of functions, hence the chains of comparisons; the integrated law comes
+first in each.
 """
 
+import numpy as np
 from numba import njit
 
-from frictionjoint.law import integrated
+from frictionjoint.law import (
+    armstrong,
+    bristle,
+    dahl,
+    elastoplastic,
+    integrated,
+    lugre,
+    maxwell_slip,
+    static,
+)
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, make_room
 from frictionjoint.law.stribeck import FC
 
-INTEGRATED = 1
+INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
 
 _start_integrated = integrated.start
 _step_integrated = integrated.step
+_step_static = static.step
+_step_armstrong = armstrong.step
+_step_dahl = dahl.step
+_step_lugre = lugre.step
+_step_elastoplastic = elastoplastic.step
+_step_maxwell_slip = maxwell_slip.step
+_size_maxwell_slip = maxwell_slip.size
+
+
+@njit(cache=True)
+def _rival_header(P, p):
+    """float64 of one header of a law other than the integrated one."""
+    if P[p] == MAXWELL_SLIP:
+        return _size_maxwell_slip(P, p + 1)
+    if P[p] == ARMSTRONG:
+        return armstrong.SIZE
+    return bristle.HEADER
+
+
+@njit(cache=True)
+def header_size(P, p):
+    """Where the header of the last evaluation begins in a row."""
+    return HEADER if P[p] == INTEGRATED else _rival_header(P, p)
 
 
 @njit(cache=True)
 def row_size(P, p):
     """Number of float64 a joint's state takes."""
-    return 2 * HEADER + 2 * CAPACITY
+    if P[p] == INTEGRATED:
+        return 2 * HEADER + 2 * CAPACITY
+    return 2 * _rival_header(P, p)
 
 
 @njit(cache=True)
 def start_row(P, p, X, x):
     """At rest and never moved."""
-    _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
-    for i in range(HEADER):
-        X[x + HEADER + i] = X[x + i]
+    if P[p] == INTEGRATED:
+        _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
+        for i in range(HEADER):
+            X[x + HEADER + i] = X[x + i]
+        return
+    n = _rival_header(P, p)
+    for i in range(2 * n):
+        X[x + i] = 0.0
+    # bristles at rest follow the motion one to one; the static law has none
+    if P[p] != STATIC:
+        X[x + bristle.RATE] = 1.0
+        X[x + n + bristle.RATE] = 1.0
+
+
+@njit(cache=True)
+def _step_rival(P, p, X, x, dq, dt, v):
+    law = P[p]
+    h = x + _rival_header(P, p)
+    if law == LUGRE:
+        return _step_lugre(P, p + 1, X, x, h, dq, dt, v)
+    if law == MAXWELL_SLIP:
+        return _step_maxwell_slip(P, p + 1, X, x, h, dq, dt, v)
+    if law == ELASTOPLASTIC:
+        return _step_elastoplastic(P, p + 1, X, x, h, dq, dt, v)
+    if law == DAHL:
+        return _step_dahl(P, p + 1, X, x, h, dq, dt, v)
+    if law == ARMSTRONG:
+        return _step_armstrong(P, p + 1, X, x, h, dq, dt, v)
+    if law == STATIC:
+        return _step_static(P, p + 1, X, x, h, dq, dt, v)
+    return np.nan
 
 
 @njit(cache=True)
 def step_row(P, p, X, x, dq, dt, v):
     """Torque after a displacement from the committed point; leaves the committed point alone."""
-    return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+    if P[p] == INTEGRATED:
+        return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+    return _step_rival(P, p, X, x, dq, dt, v)
 
 
 @njit(cache=True)
 def commit(P, p, X, x):
     """The last evaluated point becomes the committed one."""
-    for i in range(HEADER):
-        X[x + i] = X[x + HEADER + i]
-    make_room(X, x, x + 2 * HEADER)
+    if P[p] == INTEGRATED:
+        for i in range(HEADER):
+            X[x + i] = X[x + HEADER + i]
+        make_room(X, x, x + 2 * HEADER)
+        return
+    n = _rival_header(P, p)
+    for i in range(n):
+        X[x + i] = X[x + n + i]
 
 
 @njit(cache=True)
 def hysteresis_torque(P, p, X, x):
-    """Fh of the last evaluation, N m."""
-    return X[x + HEADER + FH]
+    """Fh of the last evaluation, N m: the friction torque without its viscous and sigma1 parts."""
+    if P[p] == INTEGRATED:
+        return X[x + HEADER + FH]
+    return X[x + _rival_header(P, p) + bristle.FH]
 
 
 @njit(cache=True)
 def coulomb_level(P, p):
     """Mean of the two directions' Coulomb torques, N m."""
-    return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
+    if P[p] == INTEGRATED:
+        return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
+    return 0.5 * (P[p + 1 + bristle.POSITIVE + FC] + P[p + 1 + bristle.NEGATIVE + FC])

@@ -1,0 +1,394 @@
+"""Parameters of the rival friction laws, one frozen class a law.
+
+Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m
+and m for rad. Every class raises `ParameterError`, naming the value and its range.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.errors import ParameterError
+from frictionjoint.parameters import check_keys, check_number, require
+
+MOST_ELEMENTS = 16
+_SIDES = ("pos", "neg")
+_LEVELS = ("Fs", "Fc", "Vs", "delta", "sigma2")
+_PER_SIDE = len(_LEVELS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Rival:
+    """What the rivals share: reading, writing and the block of numbers.
+
+    A block is the law's number, sigma1, the levels of both directions, the law's own numbers.
+    """
+
+    law: ClassVar[str]
+    number: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            if field.type is float:
+                value = check_number(field.name, getattr(self, field.name))
+                object.__setattr__(self, field.name, value)
+        self._check()
+
+    def _check(self) -> None:
+        raise NotImplementedError
+
+    def _levels(self, side: str) -> list[float]:
+        raise NotImplementedError
+
+    def _own(self) -> list[float]:
+        raise NotImplementedError
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        raise NotImplementedError
+
+    def pack(self) -> NDArray[np.float64]:
+        """The block ``law.kernel`` reads, the number of the law in front."""
+        levels = [x for side in _SIDES for x in self._levels(side)]
+        sigma1 = getattr(self, "sigma1", 0.0)
+        return np.array([float(self.number), sigma1, *levels, *self._own()])
+
+    @classmethod
+    def unpack(cls, block: NDArray[np.float64]) -> Self:
+        """Inverse of `pack`.
+
+        Raises:
+            ParameterError: the block is damaged or its values are out of range.
+        """
+        numbers = [float(x) for x in block]
+        first = 2 + 2 * _PER_SIDE
+        names = [f"{name}_{side}" for side in _SIDES for name in _LEVELS]
+        damaged = ParameterError("the friction block is damaged: install the friction anew")
+        if len(numbers) < first:
+            raise damaged
+        try:
+            levels = dict(zip(names, numbers[2:first], strict=True))
+            found = cls._from_numbers(numbers[1], levels, numbers[first:])
+        except (IndexError, ValueError, OverflowError) as error:
+            if isinstance(error, ParameterError):
+                raise
+            raise damaged from None
+        # the numbers a law has no field for must be those it writes
+        if not np.array_equal(found.pack(), block):
+            raise damaged
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by field name, `law` first."""
+        values = dataclasses.asdict(self)
+        return {"law": self.law, **values}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Inverse of `to_dict`.
+
+        Raises:
+            ParameterError: a key is unknown or missing, or a value out of range.
+        """
+        given = {key: x for key, x in values.items() if key != "law"}
+        check_keys(cls, given)
+        return cls(**given)
+
+    @classmethod
+    def symmetric(cls, **values: Any) -> Self:
+        """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
+        both = {
+            (f"{name}_{side}" if name in _LEVELS else name): x
+            for name, x in values.items()
+            for side in _SIDES
+        }
+        check_keys(cls, both)
+        return cls(**both)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stribeck(_Rival):
+    """Levels with a Stribeck effect; see `FrictionParameters` for ranges and units."""
+
+    Fs_pos: float
+    Fs_neg: float
+    Fc_pos: float
+    Fc_neg: float
+    Vs_pos: float
+    Vs_neg: float
+    delta_pos: float = 2.0
+    delta_neg: float = 2.0
+    sigma2_pos: float = 0.0
+    sigma2_neg: float = 0.0
+
+    def _check(self) -> None:
+        for side in _SIDES:
+            Fs, Fc, Vs, delta, sigma2 = self._levels(side)
+            require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
+            require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
+            require(Vs > 0, f"Vs_{side}", Vs, "> 0")
+            require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
+            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
+
+    def _levels(self, side: str) -> list[float]:
+        return [getattr(self, f"{name}_{side}") for name in _LEVELS]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticParameters(_Stribeck):
+    """Coulomb, Stribeck and viscous torque as a function of velocity (see ``law.static``).
+
+    Attributes:
+        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
+        V0: rad/s, > 0; below this speed the torque falls linearly to zero.
+    """
+
+    V0: float
+
+    law: ClassVar[str] = "static"
+    number: ClassVar[int] = 2
+
+    @property
+    def stiffness(self) -> float:
+        """None before sliding: the law knows no displacement."""
+        return 0.0
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.V0 > 0, "V0", self.V0, "> 0")
+
+    def _own(self) -> list[float]:
+        return [self.V0]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        (V0,) = own
+        return cls(**levels, V0=V0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmstrongParameters(_Stribeck):
+    """Linear presliding spring with breakaway, Armstrong-Helouvry (1991), ``law.armstrong``.
+
+    Attributes:
+        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
+        sigma0: stiffness before breakaway, N m/rad, > 0.
+    """
+
+    sigma0: float
+
+    law: ClassVar[str] = "armstrong"
+    number: ClassVar[int] = 3
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness, N m/rad."""
+        return self.sigma0
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
+
+    def _own(self) -> list[float]:
+        return [self.sigma0]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        (sigma0,) = own
+        return cls(**levels, sigma0=sigma0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DahlParameters(_Rival):
+    """Dahl's law (1968), ``law.dahl``.
+
+    Attributes:
+        Fc_pos, Fc_neg: Coulomb torque, N m, > 0.
+        sigma2_pos, sigma2_neg: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report).
+        sigma0: stiffness at zero torque, N m/rad, > 0.
+        i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
+    """
+
+    Fc_pos: float
+    Fc_neg: float
+    sigma2_pos: float = 0.0
+    sigma2_neg: float = 0.0
+    sigma0: float
+    i: float = 1.0
+
+    law: ClassVar[str] = "dahl"
+    number: ClassVar[int] = 4
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness at a reversal of a symmetric joint, N m/rad."""
+        return self.sigma0 * 2.0**self.i
+
+    def _check(self) -> None:
+        for side in _SIDES:
+            Fc, _, _, _, sigma2 = self._levels(side)
+            require(Fc > 0, f"Fc_{side}", Fc, "> 0 (a magnitude, also for negative motion)")
+            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
+        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
+        require(0 <= self.i <= 10, "i", self.i, "in [0, 10]")
+
+    def _levels(self, side: str) -> list[float]:
+        Fc = getattr(self, f"Fc_{side}")
+        return [Fc, Fc, 1.0, 1.0, getattr(self, f"sigma2_{side}")]
+
+    def _own(self) -> list[float]:
+        return [self.sigma0, self.i]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        sigma0, i = own
+        mine = {name: x for name, x in levels.items() if name.startswith(("Fc", "sigma2"))}
+        return cls(**mine, sigma0=sigma0, i=i)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LuGreParameters(_Stribeck):
+    """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
+
+    Attributes:
+        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
+        sigma0: bristle stiffness, N m/rad, > 0.
+        sigma1: bristle damping, N m s/rad, >= 0.
+    """
+
+    sigma0: float
+    sigma1: float = 0.0
+
+    law: ClassVar[str] = "lugre"
+    number: ClassVar[int] = 5
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness at zero torque, N m/rad."""
+        return self.sigma0
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
+        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
+
+    def _own(self) -> list[float]:
+        return [self.sigma0]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        (sigma0,) = own
+        return cls(**levels, sigma0=sigma0, sigma1=sigma1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElastoplasticParameters(_Stribeck):
+    """Elasto-plastic friction (Dupont et al. 2002), ``law.elastoplastic``.
+
+    Attributes:
+        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
+        sigma0: bristle stiffness, N m/rad, > 0.
+        sigma1: bristle damping, N m s/rad, >= 0.
+        breakaway: torque up to which the contact is elastic over Fc, 0 <= breakaway <= 0.99;
+            sigma0 zba = breakaway Fc.
+    """
+
+    sigma0: float
+    sigma1: float = 0.0
+    breakaway: float = 0.7
+
+    law: ClassVar[str] = "elastoplastic"
+    number: ClassVar[int] = 6
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness, N m/rad."""
+        return self.sigma0
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
+        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
+        require(0 <= self.breakaway <= 0.99, "breakaway", self.breakaway, "in [0, 0.99]")
+
+    def _own(self) -> list[float]:
+        return [self.sigma0, self.breakaway]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        sigma0, breakaway = own
+        return cls(**levels, sigma0=sigma0, sigma1=sigma1, breakaway=breakaway)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaxwellSlipParameters(_Stribeck):
+    """Generalized Maxwell-slip (Al-Bender, Lampaert and Swevers 2005), ``law.maxwell_slip``.
+
+    Attributes:
+        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
+        elements: ((k, share), ...), 1 to 16 elements; k in N m/rad, > 0, shares of the level S,
+            > 0, that sum to 1.
+        C: attraction to the Stribeck curve, N m/s, > 0.
+    """
+
+    elements: tuple[tuple[float, float], ...]
+    C: float
+
+    law: ClassVar[str] = "maxwell_slip"
+    number: ClassVar[int] = 7
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness at a reversal, N m/rad: all springs together."""
+        return math.fsum(k for k, _ in self.elements)
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.C > 0, "C", self.C, "> 0")
+        try:
+            pairs = tuple(
+                (check_number("elements", k), check_number("elements", share))
+                for k, share in self.elements
+            )
+        except (TypeError, ValueError) as error:
+            if isinstance(error, ParameterError):
+                raise
+            raise ParameterError(
+                "elements must be pairs [k, share] of numbers: N m/rad and a share of 1"
+            ) from None
+        most = MOST_ELEMENTS
+        require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")
+        for i, (k, share) in enumerate(pairs):
+            require(k > 0, f"elements[{i}] stiffness", k, "> 0")
+            require(share > 0, f"elements[{i}] share", share, "> 0")
+        total = math.fsum(share for _, share in pairs)
+        require(abs(total - 1) < 1e-9, "sum of the elements' shares", total, "1")
+        object.__setattr__(self, "elements", pairs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by field name, `law` first."""
+        return {**super().to_dict(), "elements": [list(pair) for pair in self.elements]}
+
+    def _own(self) -> list[float]:
+        return [self.C, float(len(self.elements)), *(x for pair in self.elements for x in pair)]
+
+    @classmethod
+    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
+        n = int(own[1])
+        pairs = tuple((own[2 + 2 * i], own[3 + 2 * i]) for i in range(n))
+        return cls(**levels, elements=pairs, C=own[0])
+
+
+RIVALS: tuple[type[_Rival], ...] = (
+    StaticParameters,
+    ArmstrongParameters,
+    DahlParameters,
+    LuGreParameters,
+    ElastoplasticParameters,
+    MaxwellSlipParameters,
+)
