@@ -222,3 +222,23 @@ def test_splitting_holds_out_the_end() -> None:
 def test_no_half_valid_log_can_be_made(change: dict[str, object]) -> None:
     with pytest.raises(LogError):
         replace(make_log(), **change)  # type: ignore[arg-type]
+
+
+def stuck_log(tmp_path, ratio):
+    t = 0.01 * np.arange(500)
+    target = 0.05 * np.sin(2 * np.pi * 0.5 * t)
+    path = tmp_path / "stuck.csv"
+    columns = np.column_stack([t, ratio * target, target, 3.0 * target])
+    head = "time_s,position_rad,target_rad,torque_nm"
+    np.savetxt(path, columns, delimiter=",", header=head, comments="")
+    return path
+
+
+def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path):
+    assert len(read_log(stuck_log(tmp_path, 5e-4), "j").time) == 500
+
+
+@pytest.mark.parametrize("ratio", [np.pi / 180, 180 / np.pi])
+def test_target_and_position_in_different_units_are_refused(tmp_path, ratio):
+    with pytest.raises(LogError, match="units of the two"):
+        read_log(stuck_log(tmp_path, ratio), "j")

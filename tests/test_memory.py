@@ -6,6 +6,7 @@ from reference.integrated_solver import reference_torque
 from frictionjoint import friction_torque
 from frictionjoint.law import memory as m
 from frictionjoint.law.integrated import start
+from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 from frictionjoint.parameters import FrictionParameters
 
 KNOTS = ((1e-5, 4.0), (3e-5, 8.0), (1e-4, 12.0))
@@ -55,3 +56,25 @@ def test_a_spiral_deeper_than_the_stacks_stays_near_full_memory():
     assert events["reversal"] > 100
     assert np.abs(got - wanted).max() < 0.2 * 5.0
     assert np.abs(got[: m.CAPACITY] - wanted[: m.CAPACITY]).max() < 5e-6
+
+
+def test_ten_thousand_shrinking_reversals_stay_within_the_bound():
+    """In and out again, against the reference with all its memory; the row never grows."""
+    reversals = 10_000
+    spiral = 1.4e-5 * (1 - np.arange(reversals) / (reversals + 1))
+    spiral *= (-1.0) ** np.arange(reversals)
+    q = np.concatenate(([0.0], spiral, -spiral[::-1]))
+    P = LAW.pack()
+    X = np.zeros(row_size(P, 0))
+    start_row(P, 0, X, 0)
+    torque, bound = [0.0], [0.0]
+    for dq in np.diff(q):
+        torque.append(step_row(P, 0, X, 0, dq, 1.0, dq))
+        commit(P, 0, X, 0)
+        bound.append(X[m.BOUND])
+    wanted, events = reference_torque(LAW, np.arange(len(q)) * 1.0, q)
+    assert events["reversal"] > reversals
+    assert X[m.FORGOTTEN] > reversals / 2 - m.CAPACITY - 50
+    error = np.abs(np.array(torque) - wanted)
+    assert (error <= np.array(bound) + 1e-5).all()
+    assert error.max() < 0.01 * LAW.Fs_pos  # far below what the bound allows

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
-import native_complaints as native  # noqa: E402
+import native_complaints as native
 
 
 def test_holding_half_the_breakaway_for_a_minute_ends_where_it_settled():

@@ -36,6 +36,10 @@ _LARGEST = {
 }
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
+# A joint does not run this many times as far as its target.
+_TOO_FAR = 20.0
+# Ratios to a target in degrees or millimetres: wrong units, where the joint follows it so well.
+_MISTAKEN_UNITS, _NEAR, _FOLLOWS = (np.pi / 180, 1e-3), 0.2, 0.95
 _BLOCK = 1 << 16
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
@@ -175,14 +179,23 @@ def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, 
 
 
 def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
-    """A position follows its target, so that their units can be compared."""
+    """A position follows its target, so that their units can be compared.
+
+    A joint may stick and hardly move at all, but not run far beyond its target; where it moves
+    less, only the very factors of degrees and of millimetres are taken for a wrong unit.
+    """
     prefix, dot, unit = name.rpartition(".")
     target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"
     if target_name not in columns:
         return
     spans = [float(np.std(columns[c])) for c in (name, target_name)]
-    if min(spans) > 0.0 and not 0.05 < spans[0] / spans[1] < 20.0:
+    if min(spans) == 0.0:
+        return
+    ratio = spans[0] / spans[1]
+    follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > _FOLLOWS
+    mistaken = follows and any(abs(ratio / unit - 1.0) < _NEAR for unit in _MISTAKEN_UNITS)
+    if ratio > _TOO_FAR or mistaken:
         raise LogError(
-            f"{source}: {name} moves {spans[0] / spans[1]:.3g} times as far as {target_name}: "
+            f"{source}: {name} moves {ratio:.3g} times as far as {target_name}: "
             "check the units of the two"
         )
