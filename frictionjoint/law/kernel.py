@@ -133,3 +133,22 @@ def coulomb_level(P, p):
     if P[p] == INTEGRATED:
         return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
     return 0.5 * (P[p + 1 + bristle.POSITIVE + FC] + P[p + 1 + bristle.NEGATIVE + FC])
+
+
+@njit(cache=True)
+def presliding(P, p):
+    """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding; none where unknown."""
+    law = P[p]
+    if law == INTEGRATED:
+        return P[p + 1 + integrated.KNOTS + 3], P[p + 1 + integrated.SIGMA1]
+    if law == STATIC:
+        return 0.0, 0.0
+    if law == MAXWELL_SLIP:
+        K = 0.0
+        for i in range(int(P[p + 1 + maxwell_slip.N_ELEMENTS])):
+            K += P[p + 1 + maxwell_slip.ELEMENTS + 2 * i]
+        return K, 0.0
+    K = P[p + 1 + bristle.OWN]
+    if law == DAHL:
+        K *= 2.0 ** P[p + 1 + bristle.OWN + 1]
+    return K, P[p + 1 + bristle.SIGMA1]

@@ -38,6 +38,9 @@ from frictionjoint.simulate.row import (
     evaluate,
 )
 
+# its four evaluations a step are no steps of their own
+RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
+
 
 @intrinsic
 def _pointer(typing_context, address):  # type: ignore[no-untyped-def]
@@ -107,6 +110,7 @@ def build_native() -> Any:
     at_nv, at_nnumeric = model_at["nv"] // 8, model_at["nnumeric"] // 8
     at_adr, at_numeric = model_at["numeric_adr"] // 8, model_at["numeric_data"] // 8
     at_gravity = model_at["gravity"] // 8
+    at_step, at_integrator = model_at["timestep"] // 8, model_at["integrator"] // 4
     at_body, at_axis = model_at["jnt_bodyid"] // 8, model_at["jnt_axis"] // 8
     at_rowadr, at_rownnz = model_at["M_rowadr"] // 8, model_at["M_rownnz"] // 8
     at_time, at_qpos, at_qvel = (data_at[k] // 8 for k in ("time", "qpos", "qvel"))
@@ -162,6 +166,13 @@ def build_native() -> Any:
         passive = carray(_pointer(data[at_passive]), (1,), np.float64)
         X = carray(_pointer(data[at_user]), (1,), np.float64)
         t = carray(d, (1,), np.float64)[at_time]
+        h = carray(m, (1,), np.float64)[at_step]
+        if carray(m, (1,), np.int32)[at_integrator] == RK4:
+            h = 0.0
+        nv = model[at_nv]
+        rowadr = carray(_pointer(model[at_rowadr]), (nv,), np.int32)
+        rownnz = carray(_pointer(model[at_rownnz]), (nv,), np.int32)
+        mass = carray(_pointer(data[at_mass]), (1,), np.float64)
         for i in range(n):
             block = address[i]
             if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
@@ -171,7 +182,8 @@ def build_native() -> Any:
             dof = int(P[block + DOF])
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
-            F = evaluate(P, block + HEAD, effects, X, x, t, q, v)
+            J = mass[rowadr[dof] + rownnz[dof] - 1]
+            F = evaluate(P, block + HEAD, effects, X, x, t, q, v, h, J)
             if P[effects] > 0.0:
                 F += with_effects(m, d, P, block, X, x, t, q, v, F)
             passive[dof] -= F
@@ -218,11 +230,12 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
-        F = evaluate(P, block + HEAD, effects, X, x, t, q, v)
+        last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        h = 0.0 if model.opt.integrator == RK4 else model.opt.timestep
+        F = evaluate(P, block + HEAD, effects, X, x, t, q, v, h, data.M[last])
         if P[effects] > 0.0:
             bias = np.zeros(model.nv)
             mujoco.mj_rne(model, data, 0, bias)
-            last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
             body = model.jnt_bodyid[joint]
             gx, gy = unit_gravity(
                 *model.jnt_axis[joint],

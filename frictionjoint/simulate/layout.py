@@ -82,13 +82,16 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
     option = _structure(structs.STRUCTS["mjOption"].fields)
     model["gravity"] = model["opt"] + option.gravity.offset
+    model["timestep"] = model["opt"] + option.timestep.offset
+    model["integrator"] = model["opt"] + option.integrator.offset
     _check(model, data)
     return model, data
 
 
 def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     model = mujoco.MjModel.from_xml_string(
-        "<mujoco><size nuserdata='3'/><option timestep='0.00137' gravity='0.3 0 -9'/>"
+        "<mujoco><size nuserdata='3'/>"
+        "<option timestep='0.00137' integrator='implicitfast' gravity='0.3 0 -9'/>"
         "<worldbody><body><joint/><geom size='1'/></body></worldbody>"
         "<custom><numeric name='a' data='1'/><numeric name='b' data='2 3'/></custom></mujoco>"
     )
@@ -97,7 +100,8 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     expected = [
         (model._address + model_at["nv"], np.int64, model.nv),
         (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
-        (model._address + model_at["opt"], np.float64, model.opt.timestep),
+        (model._address + model_at["timestep"], np.float64, model.opt.timestep),
+        (model._address + model_at["integrator"], np.int32, model.opt.integrator),
         (model._address + model_at["gravity"], np.float64, model.opt.gravity[0]),
         (data._address + data_at["time"], np.float64, data.time),
     ]

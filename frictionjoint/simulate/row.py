@@ -9,19 +9,22 @@ evaluated one:
 * a call at an earlier time, or an all-zero row, starts afresh: at rest and never moved.
 
 Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
-torque, committed velocity, then the law's row, then the effects' memory, committed and evaluated.
+torque, committed velocity and torque, then the law's row, then the effects' memory, committed and
+evaluated.
 """
 
 from numba import njit
 
 from frictionjoint.effects.kernel import MEMORY
-from frictionjoint.law.kernel import commit, start_row, step_row
+from frictionjoint.law.ahead import STIFF, torque_ahead
+from frictionjoint.law.kernel import commit, presliding, start_row, step_row
 from frictionjoint.law.kernel import row_size as law_row_size
 
 STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
     range(8)
 )
-FRONT = 8
+TORQUE_COMMITTED = 8
+FRONT = 9
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -40,8 +43,12 @@ def commit_effects(P, p, effects, X, x):
 
 
 @njit(cache=True)
-def evaluate(P, p, effects, X, x, t, q, v):
-    """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects."""
+def evaluate(P, p, effects, X, x, t, q, v, h, J):
+    """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
+
+    With a step h, s, of one evaluation and the joint's inertia J, kg m^2, a stiff joint gets the
+    torque of the step's end, see ``law.ahead``; h = 0 asks for the torque here and now.
+    """
     law = x + FRONT
     if X[x + STARTED] == 0.0 or t < X[x + T_EVALUATED]:
         X[x + STARTED] = 1.0
@@ -54,6 +61,7 @@ def evaluate(P, p, effects, X, x, t, q, v):
             commit(P, p, X, law)
             commit_effects(P, p, effects, X, x)
         X[x + V_COMMITTED] = X[x + V_EVALUATED]
+        X[x + TORQUE_COMMITTED] = X[x + TORQUE]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]
         X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
     dt = t - X[x + T_COMMITTED]
@@ -64,5 +72,10 @@ def evaluate(P, p, effects, X, x, t, q, v):
     X[x + T_EVALUATED] = t
     X[x + Q_EVALUATED] = q
     X[x + V_EVALUATED] = v
+    if dt > 0.0 and h > 0.0:
+        K, damping = presliding(P, p)
+        if h * (h * K + damping) > STIFF * J:
+            f = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED]
+            F = torque_ahead(P, p, X, law, h, f, J, v)
     X[x + TORQUE] = F
     return F
