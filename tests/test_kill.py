@@ -36,7 +36,7 @@ def test_exit_code_tells_the_signal(number, code, tmp_path):
     process = kill_loop.start(tmp_path)
     until_it_listens(process)
     process.send_signal(number)
-    _, err = process.communicate(timeout=20)
+    _, err = process.communicate(timeout=90)
     assert process.returncode == code, err
     assert "Traceback" not in err
     assert len(err.strip().splitlines()) <= 1
