@@ -28,7 +28,12 @@ _PATIENCE_S = 20.0
 def start(folder: Path) -> subprocess.Popen[str]:
     """The loop on a shipped log, writing into `folder`/out."""
     arguments = ["close-loop", str(_DEMO / "ramps.csv"), "--model", str(_DEMO / "joint.xml")]
-    command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", *arguments]
+    # a job in the background inherits an ignored SIGINT, which Python and the command then respect
+    program = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from frictionjoint.cli import main; main()"
+    )
+    command = [sys.executable, "-c", program, *arguments]
     return subprocess.Popen(
         [*command, "--joint", "joint", "--out", "out"],
         cwd=folder,
