@@ -54,7 +54,7 @@ def test_finite_and_bounded_in_any_units(seed, n, torque, length):
     p = quasi_static(dry(seed, n))
     levels = {name: getattr(p, name) * 10**torque for name in ("Fs_pos", "Fs_neg")}
     knots = tuple((z * 10**length, F * 10**torque) for z, F in p.knots)
-    if 10 ** (torque - length) < 1e-270:
+    if torque - length < -270:
         reject()  # slopes among the numbers that have lost digits, next to the least double
     try:
         scaled = dataclasses.replace(
