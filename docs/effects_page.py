@@ -12,9 +12,10 @@ import numpy as np
 matplotlib.use("svg")
 from matplotlib import pyplot as plt
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects import signals as s
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.effect import Array, Effect
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import MEMORY, effect_torque
 
 

@@ -3,12 +3,13 @@
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, LOAD, Q
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """-c tau_load while the motor crosses the gap after the load has changed sign.
 
     X[x] sign of the load, X[x+1] position where it changed.

@@ -2,12 +2,13 @@
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import H, V
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(dF |H| + dsigma2 |v|): half the difference between the directions."""
     return P[e] * abs(sig[H]) + P[e + 1] * abs(sig[V])
 

@@ -5,12 +5,13 @@ import math
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, H, Q, V
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c ln(1 + t_rest/tau) Fh/Fc exp(-travel/length) after a rest below the speed v0.
 
     X[x] time at rest that counts, X[x+1] position where it rested, X[x+2] 1 while at rest.

@@ -7,15 +7,17 @@ behind `effect_id` (see kernel.py) computes the sum both for a log and in a simu
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from frictionjoint.arrays import Array
 
-Array = NDArray[np.float64]
 Shape = tuple[float, ...]
 Entry = Literal["adds torque", "scales the friction level", "acts on the measurement"]
+
+
+def _no_shape(signals: Array) -> list[Shape]:
+    return [()]
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Effect:
     shape: tuple[str, ...] = ()
     shape_units: tuple[str, ...] = ()
     shape_fixed: bool = False
-    shapes: Callable[[Array], list[Shape]] = field(default=lambda signals: [()])
+    shapes: Callable[[Array], list[Shape]] = _no_shape
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()
     memory: int = 0

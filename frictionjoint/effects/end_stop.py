@@ -3,12 +3,13 @@
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """k (q - qmax)+ for side +1, k (qmin - q)+ for side -1, pushing back."""
     depth = P[e + 1] * (sig[Q] - P[e])
     return P[e + 1] * P[e + 2] * depth if depth > 0.0 else 0.0

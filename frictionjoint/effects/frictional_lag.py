@@ -5,14 +5,15 @@ import math
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, H, V
 
 _TOP = 0.99
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c H1 (E filtered with the time constant tau - E), E = exp(-(v/Vs)**2), H1 = H within +-1.
 
     The level is late, the direction is not: a reversal turns friction round at once.

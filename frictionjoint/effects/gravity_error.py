@@ -2,12 +2,13 @@
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import GX, GY
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """mx Gx + my Gy, first moments of mass about the joint times unit gravity torques."""
     return P[e] * sig[GX] + P[e + 1] * sig[GY]
 

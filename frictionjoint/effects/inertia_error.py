@@ -2,12 +2,13 @@
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import A
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """dJ a."""
     return P[e] * sig[A]
 

@@ -2,12 +2,13 @@
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import JERK, SNAP
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a snap + b jerk: below the resonance the link lags its motor in these derivatives."""
     return P[e] * sig[SNAP] + P[e + 1] * sig[JERK]
 

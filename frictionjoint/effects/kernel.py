@@ -6,8 +6,8 @@ the numbers (shape first, then coefficients). Memory ``X[x:]`` holds `MEMORY` nu
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects import (
     back_emf,
     backlash,
@@ -55,7 +55,7 @@ _motor_side = motor_side_elasticity.torque
 
 
 @njit(cache=True)
-def effect_torque(effect_id, P, e, sig, X, x):
+def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """Torque of one effect; numba cannot cache a table of functions, hence the chain."""
     if effect_id == 1:
         return _bias(P, e, sig, X, x)
@@ -101,7 +101,7 @@ def effect_torque(effect_id, P, e, sig, X, x):
 
 
 @njit(cache=True)
-def total_torque(P, e, sig, X, x):
+def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """Sum over the block's effects at one instant."""
     total = 0.0
     at = e + 1
@@ -112,7 +112,7 @@ def total_torque(P, e, sig, X, x):
 
 
 @njit(cache=True)
-def _columns(effect_id, numbers, n_shape, signals, out):
+def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
     X = np.zeros(MEMORY)
     for c in range(out.shape[1]):
         numbers[n_shape:] = 0.0
@@ -122,9 +122,7 @@ def _columns(effect_id, numbers, n_shape, signals, out):
             out[k, c] = effect_torque(effect_id, numbers, 0, signals[k], X, 0)
 
 
-def columns(
-    effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:
     """Torque per unit of each coefficient along a log, shape (n, n_coefficients)."""
     numbers = np.array([*shape, *([0.0] * n_coefficients)])
     out = np.empty((len(signals), n_coefficients))

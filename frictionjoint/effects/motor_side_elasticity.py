@@ -5,12 +5,13 @@ import math
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, TIME, A
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """J (a_link - a_motor), the link on a spring and damper driven by the motor's motion.
 
     With d = q_link - q_motor: d'' + 2 zeta w d' + w^2 d = -a_motor, by the trapezoidal rule,

@@ -2,17 +2,18 @@
 
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import V
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c sgn(v) |v|**p."""
     v = sig[V]
     if v == 0.0:
         return 0.0
-    magnitude = P[e + 1] * abs(v) ** P[e]
+    magnitude: float = P[e + 1] * abs(v) ** P[e]
     return magnitude if v > 0.0 else -magnitude
 
 

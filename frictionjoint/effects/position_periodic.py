@@ -4,19 +4,20 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import H, Q
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a sin(N q) + b cos(N q)."""
     angle = P[e] * sig[Q]
     return P[e + 1] * math.sin(angle) + P[e + 2] * math.cos(angle)
 
 
 @njit(cache=True)
-def level_torque(P, e, sig, X, x):
+def level_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(a sin(N q) + b cos(N q)) Fh/Fc."""
     return torque(P, e, sig, X, x) * sig[H]
 

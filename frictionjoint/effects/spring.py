@@ -2,12 +2,13 @@
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """k q + c, with the rest position q0 = -c / k."""
     return P[e] * sig[Q] + P[e + 1]
 

@@ -4,12 +4,13 @@ import math
 
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(T - T0) (a Fh/Fc + b v); nothing where no temperature is known: the joint is at T0."""
     if math.isnan(sig[TEMP]):
         return 0.0

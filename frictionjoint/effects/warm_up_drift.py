@@ -5,12 +5,13 @@ import math
 import numpy as np
 from numba import njit
 
-from frictionjoint.effects.effect import Array, Effect, Shape
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TIME, H, V
 
 
 @njit(cache=True)
-def torque(P, e, sig, X, x):
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """exp(-t/tau) (a Fh/Fc + b v)."""
     return math.exp(-sig[TIME] / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 

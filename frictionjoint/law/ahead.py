@@ -13,6 +13,7 @@ and the step is the implicit Euler step of the joint with its friction.
 import numpy as np
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.kernel import commit, row_size, step_row
 
 # (h**2 K + h sigma1) / J from which on the explicit torque is left: half of where it oscillates
@@ -21,7 +22,18 @@ _MOST = 60
 
 
 @njit(cache=True)
-def _miss(P, p, X, x, S, h, f, J, v, end):
+def _miss(
+    P: Vector,
+    p: int,
+    X: Vector,
+    x: int,
+    S: Vector,
+    h: float,
+    f: float,
+    J: float,
+    v: float,
+    end: float,
+) -> tuple[float, float]:
     """How far a guess of the velocity at the end misses, and the torque there."""
     for i in range(len(S)):
         S[i] = X[x + i]
@@ -31,7 +43,9 @@ def _miss(P, p, X, x, S, h, f, J, v, end):
 
 
 @njit(cache=True)
-def torque_ahead(P, p, X, x, h, f, J, v):
+def torque_ahead(
+    P: Vector, p: int, X: Vector, x: int, h: float, f: float, J: float, v: float
+) -> float:
     """Torque at the end of a step that begins at the evaluated point of the law's row X[x:].
 
     Args:

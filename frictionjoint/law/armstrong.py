@@ -16,6 +16,7 @@ the torque is continuous there. It jumps from Fs to S(v) at breakaway: that is t
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FS, stribeck_level
 
@@ -25,7 +26,7 @@ SIZE = HEADER + 1
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, direction, sliding = X[a + FH], X[a + DIRECTION], X[a + SLIDING]
     if dq != 0.0:

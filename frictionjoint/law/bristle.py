@@ -15,6 +15,7 @@ mirrored torque) and solved exactly in displacement.
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.stribeck import SIGMA2
 
 FH, RATE, DIRECTION = range(3)
@@ -26,13 +27,13 @@ OWN = NEGATIVE + 5
 
 
 @njit(cache=True, inline="always")
-def side(p, direction):
+def side(p: int, direction: float) -> int:
     """Where the levels of a direction begin."""
     return p + POSITIVE if direction > 0.0 else p + NEGATIVE
 
 
 @njit(cache=True, inline="always")
-def total(P, p, Fh, rate, v):
+def total(P: Vector, p: int, Fh: float, rate: float, v: float) -> float:
     """F = Fh + sigma1 dz/dt + sigma2 v."""
     sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
     return Fh + (P[p] * rate + sigma2) * v

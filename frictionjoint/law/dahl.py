@@ -12,6 +12,7 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC
 
@@ -19,7 +20,7 @@ SIGMA0, EXPONENT = OWN, OWN + 1
 
 
 @njit(cache=True)
-def remaining(w, a, i):
+def remaining(w: float, a: float, i: float) -> float:
     """Solution of dw/da = -w**i after a >= 0, from w >= 0."""
     if w <= 0.0 or a == 0.0:
         return max(w, 0.0)
@@ -36,7 +37,7 @@ def remaining(w, a, i):
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]
     if dq != 0.0:

@@ -18,6 +18,7 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC, stribeck_level
 
@@ -28,7 +29,7 @@ _STEP = 0.04
 
 
 @njit(cache=True, inline="always")
-def plastic_share(r, r_ba):
+def plastic_share(r: float, r_ba: float) -> float:
     """alpha at f = r S, for r > 0."""
     if r <= r_ba:
         return 0.0
@@ -39,14 +40,14 @@ def plastic_share(r, r_ba):
 
 
 @njit(cache=True, inline="always")
-def _slope(u, r_ba):
+def _slope(u: float, r_ba: float) -> float:
     left = math.exp(-u)
     r = 1.0 - left
     return (1.0 - plastic_share(r, r_ba) * r) / left
 
 
 @njit(cache=True)
-def _transition(r, r_ba, a):
+def _transition(r: float, r_ba: float, a: float) -> float:
     """r after the displacement a (in units of S / sigma0) from r_ba <= r < 1."""
     u = -math.log1p(-r)
     while a > 0.0:
@@ -65,7 +66,7 @@ def _transition(r, r_ba, a):
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]
     if dq != 0.0:

@@ -33,6 +33,7 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.memory import (
     BOUND,
     CAPACITY,
@@ -60,7 +61,7 @@ _KNOT, _CLOSING, _RESET = 0, 1, 2
 
 
 @njit(cache=True)
-def start(P, p, X, h, s):
+def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
     """State of a joint at rest that never moved: Fh = 0, the stacks hold only the limits."""
     for i in range(HEADER):
         X[h + i] = 0.0
@@ -73,12 +74,12 @@ def start(P, p, X, h, s):
 
 
 @njit(cache=True, inline="always")
-def _on_virgin(X, h):
+def _on_virgin(X: Vector, h: int) -> bool:
     return X[h + VIRGIN] == 1.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
 
 
 @njit(cache=True, inline="always")
-def _reverse(P, p, X, h, s, direction):
+def _reverse(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
     """The torque at the turning point becomes an extremum and the base of the new curve."""
     Fh = X[h + FH]
     from_masing_virgin = P[p + MASING] == 1.0 and _on_virgin(X, h)
@@ -95,7 +96,7 @@ def _reverse(P, p, X, h, s, direction):
 
 
 @njit(cache=True, inline="always")
-def _close(P, p, X, h, s, direction):
+def _close(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
     """The closed loop's extremum and its partner leave; the curve below them goes on."""
     n_min = X[h + N_MIN] - 1.0
     n_max = X[h + N_MAX] - 1.0
@@ -113,7 +114,7 @@ def _close(P, p, X, h, s, direction):
 
 
 @njit(cache=True, inline="always")
-def _reset(X, h, s, direction):
+def _reset(X: Vector, h: int, s: int, direction: float) -> None:
     """Full sliding wipes the memory; the base becomes the limit behind the motion."""
     X[h + N_MIN] = 1.0
     X[h + N_MAX] = 1.0
@@ -123,7 +124,7 @@ def _reset(X, h, s, direction):
 
 
 @njit(cache=True, inline="always")
-def _closing_torque(X, h, s, direction):
+def _closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
     """Torque, mirrored, at which the innermost open loop closes; infinite without one."""
     if direction > 0.0:
         tops = int(X[h + N_MAX])
@@ -133,7 +134,9 @@ def _closing_torque(X, h, s, direction):
 
 
 @njit(cache=True)
-def _slide(P, p, X, h, s, direction, S, dx):
+def _slide(
+    P: Vector, p: int, X: Vector, h: int, s: int, direction: float, S: float, dx: float
+) -> None:
     """Move by dx > 0 in `direction` at the constant level S > 0; f and b are mirrored torques."""
     n = P[p + EXPONENT]
     k = p + KNOTS
@@ -189,7 +192,9 @@ def _slide(P, p, X, h, s, direction, S, dx):
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, s, dq, dt, v):
+def step(
+    P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
+) -> float:
     """Friction torque after the displacement dq taken in the time dt, arriving with velocity v.
 
     Args:

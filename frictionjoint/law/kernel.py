@@ -12,6 +12,7 @@ first in each.
 import numpy as np
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law import (
     armstrong,
     bristle,
@@ -39,7 +40,7 @@ _size_maxwell_slip = maxwell_slip.size
 
 
 @njit(cache=True)
-def _rival_header(P, p):
+def _rival_header(P: Vector, p: int) -> int:
     """float64 of one header of a law other than the integrated one."""
     if P[p] == MAXWELL_SLIP:
         return _size_maxwell_slip(P, p + 1)
@@ -49,13 +50,13 @@ def _rival_header(P, p):
 
 
 @njit(cache=True)
-def header_size(P, p):
+def header_size(P: Vector, p: int) -> int:
     """Where the header of the last evaluation begins in a row."""
     return HEADER if P[p] == INTEGRATED else _rival_header(P, p)
 
 
 @njit(cache=True)
-def row_size(P, p):
+def row_size(P: Vector, p: int) -> int:
     """Number of float64 a joint's state takes."""
     if P[p] == INTEGRATED:
         return 2 * HEADER + 2 * CAPACITY
@@ -63,7 +64,7 @@ def row_size(P, p):
 
 
 @njit(cache=True)
-def start_row(P, p, X, x):
+def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
     """At rest and never moved."""
     if P[p] == INTEGRATED:
         _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
@@ -80,7 +81,7 @@ def start_row(P, p, X, x):
 
 
 @njit(cache=True)
-def _step_rival(P, p, X, x, dq, dt, v):
+def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     law = P[p]
     h = x + _rival_header(P, p)
     if law == LUGRE:
@@ -99,7 +100,7 @@ def _step_rival(P, p, X, x, dq, dt, v):
 
 
 @njit(cache=True)
-def step_row(P, p, X, x, dq, dt, v):
+def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point; leaves the committed point alone."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
@@ -107,7 +108,7 @@ def step_row(P, p, X, x, dq, dt, v):
 
 
 @njit(cache=True)
-def commit(P, p, X, x):
+def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """The last evaluated point becomes the committed one."""
     if P[p] == INTEGRATED:
         for i in range(HEADER):
@@ -120,7 +121,7 @@ def commit(P, p, X, x):
 
 
 @njit(cache=True)
-def hysteresis_torque(P, p, X, x):
+def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     """Fh of the last evaluation, N m: the friction torque without its viscous and sigma1 parts."""
     if P[p] == INTEGRATED:
         return X[x + HEADER + FH]
@@ -128,7 +129,7 @@ def hysteresis_torque(P, p, X, x):
 
 
 @njit(cache=True)
-def coulomb_level(P, p):
+def coulomb_level(P: Vector, p: int) -> float:
     """Mean of the two directions' Coulomb torques, N m."""
     if P[p] == INTEGRATED:
         return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
@@ -136,7 +137,7 @@ def coulomb_level(P, p):
 
 
 @njit(cache=True)
-def presliding(P, p):
+def presliding(P: Vector, p: int) -> tuple[float, float]:
     """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding; none where unknown."""
     law = P[p]
     if law == INTEGRATED:

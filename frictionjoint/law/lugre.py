@@ -10,6 +10,7 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
@@ -17,7 +18,7 @@ SIGMA0 = OWN
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]
     if dq != 0.0:

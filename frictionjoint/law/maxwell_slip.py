@@ -17,6 +17,7 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
@@ -24,13 +25,13 @@ ATTRACTION, N_ELEMENTS, ELEMENTS = OWN, OWN + 1, OWN + 2
 
 
 @njit(cache=True, inline="always")
-def size(P, p):
+def size(P: Vector, p: int) -> int:
     """float64 of a header."""
     return HEADER + 2 * int(P[p + N_ELEMENTS])
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     n = int(P[p + N_ELEMENTS])
     if dq == 0.0:

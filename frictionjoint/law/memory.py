@@ -23,13 +23,15 @@ be evaluated any number of times before it is committed.
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
+
 FH, FB, DIRECTION, N_MIN, N_MAX, VIRGIN, RATE, FORGOTTEN, BOUND = range(9)
 HEADER = 9
 CAPACITY = 24
 
 
 @njit(cache=True)
-def make_room(X, h, s):
+def make_room(X: Vector, h: int, s: int) -> None:
     """Give up one pair of extrema when a stack is full, so that a step always finds a free slot.
 
     The pair given up is the one whose loss moves the torque least. While pair k is missing, a

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from frictionjoint.arrays import Vector
 from frictionjoint.errors import LogError
 from frictionjoint.law import integrated
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
@@ -15,7 +16,7 @@ _step = integrated.step
 
 
 @njit(cache=True)
-def drive(P, p, time, position, velocity, F):
+def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F: Vector) -> None:
     """Fill F with the torque along a motion that is linear between samples.
 
     Without a measured velocity (an empty array) the velocity of sample k is the mean over the
@@ -34,7 +35,7 @@ def drive(P, p, time, position, velocity, F):
 
 
 @njit(cache=True)
-def drive_integrated(P, time, position, H, rate):
+def drive_integrated(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
     """Fill H with Fh and `rate` with dz/dq along a motion, for a block of the integrated law."""
     X = np.zeros(HEADER + 2 * CAPACITY)
     _start(P, 1, X, 0, HEADER)

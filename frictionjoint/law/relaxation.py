@@ -26,7 +26,7 @@ _W = tuple(float(w) for w in _WEIGHTS)
 
 
 @njit(cache=True, inline="always")
-def power(r, n):
+def power(r: float, n: float) -> float:
     """r**n for r >= 0; small whole exponents by multiplication, which is several times faster."""
     if n == 1.0:
         return r
@@ -36,19 +36,20 @@ def power(r, n):
         return r * r * r
     if n == 4.0:
         return (r * r) * (r * r)
-    return r**n
+    result: float = r**n
+    return result
 
 
 @njit(cache=True, inline="always")
-def rate(r, n):
+def rate(r: float, n: float) -> float:
     """dz/dx = 1 - sgn(r) |r|**n."""
     return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
 
 
 @njit(cache=True)
-def _series(r, n, sign):
+def _series(r: float, n: float, sign: float) -> float:
     """Integral of 1 / (1 - sign r**n) from 0 to r, for 0 <= r <= 1/2."""
-    q = sign * r**n
+    q: float = sign * r**n
     term = r
     total = r
     k = 1.0
@@ -62,7 +63,7 @@ def _series(r, n, sign):
 
 
 @njit(cache=True, inline="always")
-def _below(u, n):
+def _below(u: float, n: float) -> float:
     """da/du for r = 1 - exp(-u) < 1."""
     e = math.exp(-u)
     if n == 4.0:
@@ -71,7 +72,7 @@ def _below(u, n):
 
 
 @njit(cache=True, inline="always")
-def _above(u, n):
+def _above(u: float, n: float) -> float:
     """da/du for r = 1 + exp(-u) > 1."""
     e = math.exp(-u)
     if n == 4.0:
@@ -80,13 +81,13 @@ def _above(u, n):
 
 
 @njit(cache=True, inline="always")
-def _negative(t, n):
+def _negative(t: float, n: float) -> float:
     """-da/dt for r = -exp(t/n) < 0."""
     return math.exp(t / n) / (n * (1.0 + math.exp(t)))
 
 
 @njit(cache=True)
-def _quadrature(branch, lower, upper, n):
+def _quadrature(branch: int, lower: float, upper: float, n: float) -> float:
     """Integral of one of the three integrands, panel by panel; each is smooth on a scale of 1."""
     panels = math.ceil(abs(upper - lower))
     if panels == 0:
@@ -106,7 +107,7 @@ def _quadrature(branch, lower, upper, n):
 
 
 @njit(cache=True)
-def _to_zero(rho, n):
+def _to_zero(rho: float, n: float) -> float:
     """Displacement from r = -rho up to r = 0."""
     if rho <= 0.5:
         return _series(rho, n, -1.0)
@@ -123,7 +124,7 @@ def _to_zero(rho, n):
 
 
 @njit(cache=True)
-def _from_zero(r, n):
+def _from_zero(r: float, n: float) -> float:
     """Displacement from 0 to r, 0 <= r < 1."""
     if r <= 0.5:
         return _series(r, n, 1.0)
@@ -131,7 +132,7 @@ def _from_zero(r, n):
 
 
 @njit(cache=True)
-def distance(r0, r1, n):
+def distance(r0: float, r1: float, n: float) -> float:
     """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
     if (r0 < 1.0 and r1 >= 1.0) or (r0 > 1.0 and r1 <= 1.0) or r0 == 1.0:
         return math.inf
@@ -149,7 +150,7 @@ def distance(r0, r1, n):
 
 
 @njit(cache=True)
-def distance_positive(r0, r1, n):
+def distance_positive(r0: float, r1: float, n: float) -> float:
     """`distance` for 0 <= r0 <= r1 < 1."""
     if n == 2.0:
         return 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
@@ -162,7 +163,7 @@ def distance_positive(r0, r1, n):
 
 
 @njit(cache=True)
-def _advance_negative(rho, a, n):
+def _advance_negative(rho: float, a: float, n: float) -> float:
     """rho after the displacement a < _to_zero(rho): Newton's method kept inside a bracket."""
     total = _to_zero(rho, n)
     low, high = 0.0, rho
@@ -184,7 +185,7 @@ def _advance_negative(rho, a, n):
 
 
 @njit(cache=True)
-def _between(u0, r0, u1, r1, n):
+def _between(u0: float, r0: float, u1: float, r1: float, n: float) -> float:
     """Displacement from r0 to r1 on one side of 1, given u as well: 1 - r has no digits near 1."""
     if n == 4.0:
         # the integral is the same below and above 1
@@ -198,7 +199,7 @@ def _between(u0, r0, u1, r1, n):
 
 
 @njit(cache=True)
-def _advance_below(r0, a, n):
+def _advance_below(r0: float, a: float, n: float) -> float:
     """r after the displacement a from 0 <= r0 < 1."""
     u = -math.log1p(-r0)
     if u + a >= _U_SATURATED:
@@ -219,7 +220,7 @@ def _advance_below(r0, a, n):
 
 
 @njit(cache=True)
-def _advance_above(r0, a, n):
+def _advance_above(r0: float, a: float, n: float) -> float:
     """r after the displacement a from r0 > 1."""
     u0 = -math.log(r0 - 1.0)
     if u0 + n * a >= _U_SATURATED:
@@ -243,7 +244,7 @@ def _advance_above(r0, a, n):
 
 
 @njit(cache=True)
-def _advance_small(r, a, n):
+def _advance_small(r: float, a: float, n: float) -> float:
     """r after a small displacement from 0 <= r < 1."""
     steps = 1 + int(n * a / _SMALL_STEP)
     h = a / steps
@@ -257,7 +258,7 @@ def _advance_small(r, a, n):
 
 
 @njit(cache=True)
-def advance(r, a, n):
+def advance(r: float, a: float, n: float) -> float:
     """r after the displacement a >= 0.
 
     Args: r normalised transition torque, any sign; a displacement times slope over span, >= 0;

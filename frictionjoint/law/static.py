@@ -14,6 +14,7 @@ The law has no memory: its result depends on the velocity at the end of the step
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
@@ -21,7 +22,7 @@ V0 = OWN
 
 
 @njit(cache=True)
-def step(P, p, X, a, h, dq, dt, v):
+def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque at velocity v; see ``integrated.step`` for the arguments."""
     X[h + DIRECTION] = 0.0
     X[h + RATE] = 0.0

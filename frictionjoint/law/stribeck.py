@@ -9,11 +9,13 @@ import math
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
+
 FS, FC, VS, DELTA, SIGMA2 = range(5)
 
 
 @njit(cache=True, inline="always")
-def stribeck_level(P, d, speed):
+def stribeck_level(P: Vector, d: int, speed: float) -> float:
     """|S(v)| = Fc + (Fs - Fc) exp(-(|v|/Vs)**delta) of the direction stored at d, in N m."""
     Fs = P[d + FS]
     Fc = P[d + FC]

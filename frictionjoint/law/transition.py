@@ -8,11 +8,13 @@ last knot the last slope goes on, so that the inverse exists for every torque.
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
+
 KNOT_STRIDE = 3
 
 
 @njit(cache=True, inline="always")
-def knot_torque(P, k, j):
+def knot_torque(P: Vector, k: int, j: int) -> float:
     """Torque F_j of knot j; knot -1 is the origin."""
     if j < 0:
         return 0.0
@@ -20,7 +22,7 @@ def knot_torque(P, k, j):
 
 
 @njit(cache=True, inline="always")
-def segment_of_torque(P, k, F):
+def segment_of_torque(P: Vector, k: int, F: float) -> int:
     """Index of the segment that holds the torque F >= 0, F in (F_{j-1}, F_j]."""
     last = int(P[k]) - 1
     j = 0
@@ -30,13 +32,13 @@ def segment_of_torque(P, k, F):
 
 
 @njit(cache=True, inline="always")
-def slope(P, k, j):
+def slope(P: Vector, k: int, j: int) -> float:
     """Stiffness dFd/dz on segment j."""
     return P[k + 1 + KNOT_STRIDE * j + 2]
 
 
 @njit(cache=True)
-def transition(P, k, z):
+def transition(P: Vector, k: int, z: float) -> float:
     """Fd(z)."""
     last = int(P[k]) - 1
     w = abs(z)
@@ -49,7 +51,7 @@ def transition(P, k, z):
 
 
 @njit(cache=True)
-def inverse_transition(P, k, F):
+def inverse_transition(P: Vector, k: int, F: float) -> float:
     """Fd^-1(F)."""
     f = abs(F)
     j = segment_of_torque(P, k, f)

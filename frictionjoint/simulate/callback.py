@@ -16,6 +16,7 @@ from numba import carray, cfunc, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.kernel import MEMORY, total_torque
 from frictionjoint.effects.signals import DT, GX, GY, LOAD, N_SIGNALS, TEMP, TIME, A, H, Q, V
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
@@ -77,7 +78,21 @@ _mj_rne = types.ExternalFunction(
 
 
 @njit(cache=True)
-def effects_torque(P, p, effects, X, x, t, q, v, F, bias, inertia, gx, gy):
+def effects_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    F: float,
+    bias: float,
+    inertia: float,
+    gx: float,
+    gy: float,
+) -> float:
     """Torque of a block's effects at one instant; the memory written is the evaluated one.
 
     The load is the rigid body's torque at this joint: bias forces plus the joint's own inertia

@@ -15,6 +15,7 @@ evaluated.
 
 from numba import njit
 
+from frictionjoint.arrays import Vector
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import commit, presliding, start_row, step_row
@@ -33,7 +34,7 @@ def row_size(law_row: int, n_effects: int) -> int:
 
 
 @njit(cache=True)
-def commit_effects(P, p, effects, X, x):
+def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
     """The effects' evaluated memory becomes the committed one."""
     n = MEMORY * int(P[effects])
     if n > 0:
@@ -43,7 +44,18 @@ def commit_effects(P, p, effects, X, x):
 
 
 @njit(cache=True)
-def evaluate(P, p, effects, X, x, t, q, v, h, J):
+def evaluate(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    h: float,
+    J: float,
+) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
     With a step h, s, of one evaluation and the joint's inertia J, kg m^2, a stiff joint gets the

@@ -1,0 +1,21 @@
+"""Types of arrays that signatures share."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Vector(Protocol):
+    """A float64 array of shape (n,) as a kernel uses it: its numbers by index.
+
+    An element of ``NDArray`` is ``Any`` to a type checker, and ``Any`` hides mistakes.
+    """
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int, /) -> float: ...
+
+    def __setitem__(self, index: int, value: float, /) -> None: ...
