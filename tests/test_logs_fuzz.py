@@ -1,13 +1,17 @@
 """Whatever a file holds, a reader gives a log or a LogError of one line, nothing else."""
 
+import io
 import json
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import pyarrow
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pyarrow import parquet
+from scipy.io import savemat
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog, read_log
@@ -101,3 +105,39 @@ def test_any_entry_of_the_servo_log(entry: dict[str, object], at: int) -> None:
     ]
     good[at] = entry
     never_anything_else("log.json", json.dumps({"kp": 1, "entries": good}).encode())
+
+
+def whole(suffix: str) -> bytes:
+    """A good log in a binary format."""
+    t = 0.01 * np.arange(80)
+    table = dict(
+        zip(["time_s", *NAMES[1:4]], (t, np.sin(t), np.cos(t), np.sin(7 * t)), strict=True)
+    )
+    buffer = io.BytesIO()
+    if suffix == "npz":
+        np.savez(buffer, **table)
+    elif suffix == "mat":
+        savemat(buffer, table)
+    else:
+        parquet.write_table(pyarrow.table(table), buffer)
+    return buffer.getvalue()
+
+
+WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "parquet")}
+
+
+@settings(max_examples=EXAMPLES, deadline=None)
+@given(
+    st.sampled_from(sorted(WHOLE)),
+    st.integers(0, 2**16),
+    st.integers(0, 12),
+    st.binary(max_size=8),
+    st.booleans(),
+)
+def test_a_good_binary_log_torn_somewhere(
+    suffix: str, at: int, length: int, piece: bytes, cut: bool
+) -> None:
+    content = WHOLE[suffix]
+    at %= len(content)
+    rest = b"" if cut else content[at + length :]
+    never_anything_else(f"log.{suffix}", content[:at] + piece + rest)

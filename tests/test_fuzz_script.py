@@ -1,0 +1,56 @@
+"""scripts/fuzz.py counts what it tries and lists what fails, crashes included."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+BROKEN = """
+import os
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+def never_anything_else(content):
+    if content == b"1":
+        raise ValueError("one")
+    if content == b"2":
+        os._exit(11)
+
+@settings(max_examples=40)
+@given(st.sampled_from([b"0", b"1"]))
+def test_some(content):
+    never_anything_else(content)
+
+@given(st.just(b"2"))
+def test_crash(content):
+    never_anything_else(content)
+"""
+RUN = "import sys; sys.path.insert(0, sys.argv[1]); import fuzz; from pathlib import Path\n" + (
+    "if __name__ == '__main__': print(fuzz.fuzz('broken', 0, 4, Path(sys.argv[2])))"
+)
+
+
+@pytest.fixture
+def broken(tmp_path, monkeypatch):
+    (tmp_path / "test_broken_fuzz.py").write_text(BROKEN)
+    (tmp_path / "run.py").write_text(RUN)
+    paths = [str(tmp_path), *(p for p in sys.path if p)]
+    monkeypatch.setenv("PYTHONPATH", ":".join(paths))
+    return tmp_path
+
+
+def test_failures_and_crashes_are_listed_with_their_input(broken):
+    done = subprocess.run(
+        [sys.executable, "run.py", str(SCRIPTS), str(broken)],
+        cwd=broken,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "ValueError at " in done.stdout
+    assert "'exit code 11'" in done.stdout
+    kept = {(p.read_bytes()) for p in broken.glob("broken-*.input")}
+    assert kept == {b"1", b"2"}
