@@ -112,7 +112,9 @@ class FrictionParameters:
     ) -> "FrictionParameters":
         """The same levels in both directions; `others` are the remaining fields."""
         pairs = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
-        both = {f"{name}_{side}": x for name, x in pairs.items() for side in ("pos", "neg")}
+        both: dict[str, Any] = {
+            f"{name}_{side}": x for name, x in pairs.items() for side in ("pos", "neg")
+        }
         return cls(**both, **others)
 
     @property

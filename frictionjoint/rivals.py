@@ -227,7 +227,8 @@ class DahlParameters(_Rival):
     @property
     def stiffness(self) -> float:
         """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        return self.sigma0 * 2.0**self.i
+        rise: float = 2.0**self.i
+        return self.sigma0 * rise
 
     def _check(self) -> None:
         for side in _SIDES:

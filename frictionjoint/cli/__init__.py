@@ -10,7 +10,7 @@ import sys
 import warnings
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, TextIO
 
 import typer
 from rich.table import Table
@@ -22,7 +22,7 @@ from frictionjoint.errors import FrictionJointError, LogError, ParameterError
 
 _INTERRUPTED = 130
 # click's error of wrong usage, wherever this version of typer keeps click
-_UsageError = typer.BadParameter.__base__
+_UsageError: Any = typer.BadParameter.__base__
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -304,6 +304,13 @@ def _terminated(number: int, frame: Any) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _one_line(message: Any, category: Any, *place: Any) -> None:
+def _one_line(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
     """Warnings as one line, without the place in our code."""
     typer.echo(f"frictionjoint: {message}", err=True)

@@ -8,6 +8,7 @@ What is still too long is cut after its first part.
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,13 +75,15 @@ def _averaged(log: JointLog, k: int) -> JointLog:
         out: Array = x[: len(x) // k * k].reshape(-1, k).mean(axis=1)
         return out
 
-    columns = {name: mean(x) for name, x in log.columns().items() if name != "torque_enabled"}
+    columns: dict[str, Any] = {
+        name: mean(x) for name, x in log.columns().items() if name != "torque_enabled"
+    }
     if log.torque_enabled is not None:
         whole = log.torque_enabled[: len(log.time) // k * k].reshape(-1, k)
-        columns["torque_enabled"] = whole.all(axis=1)  # type: ignore[assignment]
+        columns["torque_enabled"] = whole.all(axis=1)
     return replace(
         log,
         other_positions={name: mean(x) for name, x in log.other_positions.items()},
         other_velocities={name: mean(x) for name, x in log.other_velocities.items()},
-        **columns,  # type: ignore[arg-type]
+        **columns,
     )

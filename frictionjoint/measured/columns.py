@@ -6,6 +6,7 @@
 """
 
 from collections import Counter
+from collections.abc import Iterable
 
 from frictionjoint.errors import LogError
 
@@ -100,8 +101,8 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
         )
 
 
-def _list(names: object) -> str:
+def _list(names: Iterable[object]) -> str:
     """Names for a message; a file of a thousand columns still makes one readable line."""
-    listed = [str(name) for name in names]  # type: ignore[attr-defined]
+    listed = [str(name) for name in names]
     text = ", ".join(" ".join(name.split()) for name in listed[:30])
     return text[:600] + (" ..." if len(listed) > 30 or len(text) > 600 else "")

@@ -1,6 +1,7 @@
 """One measured log of one joint."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,12 +74,13 @@ class JointLog:
 
     def part(self, samples: slice, suffix: str) -> "JointLog":
         """A stretch of the log under a new name."""
+        own: dict[str, Any] = {name: x[samples] for name, x in self.columns().items()}
         return replace(
             self,
             name=f"{self.name}{suffix}",
             other_positions={name: x[samples] for name, x in self.other_positions.items()},
             other_velocities={name: x[samples] for name, x in self.other_velocities.items()},
-            **{name: x[samples] for name, x in self.columns().items()},  # type: ignore[arg-type]
+            **own,
         )
 
     @property

@@ -4,10 +4,11 @@ Both keep nothing: parameters are read from the model's numerics, state from the
 through the two pointers MuJoCo hands over. A model without friction costs a look at its numerics.
 """
 
+import ctypes
 import functools
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -44,23 +45,17 @@ RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 
 
 @intrinsic
-def _pointer(typing_context, address):  # type: ignore[no-untyped-def]
+def _inttoptr(typing_context: Any, address: Any) -> tuple[Any, Any]:
     """An integer address as a pointer."""
 
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], cgutils.voidptr_t)
 
     return types.voidptr(types.int64), generate
 
 
-@intrinsic
-def _address(typing_context, pointer):  # type: ignore[no-untyped-def]
-    """A pointer as an integer address."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.ptrtoint(arguments[0], cgutils.intp_t)
-
-    return types.int64(types.voidptr), generate
+# the typing context is numba's own business: compiled code passes the address alone
+_pointer = cast("Callable[[int], ctypes.c_void_p]", _inttoptr)
 
 
 @functools.lru_cache(maxsize=1)
@@ -72,8 +67,11 @@ def _load_library() -> None:
 
 
 _load_library()
-_mj_rne = types.ExternalFunction(
-    "mj_rne", types.void(types.voidptr, types.voidptr, types.int32, types.voidptr)
+_mj_rne = cast(
+    "Callable[[ctypes.c_void_p, ctypes.c_void_p, int, ctypes.c_void_p], None]",
+    types.ExternalFunction(
+        "mj_rne", types.void(types.voidptr, types.voidptr, types.int32, types.voidptr)
+    ),
 )
 
 
@@ -133,7 +131,18 @@ def build_native() -> Any:
     at_mass, at_xmat, at_xaxis = (data_at[k] // 8 for k in ("M", "xmat", "xaxis"))
 
     @njit(cache=True)
-    def with_effects(m, d, P, block, X, x, t, q, v, F):  # type: ignore[no-untyped-def]
+    def with_effects(
+        m: ctypes.c_void_p,
+        d: ctypes.c_void_p,
+        P: Vector,
+        block: int,
+        X: Vector,
+        x: int,
+        t: float,
+        q: float,
+        v: float,
+        F: float,
+    ) -> float:
         model = carray(m, (1,), np.int64)
         model_f = carray(m, (1,), np.float64)
         data = carray(d, (1,), np.int64)
@@ -168,7 +177,7 @@ def build_native() -> Any:
         )
 
     @cfunc(types.void(types.voidptr, types.voidptr), cache=True)
-    def native(m, d):  # type: ignore[no-untyped-def]
+    def native(m: ctypes.c_void_p, d: ctypes.c_void_p) -> None:
         model = carray(m, (1,), np.int64)
         n = model[at_nnumeric]
         if n == 0:
@@ -207,7 +216,19 @@ def build_native() -> Any:
 
 
 @njit(cache=True)
-def unit_gravity(ax, ay, az, wx, wy, wz, gx, gy, gz, R, r):  # type: ignore[no-untyped-def]
+def unit_gravity(
+    ax: float,
+    ay: float,
+    az: float,
+    wx: float,
+    wy: float,
+    wz: float,
+    gx: float,
+    gy: float,
+    gz: float,
+    R: Vector,
+    r: int,
+) -> tuple[float, float]:
     """Torque to hold 1 kg at 1 m along each of the body's two axes across the joint.
 
     (ax, ay, az) the joint's axis in the body, (wx, wy, wz) in the world, (gx, gy, gz) gravity,
@@ -251,14 +272,9 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         if P[effects] > 0.0:
             bias = np.zeros(model.nv)
             mujoco.mj_rne(model, data, 0, bias)
-            body = model.jnt_bodyid[joint]
-            gx, gy = unit_gravity(
-                *model.jnt_axis[joint],
-                *data.xaxis[joint],
-                *model.opt.gravity,
-                data.xmat.reshape(-1),
-                9 * int(body),
-            )
+            a, w, g = model.jnt_axis[joint], data.xaxis[joint], model.opt.gravity
+            R, r = data.xmat.reshape(-1), 9 * int(model.jnt_bodyid[joint])
+            gx, gy = unit_gravity(a[0], a[1], a[2], w[0], w[1], w[2], g[0], g[1], g[2], R, r)
             F += effects_torque(
                 P, block + HEAD, effects, X, x, t, q, v, F, bias[dof], data.M[last], gx, gy
             )

@@ -24,8 +24,9 @@ class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
+        bare: Any = env.unwrapped  # Env declares no model, a MujocoEnv has one
         self._attached = contextlib.ExitStack()
-        self._attached.enter_context(attach(env.unwrapped.model))  # type: ignore[attr-defined]
+        self._attached.enter_context(attach(bare.model))
 
     def close(self) -> None:
         """Close the environment and let go of the callback."""

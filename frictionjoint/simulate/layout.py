@@ -97,7 +97,7 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     )
     data = mujoco.MjData(model)
     data.time = 0.731
-    expected = [
+    expected: list[tuple[int, type[np.generic], Any]] = [
         (model._address + model_at["nv"], np.int64, model.nv),
         (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
         (model._address + model_at["timestep"], np.float64, model.opt.timestep),
@@ -112,8 +112,7 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
             if isinstance(array, np.ndarray):
                 expected.append((owner._address + at[name], np.int64, array.ctypes.data))
     for address, kind, value in expected:
-        raw = (ctypes.c_char * 8).from_address(address)
-        if np.frombuffer(raw, dtype=kind)[0] != value:
+        if np.frombuffer(ctypes.string_at(address, 8), dtype=kind)[0] != value:
             raise LayoutMismatchError(
                 f"MuJoCo {mujoco.__version__} lays out its structures in a way not foreseen"
             )
