@@ -109,7 +109,7 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
     A spline alone and times the direction of friction; hysteresis in position over a hundredth to
     a third of the travel; a friction level for each log.
     """
-    terms: list[SmoothTerm] = []
+    terms: list[SplineTerm | HysteresisTerm | LogTerm] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:
         try:
             x = np.concatenate(

@@ -17,6 +17,7 @@ from frictionjoint.diagnose.report_data import (
     LogEntry,
     Report,
     Rms,
+    Role,
     Verdict,
 )
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -84,11 +85,7 @@ def close_loop(
     spec.compile()
     before, after = (_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final))
     torque = [_torque_rms(moving, kept_moving, f) for f in (found.base, found.final)]
-    entries = [
-        LogEntry(log.name, len(log.time), log.duration, role)
-        for role, group in (("fit", logs), ("held-out", held_out))
-        for log in group
-    ]
+    entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
     floor = _noise_floor(moving, found.final.gain)
     return Report(
@@ -140,6 +137,10 @@ def _parted(
         return bounded(fitted), bounded([_read(log, joint) for log in held_out])
     pairs = [split_in_time(log, held_out) for log in fitted]
     return bounded([first for first, _ in pairs]), bounded([last for _, last in pairs])
+
+
+def _entry(log: JointLog, role: Role) -> LogEntry:
+    return LogEntry(log.name, len(log.time), log.duration, role)
 
 
 def _read(log: LogLike, joint: str) -> JointLog:
@@ -270,7 +271,8 @@ def _is_white(fitted: Fit, prepared: Prepared) -> bool:
 
 def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
     curves = []
-    for role, prepared in (("fit", fitted_on), ("held-out", kept_back)):
+    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
+    for role, prepared in groups:
         if prepared is None:
             continue
         measured, before = predict(prepared, found.base)
@@ -283,7 +285,7 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
             curves.append(
                 Curve(
                     s.name,
-                    role,  # type: ignore[arg-type]
+                    role,
                     kept[:, 0],
                     kept[:, Q],
                     kept[:, V],

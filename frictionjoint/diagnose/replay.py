@@ -147,16 +147,16 @@ def _memories(
 
 
 def _others(model: mujoco.MjModel, segment: Segment) -> list[tuple[int, int, Array, Array, Array]]:
-    found = []
+    found: list[tuple[int, int, Array, Array, Array]] = []
     names = {n.rpartition(".")[0] for n in segment.others}
     for name in sorted(names):
         j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
         if j >= 0:
-            track = [
+            q, v, a = (
                 segment.others[f"{name}.{k}"] for k in ("position", "velocity", "acceleration")
-            ]
-            found.append((int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j]), *track))
-    return found  # type: ignore[return-value]
+            )
+            found.append((int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j]), q, v, a))
+    return found
 
 
 def _step_among_others(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from frictionjoint.identify.result import Estimate
 
 Array = NDArray[np.float64]
+Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found"]
 SCHEMA = "frictionjoint/report-1"
 
@@ -32,7 +33,7 @@ class LogEntry:
     name: str
     samples: int
     duration_s: float
-    role: Literal["fit", "held-out"]
+    role: Role
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
@@ -93,7 +94,7 @@ class Curve:
     """Time series of one log for the plots, each of shape (n,)."""
 
     name: str
-    role: Literal["fit", "held-out"]
+    role: Role
     time: Array
     position: Array
     velocity: Array

@@ -127,7 +127,8 @@ def held_out_squares(jacobian: Array, residual: Array, blocks: Blocks) -> Array:
 def _scaled(X: Array) -> Array:
     norm = np.linalg.norm(X, axis=0)
     norm[norm == 0.0] = 1.0
-    return X / norm
+    scaled: Array = X / norm
+    return scaled
 
 
 def _solve(G: Array, columns: NDArray[np.int64]) -> Array:

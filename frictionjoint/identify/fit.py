@@ -147,10 +147,13 @@ def design(
     X, y = [], []
     for i, segment in enumerate(prepared.segments):
         X.append(_log_columns(prepared, i, shape, terms, cache))
-        load = 0.0 if prepared.voltage_driven else segment.signals[:, LOAD]
-        make_target = partial(_filtered, segment, lambda s=segment, x=load: s.drive - x)
-        y.append(cache.get(("target", i), make_target))
+        y.append(cache.get(("target", i), partial(_target, segment, prepared.voltage_driven)))
     return np.concatenate(X), np.concatenate(y)
+
+
+def _target(segment: Segment, voltage_driven: bool) -> Array:
+    load = 0.0 if voltage_driven else segment.signals[:, LOAD]
+    return _filtered(segment, lambda: segment.drive - load)
 
 
 def _filtered(segment: Segment, make: Callable[[], Array]) -> Array:
@@ -191,7 +194,7 @@ def _log_columns(
     ]
     for k, term in enumerate(terms):
         key = (k, i, term.shape, shape if term.follows_law else None)
-        parts.append(cache.get(key, lambda t=term: _filtered(segment, lambda: columns(t))))
+        parts.append(cache.get(key, partial(_filtered, segment, partial(columns, term))))
     return np.column_stack(parts)
 
 
@@ -301,7 +304,7 @@ class _Outer:
                 reach = self._reach(term, x)
                 low.append(x - reach)
                 high.append(x + reach)
-        self.bounds = (np.array(low), np.array(high))
+        self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared.voltage_driven, terms)
 
@@ -313,7 +316,7 @@ class _Outer:
     def vector(self, shape: Shape) -> Array:
         law = [shape.excess, np.log(shape.Vs), shape.delta, np.log(shape.length)]
         law += [np.log(bend) for bend in shape.bend]
-        x = np.array([*law, *(n for term in self.terms for n in term.free_shape)])
+        x: Array = np.array([*law, *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
@@ -331,7 +334,7 @@ class _Outer:
 
     def best_of_grid(self) -> Array:
         """Best point of a coarse grid."""
-        trials = []
+        trials: list[tuple[float, int, Array]] = []
         for Vs in (0.02, 0.1):
             for length in (1e-5, 1e-4, 1e-3, 1e-2):
                 shape = Shape(0.2, Vs * self.vmax, 1.0, length * self.span, (0.4, 0.4), self.form)

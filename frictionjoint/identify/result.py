@@ -57,7 +57,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     rows = {
         "Fs": Estimate(Fs, _root(var_Fs), torque),
         "Fc": Estimate(Fc, _root(var_Fc), torque),
-        "Vs": Estimate(Vs, Vs * _root(cov[s + 1, s + 1]) if seen else None, speed),  # type: ignore[operator]
+        "Vs": Estimate(Vs, _scaled(cov[s + 1, s + 1], Vs) if seen else None, speed),
         "delta": Estimate(fitted.shape.delta, _root(cov[s + 2, s + 2]) if seen else None, "1"),
     }
     if "sigma2" in fitted.names:

@@ -117,7 +117,7 @@ def compile_model(mjcf: str | Path) -> mujoco.MjModel:
 
 
 def _joint_id(model: mujoco.MjModel, joint: str) -> int:
-    j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+    j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0:
         names = [model.joint(i).name or f"unnamed #{i}" for i in range(model.njnt)]
         raise ModelError(f"no joint {joint!r} in the MJCF: it has {', '.join(names) or 'none'}")

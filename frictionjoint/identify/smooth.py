@@ -5,7 +5,7 @@ and no place in a simulation.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -45,7 +45,6 @@ class SmoothTerm:
     variable: str
     shape: ClassVar[tuple[float, ...]] = ()
     free_shape: ClassVar[tuple[float, ...]] = ()
-    follows_law: ClassVar[bool] = False
     within_logs: ClassVar[bool] = False
 
     @property
@@ -53,7 +52,12 @@ class SmoothTerm:
         """The quantity."""
         return self.variable
 
-    def with_shape(self, shape: tuple[float, ...]) -> "SmoothTerm":
+    @property
+    def follows_law(self) -> bool:
+        """Most columns do not change with the law."""
+        return False
+
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The same: there are no shape numbers."""
         return self
 
@@ -73,7 +77,7 @@ class SplineTerm(SmoothTerm):
     pieces: int = 5
 
     @property
-    def follows_law(self) -> bool:  # type: ignore[override]
+    def follows_law(self) -> bool:
         """Only times the direction of friction."""
         return self.odd
 
@@ -101,8 +105,12 @@ class LogTerm(SmoothTerm):
     """
 
     logs: tuple[str, ...]
-    follows_law: ClassVar[bool] = True
     within_logs: ClassVar[bool] = True
+
+    @property
+    def follows_law(self) -> bool:
+        """The level is that of H."""
+        return True
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -112,7 +120,8 @@ class LogTerm(SmoothTerm):
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
         own = [1.0 if segment.name == name else 0.0 for name in self.logs[1:]]
-        return signals[:, [H]] * np.array(own)
+        level: Array = signals[:, [H]] * np.array(own)
+        return level
 
 
 @dataclass(frozen=True)
