@@ -116,14 +116,14 @@ def whole(suffix: str) -> bytes:
     buffer = io.BytesIO()
     if suffix == "npz":
         np.savez(buffer, **table)
-    elif suffix == "mat":
-        savemat(buffer, table)
+    elif "mat" in suffix:
+        savemat(buffer, table, do_compression=suffix == "packed.mat")
     else:
         parquet.write_table(pyarrow.table(table), buffer)
     return buffer.getvalue()
 
 
-WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "parquet")}
+WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "packed.mat", "parquet")}
 
 
 @settings(max_examples=EXAMPLES, deadline=None)

@@ -1,6 +1,5 @@
 """Named arrays from npz and MATLAB files, as real columns of float64 or an error."""
 
-import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.io import loadmat, whosmat
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured import matlab
 
 Array = NDArray[np.float64]
 
@@ -62,6 +62,8 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 def mat_names(path: Path) -> list[str]:
     """Names of the variables in a .mat file."""
     try:
+        if matlab.is_level_5(path):
+            return matlab.variable_names(path)
         return [name for name, _, _ in whosmat(path)]
     except NotImplementedError:
         raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
@@ -91,10 +93,14 @@ def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> d
 
 
 def _load_mat(path: Path, names: list[str]) -> dict[str, Any]:
+    content: dict[str, Any]
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # scipy warns of content that is not asked for
-            content: dict[str, Any] = loadmat(path, variable_names=names)
+        if matlab.is_level_5(path):
+            content = dict(matlab.arrays(path, names))
+        else:
+            content = loadmat(path, variable_names=names)
+    except matlab.NotNumbersError as error:
+        raise LogError(f"{path.name}, {error}") from None
     except NotImplementedError:
         raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
     except Exception as error:

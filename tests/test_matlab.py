@@ -1,0 +1,93 @@
+"""MATLAB 5 files: what scipy writes is read to the last bit; torn ones end in an error."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import loadmat, savemat
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured import matlab
+from frictionjoint.measured.arrays import mat_columns, mat_names
+
+KINDS = ["f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "?"]
+COUNT = np.arange(12).reshape(3, 4)
+PLAIN = {f"x_{kind.replace('?', 'b')}": COUNT.astype(kind) for kind in KINDS}
+# what a short element holds, beside names of 1 to 31 letters
+PLAIN |= {"q": np.array([1.5]), "abcdefgh": np.zeros((0, 3)), "y" * 31: np.ones((2, 1, 2))}
+OTHERS = {"text": "abc", "pair": {"a": 1.0}, "turn": np.array([1 + 2j]), "cells": np.empty(2, "O")}
+
+
+@pytest.fixture(params=[False, True], ids=["plain", "compressed"])
+def file(request, tmp_path: Path) -> Path:
+    OTHERS["cells"][:] = ["a", 1.0]
+    savemat(tmp_path / "log.mat", PLAIN | OTHERS, do_compression=request.param)
+    return tmp_path / "log.mat"
+
+
+def test_numbers_and_shapes_are_those_scipy_reads(file: Path) -> None:
+    assert matlab.is_level_5(file)
+    assert matlab.variable_names(file) == [*PLAIN, *OTHERS]
+    found, wanted = matlab.arrays(file, PLAIN), loadmat(file)
+    for name in PLAIN:
+        assert found[name].dtype == np.float64
+        assert found[name].shape == wanted[name].shape
+        np.testing.assert_array_equal(found[name], wanted[name])
+    assert set(matlab.arrays(file, ["q"])) == {"q"}
+
+
+@pytest.mark.parametrize(("name", "what"), [("text", "text"), ("pair", "struct")])
+def test_other_variables_are_named_as_what_they_are(file: Path, name: str, what: str) -> None:
+    with pytest.raises(LogError, match=rf"log.mat, {name}: {what} is not a column of numbers"):
+        mat_columns(file, [name])
+
+
+def test_complex_numbers_and_cells_are_refused(file: Path) -> None:
+    for name in ("turn", "cells"):
+        with pytest.raises(matlab.NotNumbersError, match=name):
+            matlab.arrays(file, [name])
+
+
+def test_the_other_byte_order(tmp_path: Path) -> None:
+    def element(kind: int, data: bytes) -> bytes:
+        return struct.pack(">II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+    matrix = element(6, struct.pack(">II", 6, 0)) + element(5, struct.pack(">ii", 1, 2))
+    matrix += element(1, b"q") + element(9, struct.pack(">dd", 0.5, -3.0))
+    content = b"MATLAB 5.0".ljust(124) + b"\x01\x00MI" + element(14, matrix)
+    (tmp_path / "big.mat").write_bytes(content)
+    np.testing.assert_array_equal(mat_columns(tmp_path / "big.mat", ["q"])["q"], [0.5, -3.0])
+
+
+def test_a_data_type_without_a_number_is_an_error(tmp_path: Path) -> None:
+    # scipy 1.17 reads beyond a table here and takes the process with it
+    savemat(tmp_path / "log.mat", {"time_s": np.arange(80.0)})
+    content = bytearray((tmp_path / "log.mat").read_bytes())
+    at = content.index(struct.pack("<II", 9, 640))
+    for code in (0, 8, 15, 20, 0xFFFF):
+        content[at : at + 2] = struct.pack("<H", code)
+        (tmp_path / "log.mat").write_bytes(content)
+        with pytest.raises(LogError, match=r"log.mat: .*torn"):
+            mat_columns(tmp_path / "log.mat", ["time_s"])
+
+
+def test_a_file_cut_within_a_variable_is_an_error(file: Path) -> None:
+    content = file.read_bytes()
+    whole = matlab.variable_names(file)
+    refused = 0
+    for size in range(129, len(content), 7):
+        file.write_bytes(content[:size])
+        try:
+            names = mat_names(file)
+        except LogError:
+            refused += 1
+        else:  # a cut between two variables
+            assert names == whole[: len(names)]
+    assert refused > 0.9 * len(range(129, len(content), 7))
+
+
+def test_level_4_is_left_to_scipy(tmp_path: Path) -> None:
+    savemat(tmp_path / "old.mat", {"q": np.arange(5.0)}, format="4")
+    assert not matlab.is_level_5(tmp_path / "old.mat")
+    np.testing.assert_array_equal(mat_columns(tmp_path / "old.mat", ["q"])["q"], np.arange(5.0))
