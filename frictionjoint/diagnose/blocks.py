@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
-Array = NDArray[np.float64]
+from frictionjoint.arrays import Array
+
 Index = NDArray[np.int64]
 
 _FEWEST_BLOCKS = 48

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import TIME, H, Q
@@ -20,8 +21,6 @@ from frictionjoint.identify.smooth import (
     quantity,
 )
 from frictionjoint.identify.terms import EffectTerm, Term
-
-Array = NDArray[np.float64]
 
 _PERIODIC = (11, 12)
 _BACK_EMF = 10

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.loop import Step, Trace, trace
 from frictionjoint.diagnose.replay import friction_spec, replay
@@ -35,7 +35,6 @@ from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 
-Array = NDArray[np.float64]
 _RESAMPLES = 400
 _AT_THE_FLOOR = 1.5
 _WHITE = 3.0

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.candidates import (
     effect_candidates,
@@ -27,8 +27,6 @@ from frictionjoint.identify.fit import Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.terms import Term
-
-Array = NDArray[np.float64]
 
 SIGNIFICANCE = 0.05
 # Share of the residual's squares that an effect must take away: what takes less beside a residual

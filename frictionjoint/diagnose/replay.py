@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared, Segment
@@ -21,8 +21,6 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
-
-Array = NDArray[np.float64]
 
 WINDOW_S = 0.5
 # Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.

@@ -3,12 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
 
-Array = NDArray[np.float64]
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found"]
 SCHEMA = "frictionjoint/report-1"

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whiten, whitener
 from frictionjoint.diagnose.candidates import Candidate
 from frictionjoint.identify.terms import EffectTerm
-
-Array = NDArray[np.float64]
 
 FLIPS = 1999
 _RESAMPLES = 300

@@ -19,13 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DTAU, LOAD, RATE, TIME, H, Q, V
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import FORMS, Form, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.parameters import Virgin
 
-Array = NDArray[np.float64]
 # shape variables of the law, ahead of those of the terms
 LAW_SHAPE = 6
 _LEAST_BEND = 0.02

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import (
     DT,
     GX,
@@ -27,8 +28,6 @@ from frictionjoint.errors import LogError
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate, uniform, zero_phase
 from frictionjoint.measured.log import JointLog
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

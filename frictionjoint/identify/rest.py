@@ -9,13 +9,12 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, fit, predict
 from frictionjoint.identify.prepare import Prepared
 
-Array = NDArray[np.float64]
 # speeds, over the top speed: below the second a joint may count as at rest
 _SLOWEST, _REST = 1e-4, 0.03
 # rms of the residual at rest over the rms friction, and over that of all other samples, from

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import LAW_SHAPE, Fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameters import FrictionParameters
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 
-Array = NDArray[np.float64]
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 

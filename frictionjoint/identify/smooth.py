@@ -9,13 +9,11 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from sklearn.preprocessing import SplineTransformer
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.prepare import Segment
-
-Array = NDArray[np.float64]
 
 VARIABLES = {
     "position": Q,

@@ -3,14 +3,10 @@
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.identify.prepare import Segment
-
-Array = NDArray[np.float64]
 
 
 class Term(Protocol):

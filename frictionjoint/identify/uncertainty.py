@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.identify.fit import Fit
-
-Array = NDArray[np.float64]
 
 
 def covariance(fitted: Fit, block_of_sample: NDArray[np.int64]) -> Array:

@@ -11,12 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import motion_bandwidth, uniform
 from frictionjoint.measured.log import JointLog
-
-Array = NDArray[np.float64]
 
 # Rows of all logs of a fit together: a fit holds some 8 kB a row on its way, and its time grows in
 # proportion. Above this many, half a minute and 1 GB.

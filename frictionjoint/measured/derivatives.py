@@ -7,13 +7,11 @@ and backwards, so it shifts nothing in time; derivatives are central differences
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
-
-Array = NDArray[np.float64]
 
 _ORDER = 2  # run twice: fourth order in all
 # Highest corner: four fifths of the Nyquist frequency leaves the filter well posed.

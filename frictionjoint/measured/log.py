@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,14 +7,12 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import check_columns, check_finite, check_moves
-
-Array = NDArray[np.float64]
 
 _JOINTS = tuple(f"joint{i}" for i in range(1, 8))
 _FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}

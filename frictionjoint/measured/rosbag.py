@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import torn
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
-
-Array = NDArray[np.float64]
 
 SUFFIXES = (".db3", ".mcap", ".bag")
 _TYPE = "sensor_msgs/msg/JointState"

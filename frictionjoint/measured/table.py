@@ -9,19 +9,16 @@ Measured: four columns of 10 million rows stay in 320 MB, with a peak of 930 MB 
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
 from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, torn
 from frictionjoint.measured.columns import check_names, choose, joint_of, joints_in
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import check_columns, check_moves
-
-Array = NDArray[np.float64]
 
 _SHARED = ("time_s", "temperature_c")
 

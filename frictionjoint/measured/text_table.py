@@ -13,12 +13,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
-
-Array = NDArray[np.float64]
 
 _LONGEST_HEADER = 1 << 20
 # What Arrow takes as a number or as an empty cell.

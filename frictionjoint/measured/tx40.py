@@ -9,14 +9,12 @@ too, so part of joint 5's torque is in the current of motor 6, which this log of
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
-
-Array = NDArray[np.float64]
 
 _POSITIONS, _CURRENTS = "pos_read_data.csv", "curr_data.csv"
 _RATE_HZ = 5000.0

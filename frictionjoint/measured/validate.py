@@ -6,11 +6,10 @@ Nothing is repaired, dropped or guessed: a log either passes as it is or is refu
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 
-Array = NDArray[np.float64]
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
 RowOf = Callable[[int], int]
 

@@ -10,14 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import check_columns, check_moves
-
-Array = NDArray[np.float64]
 
 FULL_DUTY = 885.0
 _SIGNED, _REGISTER = 1 << 15, 1 << 16

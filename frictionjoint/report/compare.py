@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 from plotly.subplots import make_subplots
 
+from frictionjoint.arrays import Array
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.plots import styled
 from frictionjoint.simulate.carrier import JointFriction
 
-Array = NDArray[np.float64]
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.
 PANELS = (

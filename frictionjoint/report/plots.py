@@ -2,12 +2,10 @@
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report
-
-Array = NDArray[np.float64]
 
 _MOST_POINTS = 3000
 MEASURED, BEFORE, AFTER = "#7f7f7f", "#d95f02", "#1b9e77"

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError
@@ -27,8 +27,6 @@ from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.row import row_size
-
-Array = NDArray[np.float64]
 
 MAGIC = 199797.0
 VERSION = 1.0

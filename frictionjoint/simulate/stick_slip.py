@@ -12,12 +12,10 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model, read_friction
-
-Array = NDArray[np.float64]
 
 JOINT = "joint1"
 SPEED = 0.1
