@@ -23,7 +23,7 @@ from frictionjoint.diagnose.trace import (
     rank,
     selection_frequency,
 )
-from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.terms import Term
@@ -40,8 +40,9 @@ _SMALLER_GAINS = {"dwell-time": 0.04}
 SMALLEST_SHARE = 0.01
 _OTHER_SHARES = {
     "dwell-time": 0.004,
-    "nonlinear-viscous": 0.015,
     "measurement-delay": 0.015,
+    "nonlinear-viscous": 0.02,
+    "frictional-lag": 0.02,
     "backlash": 0.02,
     "joint-elasticity": 0.025,
 }
@@ -191,7 +192,7 @@ def _reconsidered(
     """Each early choice once more, beside the ones that came after it: a better one replaces it."""
     for i in range(len(steps) - 1):
         rest = tuple(t for k, t in enumerate(current.terms) if k != i)
-        without = fit(prepared, rest, start=current.shape)
+        without = fit(prepared, rest, start=current.shape, closeness=ROUGH)
         ranking = _rank_all(prepared, without, rng)
         chosen = _choose(ranking, without, rng)
         if chosen is None or chosen[0].name == steps[i].term.name:
@@ -221,8 +222,13 @@ def _rank_all(
 
 
 def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
-    """The ranking with the gains of the leading effects as they are after a joint refit."""
-    named = [r for r in ranking.ranked if _justified(r) and not r.candidate.smooth][:_SHORTLIST]
+    """The ranking with the gains of the leading effects as they are after a joint refit.
+
+    Only of those worth naming by what they explain without one: the freedom of a refit lets any
+    effect take what is wrong with the law.
+    """
+    worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
+    named = [r for r in worth if not r.candidate.smooth][:_SHORTLIST]
     if not named:
         return ranking
     least = _LEAST_OF_LEADER * named[0].held_out_gain
@@ -232,7 +238,8 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     for row in named:
         if row.held_out_gain < least:
             continue
-        refit = fit(prepared, (*current.terms, row.candidate.term), start=current.shape)
+        terms = (*current.terms, row.candidate.term)
+        refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
         # both in units of the drive: where the gain is fitted, an effect may change it
         residual = refit.residual * (current.gain / refit.gain)
         squares = held_out_squares(refit.free_jacobian, residual, blocks)
@@ -310,10 +317,10 @@ def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[
         changed = False
         for i in range(len(steps) - 1):
             terms = tuple(t for k, t in enumerate(current.terms) if k != i)
-            without = fit(prepared, terms, start=current.shape)
+            without = fit(prepared, terms, start=current.shape, closeness=ROUGH)
             if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < _least_gain(steps[i].term.name):
                 steps = [s for k, s in enumerate(steps) if k != i]
-                current, changed = without, True
+                current, changed = fit(prepared, terms, start=without.shape), True
                 break
     return steps, current
 

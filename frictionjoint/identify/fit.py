@@ -33,7 +33,9 @@ _LEAST_BEND = 0.02
 _ON_BOUND = 1e-4
 # evaluations given to each start of a search, and how many of the starts go on
 _HALVING = ((3, 3), (1, 4))
-_CLOSE_ENOUGH = 15
+_MOST_STEPS = 15
+# relative change of the squares at which a search ends
+CLOSE, ROUGH = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
@@ -232,15 +234,18 @@ def fit(
     terms: tuple[Term, ...] = (),
     start: Shape | None = None,
     progress: Callable[[str], None] = lambda text: None,
+    closeness: float = CLOSE,
 ) -> Fit:
     """Fit the law and the terms.
 
     Args:
         start: shape to start from (a refit); without one several starts are tried.
+        closeness: share of the squares by which the last step may still lower them; a refit that
+            is only compared with others does with `ROUGH`.
     """
     if start:
         outer = _Outer(prepared, terms, start.form)
-        return outer.result(_refined(outer, outer.vector(start), _CLOSE_ENOUGH)[1])
+        return outer.result(_refined(outer, outer.vector(start), _MOST_STEPS, closeness)[1])
     coarse, cache = prepared.thinned(), ColumnCache()
     places = []
     for i, form in enumerate(FORMS):
@@ -249,7 +254,7 @@ def fit(
         places.append((outer, outer.best_of_grid()))
     for keep, evaluations in _HALVING:
         progress(f"fit: the better {keep} of {len(places)} starts")
-        found = [(*_refined(outer, x, evaluations), outer) for outer, x in places]
+        found = [(*_refined(outer, x, evaluations, ROUGH), outer) for outer, x in places]
         found.sort(key=lambda place: place[0])
         places = [(outer, x) for _, x, outer in found[:keep]]
     outer, x = places[0]
@@ -260,11 +265,13 @@ def fit(
         _Outer(prepared, terms, replace(shape.form, virgin=virgin)) for virgin in get_args(Virgin)
     ]
     outer = min(outers, key=lambda o: float(np.sum(o.residual(o.vector(shape)) ** 2)))
-    _, x = _refined(outer, outer.vector(shape), _CLOSE_ENOUGH)
+    _, x = _refined(outer, outer.vector(shape), _MOST_STEPS, closeness)
     return outer.result(x)
 
 
-def _refined(outer: "_Outer", x: Array, evaluations: int) -> tuple[float, Array]:
+def _refined(
+    outer: "_Outer", x: Array, evaluations: int, closeness: float
+) -> tuple[float, Array]:
     """Half the sum of squares and the place after some steps of a search from x."""
     found = least_squares(
         outer.residual,
@@ -274,7 +281,7 @@ def _refined(outer: "_Outer", x: Array, evaluations: int) -> tuple[float, Array]
         x_scale=outer.scale,
         max_nfev=evaluations,
         xtol=1e-4,
-        ftol=1e-6,
+        ftol=closeness,
     )
     return float(found.cost), found.x
 
