@@ -269,9 +269,7 @@ def fit(
     return outer.result(x)
 
 
-def _refined(
-    outer: "_Outer", x: Array, evaluations: int, closeness: float
-) -> tuple[float, Array]:
+def _refined(outer: "_Outer", x: Array, evaluations: int, closeness: float) -> tuple[float, Array]:
     """Half the sum of squares and the place after some steps of a search from x."""
     found = least_squares(
         outer.residual,
