@@ -13,7 +13,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     v = sig[V]
     if v == 0.0:
         return 0.0
-    magnitude: float = P[e + 1] * abs(v) ** P[e]
+    magnitude = P[e + 1] * float(abs(v) ** P[e])
     return magnitude if v > 0.0 else -magnitude
 
 

@@ -36,8 +36,7 @@ def power(r: float, n: float) -> float:
         return r * r * r
     if n == 4.0:
         return (r * r) * (r * r)
-    result: float = r**n
-    return result
+    return float(r**n)
 
 
 @njit(cache=True, inline="always")
@@ -49,7 +48,7 @@ def rate(r: float, n: float) -> float:
 @njit(cache=True)
 def _series(r: float, n: float, sign: float) -> float:
     """Integral of 1 / (1 - sign r**n) from 0 to r, for 0 <= r <= 1/2."""
-    q: float = sign * r**n
+    q = sign * float(r**n)
     term = r
     total = r
     k = 1.0
