@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import loadmat, whosmat
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import matlab
-
-Array = NDArray[np.float64]
 
 
 def one_line(error: Exception) -> str:
