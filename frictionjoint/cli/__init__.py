@@ -98,12 +98,15 @@ def identify(
     model: Model,
     joint: Joint,
     out: Annotated[Path, typer.Option("--out", help="Parameter file to write, TOML.")],
+    law: Annotated[str, typer.Option(help="Friction law to fit: " + ", ".join(LAWS))] = LAWS[0],
     column: Columns = None,
     as_json: Json = False,
 ) -> None:
     """Fit the friction law of one joint and write its parameters.
 
     Example: `frictionjoint identify a.csv --model arm.xml --joint elbow --out elbow.toml`
+
+    Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
     from frictionjoint.diagnose.blocks import make_blocks
     from frictionjoint.files import toml_text
@@ -112,6 +115,7 @@ def identify(
     from frictionjoint.identify.rest import resolved
     from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
+    from frictionjoint.identify.rival_shape import forms_of
     from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.bounded import bounded
     from frictionjoint.report.write import write_files
@@ -121,7 +125,9 @@ def identify(
         body = RigidBody(model, joint)
         read = bounded([_read(path, joint, mapping) for path in logs])
         prepared = prepare(read, body)
-        prepared, fitted = resolved(prepared, fit(prepared, progress=told))
+        forms = forms_of(law)
+        found = fit(prepared, progress=told, forms=forms)
+        prepared, fitted = resolved(prepared, found, forms)
         blocks = make_blocks(fitted.residual, fitted.log_index)
         estimates = law_estimates(fitted, covariance(fitted, blocks.of_sample), body.slide)
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})

@@ -10,10 +10,9 @@ viscous friction. Nor has it sigma1 before that effect is in the model: on a sof
 that damping would stand in for it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +21,9 @@ from scipy.optimize import least_squares, lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DTAU, LOAD, RATE, TIME, H, Q, V
 from frictionjoint.identify.prepare import Prepared, Segment
-from frictionjoint.identify.shape import FORMS, Form, Shape
+from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
-from frictionjoint.parameters import Virgin
 
-# shape variables of the law, ahead of those of the terms
-LAW_SHAPE = 6
-_LEAST_BEND = 0.02
 # share of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
 # evaluations given to each start of a search, and how many of the starts go on
@@ -112,12 +107,11 @@ def _law_track(segment: Segment, shape: Shape) -> Array:
     return np.column_stack(shape.hysteresis(time, q))
 
 
-def base_names(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[str, ...]:
+def base_names(voltage_driven: bool, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
     """Columns of the law alone: v, or the load where the gain is unknown; H; dz/dt."""
-    if not voltage_driven:
-        return "sigma2", "Fc", "sigma1"
-    damped = any(term.name == "back-emf" for term in terms)
-    return ("load", "Fc", "sigma1") if damped else ("load", "Fc")
+    linear = "load" if voltage_driven else "sigma2"
+    damped = law.damped and (not voltage_driven or any(t.name == "back-emf" for t in terms))
+    return (linear, "Fc", "sigma1") if damped else (linear, "Fc")
 
 
 class ColumnCache:
@@ -168,7 +162,7 @@ def _log_columns(
     """Columns of one log, in the order of `base_names`, then the terms."""
     segment = prepared.segments[i]
     linear = LOAD if prepared.voltage_driven else V
-    damped = "sigma1" in base_names(prepared.voltage_driven, terms)
+    damped = "sigma1" in base_names(prepared.voltage_driven, shape, terms)
 
     def track() -> Array:
         return cache.get(("track", i, shape), lambda: _law_track(segment, shape))
@@ -200,10 +194,12 @@ def _log_columns(
     return np.column_stack(parts)
 
 
-def coefficient_bounds(voltage_driven: bool, terms: tuple[Term, ...]) -> tuple[Array, Array]:
+def coefficient_bounds(
+    voltage_driven: bool, law: Shape, terms: tuple[Term, ...]
+) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
     least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
-    low = [least[name] for name in base_names(voltage_driven, terms)]
+    low = [least[name] for name in base_names(voltage_driven, law, terms)]
     high = [np.inf] * len(low)
     for term in terms:
         bounds: tuple[tuple[float, float], ...] = ()
@@ -235,6 +231,7 @@ def fit(
     start: Shape | None = None,
     progress: Callable[[str], None] = lambda text: None,
     closeness: float = CLOSE,
+    forms: Sequence[Shape] = INTEGRATED,
 ) -> Fit:
     """Fit the law and the terms.
 
@@ -242,14 +239,15 @@ def fit(
         start: shape to start from (a refit); without one several starts are tried.
         closeness: share of the squares by which the last step may still lower them; a refit that
             is only compared with others does with `ROUGH`.
+        forms: of the law, each tried where there is no `start`.
     """
     if start:
-        outer = _Outer(prepared, terms, start.form)
-        return outer.result(_refined(outer, outer.vector(start), _MOST_STEPS, closeness)[1])
+        outer = _Outer(prepared, terms, start)
+        return outer.result(_refined(outer, outer.start, _MOST_STEPS, closeness)[1])
     coarse, cache = prepared.thinned(), ColumnCache()
     places = []
-    for i, form in enumerate(FORMS):
-        progress(f"fit: form {i + 1} of {len(FORMS)}")
+    for i, form in enumerate(forms):
+        progress(f"fit: form {i + 1} of {len(forms)}")
         outer = _Outer(coarse, terms, form, cache)
         places.append((outer, outer.best_of_grid()))
     for keep, evaluations in _HALVING:
@@ -259,13 +257,10 @@ def fit(
         places = [(outer, x) for _, x, outer in found[:keep]]
     outer, x = places[0]
     shape, terms = outer.split(x)
-    # how a joint that never moved loads for the first time matters at the start of a log only
     progress("fit: refining")
-    outers = [
-        _Outer(prepared, terms, replace(shape.form, virgin=virgin)) for virgin in get_args(Virgin)
-    ]
-    outer = min(outers, key=lambda o: float(np.sum(o.residual(o.vector(shape)) ** 2)))
-    _, x = _refined(outer, outer.vector(shape), _MOST_STEPS, closeness)
+    outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]
+    outer = min(outers, key=lambda o: float(np.sum(o.residual(o.start) ** 2)))
+    _, x = _refined(outer, outer.start, _MOST_STEPS, closeness)
     return outer.result(x)
 
 
@@ -285,51 +280,50 @@ def _refined(outer: "_Outer", x: Array, evaluations: int, closeness: float) -> t
 
 
 class _Outer:
-    """The search over shapes; the rest is solved for at each point."""
+    """The search over shapes, from a law and terms; the rest is solved for at each point."""
 
     def __init__(
         self,
         prepared: Prepared,
         terms: tuple[Term, ...],
-        form: Form,
+        law: Shape,
         cache: ColumnCache | None = None,
     ) -> None:
         self.prepared = prepared
         self.terms = terms
-        self.form = form
+        self.law = law
         self.cache = cache or ColumnCache()
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-        bend = np.log(_LEAST_BEND)
-        low = [0.0, np.log(1e-3 * self.vmax), 0.4, np.log(1e-6 * self.span), bend, bend]
-        high = [3.0, np.log(0.3 * self.vmax), 3.0, np.log(0.1 * self.span), 0.0, 0.0]
+        low, high = (list(x) for x in law.bounds(self.vmax, self.span))
         for term in terms:
             for x in term.free_shape:
                 reach = self._reach(term, x)
                 low.append(x - reach)
                 high.append(x + reach)
-        self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
+        self.bounds = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
-        self.low, self.high = coefficient_bounds(prepared.voltage_driven, terms)
+        self.low, self.high = coefficient_bounds(prepared.voltage_driven, law, terms)
 
     def _reach(self, term: Term, x: float) -> float:
         if term.name == "position-periodic":
             return np.pi / self.span / 2.0
         return 0.3 * abs(x) + 1e-12
 
-    def vector(self, shape: Shape) -> Array:
-        law = [shape.excess, np.log(shape.Vs), shape.delta, np.log(shape.length)]
-        law += [np.log(bend) for bend in shape.bend]
-        x: Array = np.array([*law, *(n for term in self.terms for n in term.free_shape)])
+    @property
+    def start(self) -> Array:
+        """Where the law and the terms given lie."""
+        return self.vector(self.law)
+
+    def vector(self, law: Shape) -> Array:
+        x = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
-        excess, delta = float(x[0]), float(x[2])
-        Vs, length, *bend = (float(np.exp(x[i])) for i in (1, 3, 4, 5))
-        shape = Shape(excess, Vs, delta, length, (bend[0], bend[1]), self.form)
-        at, terms = LAW_SHAPE, []
+        at, terms = len(self.law.variables), []
+        shape = self.law.moved(x[:at])
         for term in self.terms:
             k = len(term.free_shape)
             moved = tuple(float(n) for n in x[at : at + k])
@@ -339,12 +333,10 @@ class _Outer:
 
     def best_of_grid(self) -> Array:
         """Best point of a coarse grid."""
-        trials: list[tuple[float, int, Array]] = []
-        for Vs in (0.02, 0.1):
-            for length in (1e-5, 1e-4, 1e-3, 1e-2):
-                shape = Shape(0.2, Vs * self.vmax, 1.0, length * self.span, (0.4, 0.4), self.form)
-                x = self.vector(shape)
-                trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
+        trials = []
+        for law in self.law.grid(self.vmax, self.span):
+            x = self.vector(law)
+            trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
         return min(trials)[2]
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
@@ -360,7 +352,7 @@ class _Outer:
     def result(self, x: Array) -> Fit:
         X, y, beta = self.solved(x)
         shape, terms = self.split(x)
-        names = base_names(self.prepared.voltage_driven, self.terms)
+        names = base_names(self.prepared.voltage_driven, shape, terms)
         names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
         gain = float(1.0 / beta[0]) if self.prepared.voltage_driven else 1.0
         model = X @ beta

@@ -6,6 +6,7 @@ Such samples pull a fit away from every other one, so they are found and left ou
 """
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, fit, predict
 from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.shape import INTEGRATED, Shape
 
 # speeds, over the top speed: below the second a joint may count as at rest
 _SLOWEST, _REST = 1e-4, 0.03
@@ -29,16 +31,18 @@ _BINS = 24
 _LEAST_STAY = 8
 
 
-def resolved(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+def resolved(
+    prepared: Prepared, fitted: Fit, forms: Sequence[Shape] = INTEGRATED
+) -> tuple[Prepared, Fit]:
     """Leave out the rest that the position does not resolve, and fit the same terms again."""
-    speed, moving = _rest_speed(prepared, fitted)
+    speed, moving = _rest_speed(prepared, fitted, forms)
     if speed <= prepared.rest_speed:
         return prepared, fitted
     prepared = without_rest(prepared, speed)
     return prepared, fit(prepared, moving.terms, start=moving.shape)
 
 
-def _rest_speed(prepared: Prepared, fitted: Fit) -> tuple[float, Fit]:
+def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tuple[float, Fit]:
     """Speed below which the position does not tell the torque, rad/s; 0 where it always does.
 
     Args:
@@ -55,7 +59,7 @@ def _rest_speed(prepared: Prepared, fitted: Fit) -> tuple[float, Fit]:
     stuck = _stuck(prepared, _REST * top) * fitted.gain > _LARGE * friction
     if not stuck and _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
         return 0.0, fitted
-    moving = fit(without_rest(prepared, _REST * top), fitted.terms)
+    moving = fit(without_rest(prepared, _REST * top), fitted.terms, forms=forms)
     if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
     measured, predicted = predict(prepared, moving)

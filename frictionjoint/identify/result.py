@@ -6,9 +6,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.fit import LAW_SHAPE, Fit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.parameters import FrictionParameters
+from frictionjoint.parameters import Friction
 
 
 @dataclass(frozen=True)
@@ -30,55 +30,69 @@ def spelled(unit: str, slide: bool) -> str:
     return unit.replace("T", torque).replace("x", position) if unit != "deg C" else unit
 
 
-def law_parameters(fitted: Fit) -> FrictionParameters:
+def law_parameters(fitted: Fit) -> Friction:
     """The law as fitted, for simulation."""
-    sigma2 = fitted.coefficient("sigma2") if "sigma2" in fitted.names else 0.0
-    sigma1 = fitted.coefficient("sigma1") if "sigma1" in fitted.names else 0.0
-    Fc = fitted.coefficient("Fc")
-    return fitted.shape.parameters(Fc, sigma2, sigma1)
+    return fitted.shape.parameters(*_linear(fitted))
+
+
+def _linear(fitted: Fit) -> list[float]:
+    """Fc, sigma2 and sigma1; 0 where the fit has none."""
+    return [fitted.coefficient(name) if name in fitted.names else 0.0 for name in _LINEAR]
 
 
 def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
-    """Parameters of the law by name, both directions."""
-    torque, speed, viscous = (spelled(u, slide) for u in ("T", "x/s", "T s/x"))
-    i = fitted.names.index("Fc")
-    s = len(fitted.names)  # shape variables follow the linear ones
-    Fc, gain = fitted.coefficient("Fc"), fitted.gain
-    var_Fc = cov[i, i] * gain**2
-    excess, Vs = fitted.shape.excess, fitted.shape.Vs
-    slope = 1.0 + excess
-    var_Fs = slope**2 * var_Fc + Fc**2 * cov[s, s] + 2 * slope * Fc * gain * cov[i, s]
-    Fs = Fc * slope
-    K = fitted.shape.parameters(Fc, 0.0).stiffness
+    """Parameters of the law by name, both directions.
+
+    Args:
+        cov: of all parameters of the fit, in the order of its jacobian.
+    Returns:
+        standard errors by the first-order propagation of `cov`; None where the fit did not
+        search the number or the logs do not determine it.
+    """
+    linear, x = np.array(_linear(fitted)), fitted.shape.vector()
+    theta = np.concatenate([linear, x])
+    # columns of the jacobian that theta belongs to; shape variables follow the linear ones
+    at = [fitted.names.index(n) if n in fitted.names else -1 for n in _LINEAR]
+    at += [len(fitted.names) + k for k in range(len(x))]
+    scale = np.array([fitted.gain] * len(linear) + [1.0] * len(x))
+    values = _law_values(fitted, theta)
+    gradients: dict[str, dict[int, float]] = {name: {} for name in values}
+    for i in range(len(theta)):
+        h = 1e-5 * abs(theta[i]) or 1e-9
+        # the logarithm of a ratio of slopes must not rise above 0, nothing else below it
+        h = -h if i >= len(linear) and fitted.shape.variables[i - len(linear)][:3] == "log" else h
+        moved = theta.copy()
+        moved[i] += h
+        for name, value in _law_values(fitted, moved).items():
+            if at[i] >= 0 and value != values[name]:
+                gradients[name][i] = (value - values[name]) / h
     # Fs and Vs mean little where friction hardly rises above the Coulomb level
-    seen = excess > 1e-3
-    rows = {
-        "Fs": Estimate(Fs, _root(var_Fs), torque),
-        "Fc": Estimate(Fc, _root(var_Fc), torque),
-        "Vs": Estimate(Vs, _scaled(cov[s + 1, s + 1], Vs) if seen else None, speed),
-        "delta": Estimate(fitted.shape.delta, _root(cov[s + 2, s + 2]) if seen else None, "1"),
-    }
-    if "sigma2" in fitted.names:
-        k = fitted.names.index("sigma2")
-        rows["sigma2"] = Estimate(fitted.coefficient("sigma2"), _root(cov[k, k]), viscous)
-    found = {f"{name}_{side}": x for name, x in rows.items() for side in ("pos", "neg")}
-    relative = _root(cov[s + 3, s + 3])
-    found["stiffness"] = Estimate(
-        K, None if relative is None else K * relative, spelled("T/x", slide)
-    )
-    if "sigma1" in fitted.names:
-        k = fitted.names.index("sigma1")
-        found["sigma1"] = Estimate(
-            fitted.coefficient("sigma1"), _scaled(cov[k, k], fitted.gain), viscous
-        )
-    found["n"] = Estimate(fitted.shape.form.n, None, "1")
-    if gain != 1.0:
-        g = cov[0, 0] * gain**2
-        relative = _root(g / (fitted.beta[0] * gain) ** 2)
-        found["gain"] = Estimate(
-            gain, None if relative is None else gain * relative, f"{torque} per unit of drive"
-        )
+    variables = fitted.shape.variables
+    flat = "excess" in variables and x[variables.index("excess")] <= _FLAT
+    found = {}
+    for name, value in values.items():
+        symbol = name.partition("_")[0]
+        if symbol in ("sigma1", "sigma2") and symbol not in fitted.names:
+            continue
+        on = list(gradients[name])
+        g = np.array([gradients[name][i] * scale[i] for i in on])
+        columns = [at[i] for i in on]
+        unknown = not on or (flat and symbol in ("Vs", "delta"))
+        error = None if unknown else _root(float(g @ cov[np.ix_(columns, columns)] @ g))
+        found[name] = Estimate(value, error, spelled(_UNITS[symbol], slide))
+    if fitted.gain != 1.0:
+        relative = _scaled(cov[0, 0], 1.0 / abs(fitted.beta[0]))
+        unit = f"{spelled('T', slide)} per unit of drive"
+        error = None if relative is None else fitted.gain * relative
+        found["gain"] = Estimate(fitted.gain, error, unit)
     return found
+
+
+def _law_values(fitted: Fit, theta: Array) -> dict[str, float]:
+    """Numbers of the law by name, the presliding stiffness last."""
+    law = fitted.shape.moved(theta[len(_LINEAR) :]).parameters(*theta[: len(_LINEAR)])
+    values = {name: x for name, x in law.to_dict().items() if isinstance(x, float)}
+    return values | {"stiffness": law.stiffness}
 
 
 def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Estimate]:
@@ -98,7 +112,11 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
         for k, name in enumerate(term.coefficients)
     }
     if isinstance(term, EffectTerm):
-        at = len(fitted.names) + LAW_SHAPE + sum(len(t.free_shape) for t in fitted.terms[:i])
+        at = (
+            len(fitted.names)
+            + len(fitted.shape.variables)
+            + sum(len(t.free_shape) for t in fitted.terms[:i])
+        )
         effect: Effect = term.effect
         for k, name in enumerate(effect.shape):
             error = None if effect.shape_fixed else _root(cov[at + k, at + k])

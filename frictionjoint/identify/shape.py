@@ -1,20 +1,74 @@
-"""The shape of the friction law in a fit: what stays nonlinear once Fc is factored out.
+"""The shape of a friction law in a fit: what stays nonlinear once Fc is factored out.
 
-The integrated law is homogeneous: scaling Fs, Fc and the torques of Fd scales Fh. So the torque is
-``Fc * H(q; shape) + sigma2 v`` with H computed at Fc = 1, and only the shape is searched.
+Every law is homogeneous: scaling its levels and stiffnesses scales its torque. So the torque is
+``Fc * H(q; shape) + sigma1 dz/dt + sigma2 v`` with H computed at Fc = 1, and only the shape is
+searched. `Shape` is what a search needs of a law; here is that of the integrated law.
 """
 
-from dataclasses import dataclass
-from typing import get_args
+from dataclasses import dataclass, replace
+from typing import Protocol, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.law.motion import drive_integrated
-from frictionjoint.parameters import FrictionParameters, Knots, Variant, Virgin
+from frictionjoint.parameters import Friction, FrictionParameters, Knots, Variant, Virgin
+
+Array = NDArray[np.float64]
+
+
+class Shape(Protocol):
+    """A law at Coulomb level 1, as a point of a search."""
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Names of the numbers in `vector`; of one named `log X` the logarithm is searched."""
+
+    @property
+    def damped(self) -> bool:
+        """Whether the law has the presliding damping sigma1."""
+
+    def vector(self) -> Array:
+        """The numbers searched, shape (k,)."""
+
+    def moved(self, x: Array) -> Self:
+        """The same kind of shape at other numbers."""
+
+    def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
+        """Least and largest numbers where the joint goes up to vmax (rad/s) over span (rad)."""
+
+    def grid(self, vmax: float, span: float) -> list[Self]:
+        """Coarse trial points."""
+
+    def last_choices(self) -> list[Self]:
+        """This shape in every variant that matters at the start of a log only."""
+
+    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
+        """The law at a Coulomb level, N m."""
+
+    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
+        """H, and what times the velocity is dz/dt, along a motion, each of shape (n,)."""
+
+
+_LEAST_BEND = 0.02
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.
 _TORQUES = (0.5, 0.8, 1.0)
+
+
+# trial points of a search, over the top speed and over the travel
+GRID_SPEEDS = (0.02, 0.1)
+GRID_LENGTHS = (1e-5, 1e-4, 1e-3, 1e-2)
+
+
+def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
+    """Of excess, log Vs and delta: the Stribeck curve that the laws share."""
+    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [3.0, float(np.log(0.3 * vmax)), 3.0]
+
+
+def length_bounds(span: float) -> tuple[float, float]:
+    """Of the logarithm of a presliding length."""
+    return float(np.log(1e-6 * span)), float(np.log(0.1 * span))
 
 
 @dataclass(frozen=True)
@@ -32,12 +86,12 @@ class Form:
 
 # Exponents with closed-form steps: a log hardly tells those in between apart, and they are many
 # times faster.
-FORMS = tuple(Form(n, variant, "literal") for variant in get_args(Variant) for n in (1.0, 2.0, 4.0))
+_EXPONENTS = (1.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True)
-class Shape:
-    """Search variables of the law.
+class IntegratedShape:
+    """Search variables of the integrated law.
 
     Attributes:
         excess: Fs / Fc - 1, >= 0.
@@ -55,6 +109,45 @@ class Shape:
     length: float
     bend: tuple[float, float]
     form: Form
+
+    variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
+    damped = True
+
+    def vector(self) -> Array:
+        """See `Shape`."""
+        logs = np.log([self.Vs, self.length, *self.bend])
+        return np.array([self.excess, logs[0], self.delta, *logs[1:]])
+
+    def moved(self, x: Array) -> Self:
+        """See `Shape`."""
+        Vs, length, *bend = (float(np.exp(x[i])) for i in (1, 3, 4, 5))
+        return replace(
+            self,
+            excess=float(x[0]),
+            Vs=Vs,
+            delta=float(x[2]),
+            length=length,
+            bend=(bend[0], bend[1]),
+        )
+
+    def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
+        """See `Shape`."""
+        low, high = level_bounds(vmax)
+        bend = np.log(_LEAST_BEND)
+        least, most = length_bounds(span)
+        return np.array([*low, least, bend, bend]), np.array([*high, most, 0.0, 0.0])
+
+    def grid(self, vmax: float, span: float) -> list[Self]:
+        """See `Shape`."""
+        return [
+            replace(self, Vs=Vs * vmax, length=length * span)
+            for Vs in GRID_SPEEDS
+            for length in GRID_LENGTHS
+        ]
+
+    def last_choices(self) -> list[Self]:
+        """How a joint that never moved loads for the first time."""
+        return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
@@ -83,10 +176,15 @@ class Shape:
             found.append((z, 2.0 * Fs * F))
         return tuple(found)
 
-    def hysteresis(
-        self, time: NDArray[np.float64], q: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_integrated(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
+
+
+INTEGRATED = tuple(
+    IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), Form(n, variant, "literal"))
+    for variant in get_args(Variant)
+    for n in _EXPONENTS
+)

@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from frictionjoint.arrays import Vector
 from frictionjoint.errors import LogError
-from frictionjoint.law import integrated
+from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
 from frictionjoint.parameters import Friction
@@ -48,6 +48,22 @@ def drive_integrated(P: Vector, time: Vector, position: Vector, H: Vector, rate:
         make_room(X, 0, HEADER)
         H[k] = X[FH]
         rate[k] = X[RATE]
+
+
+@njit(cache=True)
+def drive_rival(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
+    """As `drive_integrated`, for a block of any other law, its number in front."""
+    X = np.zeros(row_size(P, 0))
+    start_row(P, 0, X, 0)
+    H[0] = 0.0
+    rate[0] = X[bristle.RATE]
+    for k in range(1, len(position)):
+        dq = position[k] - position[k - 1]
+        dt = time[k] - time[k - 1]
+        step_row(P, 0, X, 0, dq, dt, dq / dt)
+        commit(P, 0, X, 0)
+        H[k] = X[bristle.FH]
+        rate[k] = X[bristle.RATE]
 
 
 def friction_torque(

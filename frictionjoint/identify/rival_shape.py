@@ -1,0 +1,156 @@
+"""Shapes of the rival laws in a fit, and the forms of every law by its name."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from frictionjoint.arrays import Vector
+from frictionjoint.errors import ParameterError
+from frictionjoint.identify.shape import (
+    GRID_LENGTHS,
+    GRID_SPEEDS,
+    INTEGRATED,
+    Shape,
+    length_bounds,
+    level_bounds,
+)
+from frictionjoint.law.motion import drive_rival
+from frictionjoint.laws import LAWS
+from frictionjoint.parameters import Friction, FrictionParameters
+from frictionjoint.rivals import RIVALS
+
+_LEVELS = ("excess", "log Vs", "delta")
+_VARIABLES: dict[str, tuple[str, ...]] = {
+    "static": (*_LEVELS, "log V0"),
+    "armstrong": (*_LEVELS, "log length"),
+    "dahl": ("log length", "i"),
+    "lugre": (*_LEVELS, "log length"),
+    "elastoplastic": (*_LEVELS, "log length", "breakaway"),
+    "maxwell_slip": (*_LEVELS, "log length", "log reach", "log C"),
+}
+_DAMPED = ("lugre", "elastoplastic")
+# Maxwell-slip elements: equal shares of the level, slip displacements in a geometric row from
+# `length` to `reach` times it
+_ELEMENTS = 8
+_START = {
+    "excess": 0.2,
+    "log Vs": 0.0,
+    "delta": 1.0,
+    "log V0": 0.0,
+    "log length": 0.0,
+    "i": 1.0,
+    "breakaway": 0.5,
+    "log reach": np.log(10.0),
+    "log C": np.log(100.0),
+}
+
+
+@dataclass(frozen=True)
+class RivalShape:
+    """Search variables of a rival law: Fs / Fc - 1, Vs, delta, then its own.
+
+    `length` is Fs (Dahl: Fc) over the stiffness, so that it means about the same in every law.
+
+    Attributes:
+        law: the class of its parameters. numbers: in the order of `variables`.
+    """
+
+    law: Any
+    numbers: tuple[float, ...]
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """See `Shape`."""
+        return _VARIABLES[self.law.law]
+
+    @property
+    def damped(self) -> bool:
+        """See `Shape`."""
+        return self.law.law in _DAMPED
+
+    def vector(self) -> Vector:
+        """See `Shape`."""
+        return np.array(self.numbers)
+
+    def moved(self, x: Vector) -> Self:
+        """See `Shape`."""
+        return type(self)(self.law, tuple(float(n) for n in x))
+
+    def bounds(self, vmax: float, span: float) -> tuple[Vector, Vector]:
+        """See `Shape`."""
+        low, high = level_bounds(vmax)
+        reach = {
+            **dict(zip(_LEVELS, zip(low, high, strict=True), strict=True)),
+            "log length": length_bounds(span),
+            "log V0": (np.log(1e-4 * vmax), np.log(0.3 * vmax)),
+            "i": (0.0, 4.0),
+            "breakaway": (0.0, 0.95),
+            "log reach": (0.0, np.log(300.0)),
+            "log C": (np.log(0.1), np.log(1e4)),
+        }
+        least, most = zip(*(reach[name] for name in self.variables), strict=True)
+        return np.array(least), np.array(most)
+
+    def grid(self, vmax: float, span: float) -> list[Self]:
+        """See `Shape`."""
+        found = []
+        for Vs in GRID_SPEEDS:
+            for length in GRID_LENGTHS:
+                # a static law has a speed where the others have a length
+                trial = {
+                    "log Vs": np.log(Vs * vmax),
+                    "log length": np.log(length * span),
+                    "log V0": np.log(length * vmax),
+                }
+                numbers = (
+                    trial.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)
+                )
+                found.append(type(self)(self.law, tuple(float(n) for n in numbers)))
+        return found
+
+    def last_choices(self) -> list[Self]:
+        """See `Shape`."""
+        return [self]
+
+    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
+        """The law at a Coulomb level."""
+        x = {
+            name.removeprefix("log "): float(np.exp(n)) if name.startswith("log ") else n
+            for name, n in zip(self.variables, self.numbers, strict=True)
+        }
+        Fs = Fc * (1.0 + x.get("excess", 0.0))
+        values: dict[str, Any] = {"Fc": Fc, "sigma2": sigma2}
+        if "excess" in x:
+            values |= {"Fs": Fs, "Vs": x["Vs"], "delta": x["delta"]}
+        if "reach" in x:
+            slips = x["length"] * x["reach"] ** (np.arange(_ELEMENTS) / (_ELEMENTS - 1))
+            values["elements"] = tuple((float(Fs / _ELEMENTS / z), 1.0 / _ELEMENTS) for z in slips)
+            values["C"] = Fc * x["C"]
+        elif "length" in x:
+            values["sigma0"] = Fs / x["length"]
+        values |= {name: x[name] for name in ("V0", "i", "breakaway") if name in x}
+        if self.damped:
+            values["sigma1"] = sigma1
+        found: Friction = self.law.symmetric(**values)
+        return found
+
+    def hysteresis(self, time: Vector, q: Vector) -> tuple[Vector, Vector]:
+        """See `Shape`."""
+        H, rate = np.empty_like(q), np.empty_like(q)
+        drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
+        return H, rate
+
+
+def forms_of(law: str) -> tuple[Shape, ...]:
+    """What a fit of a law tries.
+
+    Raises:
+        ParameterError: no law has this name.
+    """
+    if law == FrictionParameters.law:
+        return INTEGRATED
+    for rival in RIVALS:
+        if rival.law == law:
+            return (RivalShape(rival, tuple(_START[name] for name in _VARIABLES[law])),)
+    raise ParameterError(f"unknown law {law!r}: known are {', '.join(LAWS)}")
