@@ -19,6 +19,7 @@ from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, LogError, ParameterError
+from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130
 # click's error of wrong usage, wherever this version of typer keeps click

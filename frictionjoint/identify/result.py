@@ -10,6 +10,18 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameters import Friction
 
+_LINEAR = ("Fc", "sigma2", "sigma1")
+# Fs / Fc - 1 up to which friction counts as flat
+_FLAT = 1e-3
+_UNITS = {
+    **dict.fromkeys(("Fs", "Fc"), "T"),
+    **dict.fromkeys(("Vs", "V0"), "x/s"),
+    **dict.fromkeys(("delta", "n", "i", "breakaway"), "1"),
+    **dict.fromkeys(("sigma1", "sigma2"), "T s/x"),
+    **dict.fromkeys(("sigma0", "stiffness"), "T/x"),
+    "C": "T/s",
+}
+
 
 @dataclass(frozen=True)
 class Estimate:

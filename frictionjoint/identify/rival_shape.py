@@ -5,7 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from frictionjoint.arrays import Vector
+from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.shape import (
     GRID_LENGTHS,
@@ -69,15 +69,15 @@ class RivalShape:
         """See `Shape`."""
         return self.law.law in _DAMPED
 
-    def vector(self) -> Vector:
+    def vector(self) -> Array:
         """See `Shape`."""
         return np.array(self.numbers)
 
-    def moved(self, x: Vector) -> Self:
+    def moved(self, x: Array) -> Self:
         """See `Shape`."""
         return type(self)(self.law, tuple(float(n) for n in x))
 
-    def bounds(self, vmax: float, span: float) -> tuple[Vector, Vector]:
+    def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
         low, high = level_bounds(vmax)
         reach = {
@@ -135,7 +135,7 @@ class RivalShape:
         found: Friction = self.law.symmetric(**values)
         return found
 
-    def hysteresis(self, time: Vector, q: Vector) -> tuple[Vector, Vector]:
+    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """See `Shape`."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)

@@ -1,4 +1,5 @@
-"""Elasto-plastic friction: Dupont, Hayward, Armstrong and Altpeter (2002), IEEE TAC 47(5).
+"""Elasto-plastic friction: Dupont, Hayward, Armstrong and Altpeter (2002), IEEE TAC 47(5),
+equations 6 to 9.
 
     F     = sigma0 z + sigma1 dz/dt + sigma2 v
     dz/dt = v (1 - alpha(z, v) sgn(v) z / zss(v))          zss = S(v) / sigma0

@@ -1,4 +1,5 @@
-"""LuGre: Canudas de Wit, Olsson, Astrom and Lischinsky (1995), IEEE Trans. Automatic Control 40(3).
+"""LuGre: Canudas de Wit, Olsson, Astrom and Lischinsky (1995), IEEE Trans. Automatic Control 40(3),
+equations 1 to 3.
 
     F     = sigma0 z + sigma1 dz/dt + sigma2 v
     dz/dt = v - sigma0 |v| / S(v) z

@@ -1,4 +1,5 @@
-"""Generalized Maxwell-slip: Al-Bender, Lampaert and Swevers (2005), IEEE TAC 50(11).
+"""Generalized Maxwell-slip: Al-Bender, Lampaert and Swevers (2005), IEEE TAC 50(11),
+equations 9 to 12.
 
 N massless blocks in parallel, each behind a spring k_i, with the share alpha_i of the level S(v):
 

@@ -1,0 +1,122 @@
+"""Every law can be identified: the one a plant has is the one that explains its logs best."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_cli import LOG, MODEL, run
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from plants.plant import Friction, Motion, simulate, write  # noqa: E402
+from test_plants import quiet  # noqa: E402
+
+from frictionjoint import friction_torque  # noqa: E402
+from frictionjoint.errors import ParameterError  # noqa: E402
+from frictionjoint.files import read_parameters  # noqa: E402
+from frictionjoint.identify.fit import fit, predict  # noqa: E402
+from frictionjoint.identify.prepare import prepare  # noqa: E402
+from frictionjoint.identify.result import law_estimates, law_parameters  # noqa: E402
+from frictionjoint.identify.rigid_body import RigidBody  # noqa: E402
+from frictionjoint.identify.rival_shape import forms_of  # noqa: E402
+from frictionjoint.identify.uncertainty import covariance  # noqa: E402
+from frictionjoint.laws import LAWS  # noqa: E402
+from frictionjoint.measured.readers import read_log  # noqa: E402
+
+FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
+# the plants' names of laws that the package has too
+PLANTS = {"lugre": "lugre", "elasto-plastic": "elastoplastic", "gms": "maxwell_slip"}
+MOTIONS = (
+    Motion("ramps", 3, 0.3, 1.0, 12.0),
+    Motion("sines", 4, 0.3, 1.0, 8.0),
+)
+
+
+@pytest.fixture(scope="module", params=PLANTS)
+def plant(request, tmp_path_factory):
+    """The law, and logs of a joint that has it: one to fit, one held out."""
+    friction = Friction(
+        request.param, Fs=FS, Fc=FC, Vs=VS, delta=2.0, sigma2=SIGMA2, presliding=2 * FS / STIFFNESS
+    )
+    folder = tmp_path_factory.mktemp(request.param)
+    paths = write(simulate(quiet(friction=friction, motions=MOTIONS)), folder)
+    body = RigidBody(folder / "joint.xml", "joint")
+    logs = [read_log(path, "joint") for path in paths]
+    fitted = prepare(logs[:1], body)
+    return PLANTS[request.param], fitted, prepare(logs[1:], body, fitted.segments[0].bandwidth_hz)
+
+
+def held_out_rms(fitted, kept):
+    measured, predicted = predict(kept, fitted)
+    return float(np.sqrt(np.mean((np.concatenate(measured) - np.concatenate(predicted)) ** 2)))
+
+
+def test_the_plants_own_law_explains_it(plant):
+    law, logs, kept = plant
+    own = fit(logs, forms=forms_of(law))
+    p = law_parameters(own)
+    assert p.law == law
+    assert p.Fc_pos == pytest.approx(FC, rel=0.05)
+    assert p.sigma2_pos == pytest.approx(SIGMA2, rel=0.15)
+    assert own.rms < 0.03 * FC
+    for other in {"static", "dahl"}:
+        assert held_out_rms(own, kept) < 0.5 * held_out_rms(fit(logs, forms=forms_of(other)), kept)
+    estimates = law_estimates(own, covariance(own, np.arange(own.residual.size) // 200), False)
+    assert estimates["Fc_pos"].value == p.Fc_pos
+    assert 0 < estimates["Fc_pos"].stderr < 0.1 * FC
+    assert estimates["stiffness"].value == pytest.approx(p.stiffness)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_search_keeps_every_law_within_its_range(law):
+    """At the bounds of the search the parameters still pass validation, and come back whole."""
+    for shape in forms_of(law):
+        low, high = shape.bounds(2.0, 1.5)
+        for x in (low, high, 0.5 * (low + high), *(s.vector() for s in shape.grid(2.0, 1.5))):
+            moved = shape.moved(x)
+            np.testing.assert_allclose(moved.vector(), x, atol=1e-12)
+            p = moved.parameters(0.7, 0.1, 0.2)
+            assert p.Fc_pos == 0.7
+            assert len(x) == len(shape.variables)
+
+
+def test_scaling_the_levels_scales_the_torque():
+    """What lets a fit factor the Coulomb level out, in every law."""
+    rng = np.random.default_rng(0)
+    t = np.linspace(0.0, 3.0, 3001)
+    q = np.cumsum(rng.normal(0.0, 1e-3, t.size))
+    for law in LAWS:
+        for shape in forms_of(law):
+            shape = shape.grid(1.0, 1.0)[2]
+            one = friction_torque(shape.parameters(1.0, 0.0), t, q)
+            np.testing.assert_allclose(
+                friction_torque(shape.parameters(3.7, 0.0), t, q), 3.7 * one, atol=1e-9
+            )
+            np.testing.assert_allclose(shape.hysteresis(t, q)[0], one, atol=1e-12)
+
+
+def test_unknown_law_is_named_with_the_known_ones():
+    with pytest.raises(ParameterError, match="'gms': known are integrated, static"):
+        forms_of("gms")
+
+
+def test_the_command_writes_a_file_of_the_law(tmp_path):
+    done = run(
+        "identify", LOG, "--model", MODEL, "--joint", "joint", "--law", "armstrong",
+        "--out", "joint.toml", "--json", cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = read_parameters(tmp_path / "joint.toml").parameters
+    assert found.law == "armstrong"
+    shown = json.loads(done.stdout)["parameters"]
+    assert shown["sigma0"]["value"] == pytest.approx(found.sigma0)
+    refused = run(
+        "identify", LOG, "--model", MODEL, "--joint", "joint", "--law", "hertz",
+        "--out", "no.toml", cwd=tmp_path,
+    )  # fmt: skip
+    assert refused.returncode == 2
+    assert "unknown law 'hertz'" in refused.stderr
+    assert not (tmp_path / "no.toml").exists()
