@@ -43,7 +43,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict."""
-    from frictionjoint.report.page import sentence
+    from frictionjoint.report.wording import sentence
 
     unit = "N" if report.slide else "N m"
     table = Table("torque rms", "fitted logs", "held out")

@@ -2,18 +2,22 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
+from frictionjoint.diagnose.intervals import rms_interval
 from frictionjoint.diagnose.loop import Step, Trace, trace
-from frictionjoint.diagnose.replay import friction_spec, replay
+from frictionjoint.diagnose.replay import Replay, friction_spec, replay
 from frictionjoint.diagnose.report_data import (
     Added,
     Curve,
     Evidence,
+    Intervals,
     LogEntry,
     Report,
     Rms,
@@ -21,21 +25,26 @@ from frictionjoint.diagnose.report_data import (
     Verdict,
 )
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.errors import LogError
-from frictionjoint.identify.fit import Fit, predict
+from frictionjoint.identify.fit import Fit, law_torque, predict
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rest import without_rest
-from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
+from frictionjoint.identify.result import (
+    law_estimates,
+    law_parameters,
+    term_estimates,
+)
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 
-_RESAMPLES = 400
 _AT_THE_FLOOR = 1.5
 _WHITE = 3.0
 
@@ -82,23 +91,26 @@ def close_loop(
     spec = body.spec()
     friction_spec(spec, joint, found.final)
     spec.compile()
-    before, after = (_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final))
+    runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final)]
+    before, after = (Rms(fit.rms, held.rms if held else None) for fit, held in runs)
     torque = [_torque_rms(moving, kept_moving, f) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
     floor = _noise_floor(moving, found.final.gain)
+    final = law_estimates(found.final, _covariance(found.final), body.slide)
     return Report(
         joint=joint,
         slide=body.slide,
         logs=tuple(entries),
         base=law_estimates(found.base, _covariance(found.base), body.slide),
-        final=law_estimates(found.final, _covariance(found.final), body.slide),
+        final=final,
         before_torque=torque[0],
         before_replay=before,
         added=_added(found, moving, kept_moving),
         after_torque=torque[1],
         after_replay=after,
         torque_interval=_intervals(kept_moving or moving, found),
+        replay_interval=_replay_intervals(runs),
         measured_rms=found.final.target_rms,
         bandwidth_hz=bandwidth,
         noise_floor=floor,
@@ -106,9 +118,10 @@ def close_loop(
         verdict=_verdict(found, unexplained, moving, floor),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
+        laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
         ranking=_ranking(found),
-        proposals=_proposals(found),
+        proposals=what_to_record(_ties(found), unexplained, final, bool(held_out)),
         notes=_notes(fitted_on, moving),
     )
 
@@ -151,9 +164,11 @@ def _covariance(fitted: Fit) -> Array:
     return covariance(fitted, blocks.of_sample)
 
 
-def _replays(fitted_on: Prepared, kept_back: Prepared | None, body: RigidBody, f: Fit) -> Rms:
-    held = replay(kept_back, body, f).rms if kept_back else None
-    return Rms(replay(fitted_on, body, f).rms, held)
+def _replays(
+    fitted_on: Prepared, kept_back: Prepared | None, body: RigidBody, f: Fit
+) -> tuple[Replay, Replay | None]:
+    """Of the logs fitted and of those held out."""
+    return replay(fitted_on, body, f), replay(kept_back, body, f) if kept_back else None
 
 
 def _errors(prepared: Prepared, fitted: Fit) -> Array:
@@ -170,20 +185,25 @@ def _root_mean_square(e: Array) -> float:
     return float(np.sqrt(np.mean(e**2)))
 
 
-def _intervals(prepared: Prepared, found: Trace) -> tuple[tuple[float, float], tuple[float, float]]:
-    """95% intervals of the rms before and after, by bootstrap over blocks of time."""
-    rng = np.random.default_rng(0)
-    results = []
+def _intervals(prepared: Prepared, found: Trace) -> Intervals:
+    """Of the torque's rms before and after."""
+    pair = []
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted)
-        blocks = make_blocks(e, np.zeros(len(e), dtype=np.int64))
-        sums = np.bincount(blocks.of_sample, e**2)
-        counts = np.bincount(blocks.of_sample)
-        draws = rng.integers(0, len(sums), size=(_RESAMPLES, len(sums)))
-        sample = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
-        low, high = np.quantile(sample, (0.025, 0.975))
-        results.append((float(low), float(high)))
-    return results[0], results[1]
+        pair.append(rms_interval(e, make_blocks(e, np.zeros(len(e), dtype=np.int64)).of_sample))
+    return pair[0], pair[1]
+
+
+def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
+    """Of the replay's rms before and after; each free run is a block of its own."""
+    pair = []
+    for fit_run, held_run in runs:
+        e = np.concatenate((held_run or fit_run).errors)
+        known = np.isfinite(e)
+        if not known.any():
+            return None
+        pair.append(rms_interval(e[known], np.cumsum(~known)[known]))
+    return pair[0], pair[1]
 
 
 def _added(found: Trace, fitted_on: Prepared, kept_back: Prepared | None) -> tuple[Added, ...]:
@@ -198,9 +218,9 @@ def _added(found: Trace, fitted_on: Prepared, kept_back: Prepared | None) -> tup
             first = entries[name]
             number = 2 + sum(1 for s in found.steps[:i] if s.term.name == name) - 1
             more = {f"{key}_{number}": x for key, x in parameters.items()}
-            entries[name] = Added(name, first.parameters | more, first.evidence, rms)
+            entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
         else:
-            entries[name] = Added(name, parameters, _evidence(step), rms)
+            entries[name] = Added(name, _effect(step).cause, parameters, _evidence(step), rms)
     return tuple(entries.values())
 
 
@@ -276,7 +296,9 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
             continue
         measured, before = predict(prepared, found.base)
         _, after = predict(prepared, found.final)
-        for s, m, b, a in zip(prepared.segments, measured, before, after, strict=True):
+        friction = law_torque(prepared, found.final)
+        rows = zip(prepared.segments, measured, before, after, friction, strict=True)
+        for s, m, b, a, f in rows:
             kept = s.signals[:: s.step][s.kept]
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
             for name, x in s.others.items():
@@ -291,6 +313,7 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
                     m,
                     b,
                     a,
+                    f,
                     {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
                 )
             )
@@ -305,19 +328,13 @@ def _ranking(found: Trace) -> tuple[tuple[str, float, float], ...]:
     )
 
 
-def _proposals(found: Trace) -> tuple[str, ...]:
-    """What to record next: for every tie the motion that separates it."""
-    texts = []
-    for step in found.steps:
-        for other in step.ties:
-            effect = next(e for e in CATALOGUE if e.name == step.term.name)
-            texts.append(f"{step.term.name} or {other}: {effect.separating_motion}.")
-    return tuple(texts)
+def _ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
+    """Each addition with an effect that explains as much."""
+    return tuple((_effect(step), other) for step in found.steps for other in step.ties)
 
 
-def estimates_table(report: Report) -> list[tuple[str, Estimate]]:
-    """All parameters of the final model by name, for people."""
-    rows = list(report.final.items())
-    for effect in report.added:
-        rows += [(f"{effect.effect}: {name}", x) for name, x in effect.parameters.items()]
-    return rows
+def _effect(step: Step) -> Effect:
+    term = step.term
+    if isinstance(term, EffectTerm):
+        return term.effect
+    return next(e for e in CATALOGUE if e.name == term.name)

@@ -5,9 +5,11 @@ from typing import Any, Literal
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
+from frictionjoint.parameters import FrictionParameters
 
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found"]
+Intervals = tuple[tuple[float, float], tuple[float, float]]
 SCHEMA = "frictionjoint/report-1"
 
 
@@ -69,9 +71,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Added:
-    """An effect that joined the model."""
+    """An effect that joined the model; `cause` in the catalogue's words."""
 
     effect: str
+    cause: str
     parameters: dict[str, Estimate]
     evidence: Evidence
     torque_rms: Rms
@@ -80,6 +83,7 @@ class Added:
         """As in report.json."""
         return {
             "effect": self.effect,
+            "cause": self.cause,
             "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
             "evidence": self.evidence.to_dict(),
             "torque_rms": self.torque_rms.to_dict(),
@@ -88,7 +92,10 @@ class Added:
 
 @dataclass(frozen=True)
 class Curve:
-    """Time series of one log for the plots, each of shape (n,)."""
+    """Time series of one log for the plots, each of shape (n,).
+
+    `before` and `after` are the predictions of `measured`; `friction` is the law's part of `after`.
+    """
 
     name: str
     role: Role
@@ -98,6 +105,7 @@ class Curve:
     measured: Array
     before: Array
     after: Array
+    friction: Array
     quantities: dict[str, Array]
 
 
@@ -105,8 +113,9 @@ class Curve:
 class Report:
     """Outcome of `close_loop`.
 
-    Attributes follow report.json (design of the schema in the README); `curves`, `ranking` and
-    `proposals` serve the page. Torques in N m, positions in rad (N and m for a slide).
+    Attributes follow report.json; `laws` (before and after), `curves` and `ranking` serve the page.
+    Intervals are of the rms before and after, at 95%, on held-out logs where there are any. Torques
+    in N m, positions in rad (N and m for a slide).
     """
 
     joint: str
@@ -119,7 +128,8 @@ class Report:
     added: tuple[Added, ...]
     after_torque: Rms
     after_replay: Rms
-    torque_interval: tuple[tuple[float, float], tuple[float, float]]
+    torque_interval: Intervals
+    replay_interval: Intervals | None
     measured_rms: float
     bandwidth_hz: float
     noise_floor: float | None
@@ -127,6 +137,7 @@ class Report:
     verdict: Verdict
     mjcf: str
     seconds: float
+    laws: tuple[FrictionParameters, FrictionParameters] = field(repr=False)
     curves: tuple[Curve, ...] = field(repr=False)
     ranking: tuple[tuple[str, float, float], ...] = field(repr=False)
     proposals: tuple[str, ...] = ()

@@ -405,3 +405,13 @@ def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
         measured.append(y * fitted.gain + known)
         predicted.append(model + known)
     return measured, predicted
+
+
+def law_torque(prepared: Prepared, fitted: Fit) -> list[Array]:
+    """Torque of the law alone on the kept samples of each log, N m: a part of what is predicted."""
+    at = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
+    found = []
+    for i in range(len(prepared)):
+        X, _ = design(prepared.subset([i]), fitted.shape, fitted.terms)
+        found.append(X[:, at] @ fitted.beta[at] * fitted.gain)
+    return found

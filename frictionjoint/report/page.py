@@ -3,63 +3,81 @@
 import platform
 from importlib.metadata import version
 from importlib.resources import files
+from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
 from jinja2 import Environment
 from plotly.offline import get_plotlyjs
 
-from frictionjoint.diagnose.close_loop import estimates_table
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.advice import quantity
+from frictionjoint.diagnose.loop import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Report
-from frictionjoint.report import plots
+from frictionjoint.report import plots, presliding, wording
+
+_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
 
 
 def render(report: Report, command: str) -> str:
     """The page as text; `command` is shown as the way to make it again."""
     template = files("frictionjoint.report").joinpath("page.html.j2").read_text(encoding="utf-8")
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["figures"] = _three_figures
-    quantities = sorted({name for c in report.curves for name in c.quantities})
+    environment.filters |= {
+        "figures": wording.three,
+        "interval": wording.interval,
+        "value": wording.value,
+        "quantity": quantity,
+    }
+    torque, position = wording.units(report)
+    turns = presliding.behind_turns(report)
     return environment.from_string(template).render(
         report=report,
-        sentence=sentence(report),
-        torque="N" if report.slide else "N m",
-        position="m" if report.slide else "rad",
-        parameters=estimates_table(report),
+        sentence=wording.sentence(report),
+        held=report.after_torque.held_out is not None,
+        smallest_gain=SMALLEST_GAIN,
+        torque=torque,
+        position=position,
+        parameters=_parameters(report),
+        logs=_logs(report),
         over_time=_html(plots.over_time(report)),
-        planes=_html(plots.planes(report)),
+        planes=[_html(plots.plane(report, x)) for x in ("velocity", "position")],
+        loops=_html(presliding.loops(report)),
+        turns=_html(turns) if turns is not None else "",
         ranking=_html(plots.ranking(report)) if report.ranking else "",
-        residuals=[(name, _html(plots.residual_against(report, name))) for name in quantities],
+        residuals=[_html(plots.residual_against(report, x)) for x in plots.quantities(report)],
         shown=plots.shown(report),
         command=command,
         plotly=get_plotlyjs(),
-        versions=[(name, version(name)) for name in ("frictionjoint", "mujoco", "numpy")]
+        versions=[(name, version(name)) for name in _MADE_BY]
         + [("Python", platform.python_version())],
     )
 
 
-def sentence(report: Report) -> str:
-    """The verdict in a sentence."""
-    where = "held-out" if report.after_torque.held_out is not None else "fitted"
-    before = report.before_torque.held_out or report.before_torque.fit or 0.0
-    after = report.after_torque.held_out or report.after_torque.fit or 0.0
-    unit = "N" if report.slide else "N m"
-    names = ", ".join(a.effect for a in report.added)
-    left = ", ".join(v for v, _ in report.unexplained)
-    if report.verdict == "no-effect-found":
-        return (
-            f"Nothing is missing that these logs can show: the law alone leaves {before:.3g} "
-            f"{unit} on {where} data, and no known effect takes a justified share of it."
-        )
-    change = f"the error falls from {before:.3g} to {after:.3g} {unit} on {where} data"
-    found = (
-        f"The model lacked {names}: with it {change}"
-        if names
-        else f"No known effect fits: {change}"
-    )
-    if report.verdict == "partly-explained":
-        rest = f"still depends on {left}" if left else "is not noise alone"
-        return f"{found}, and what is left {rest}."
-    return f"{found}."
+def _parameters(report: Report) -> list[dict[str, Any]]:
+    """Rows of the table: the law before and after, then the effects."""
+    rows = [
+        {"name": n, "meaning": wording.meaning(n), "before": report.base.get(n), "after": x}
+        for n, x in report.final.items()
+    ]
+    for added in report.added:
+        rows += [
+            {"name": f"{added.effect}: {n}", "meaning": "", "before": None, "after": x}
+            for n, x in added.parameters.items()
+        ]
+    return rows
+
+
+def _logs(report: Report) -> list[dict[str, Any]]:
+    """Each log with its own errors."""
+    return [
+        {"log": log, "before": _rms(c.measured - c.before), "after": _rms(c.measured - c.after)}
+        for log, c in zip(report.logs, report.curves, strict=True)
+    ]
+
+
+def _rms(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2)))
 
 
 def _html(figure: go.Figure) -> str:
@@ -70,7 +88,3 @@ def _html(figure: go.Figure) -> str:
             config={"responsive": True, "displayModeBar": False},
         )
     )
-
-
-def _three_figures(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"

@@ -1,20 +1,29 @@
 """Plots of the report page, as plotly figures."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import plotly.graph_objects as go
+from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.loop import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Curve, Report
+from frictionjoint.report.wording import axis, units
 
-_MOST_POINTS = 3000
-MEASURED, BEFORE, AFTER = "#7f7f7f", "#d95f02", "#1b9e77"
+# Points of a line, and of a cloud: each point of a cloud is an element of the page.
+_LINE, _CLOUD = 3000, 1200
+MEASURED, BEFORE, AFTER = "#8a8f94", "#d95f02", "#1b9e77"
+# Order in which a reader meets the quantities.
+_ORDER = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
 
 
-def _thin(*columns: Array) -> tuple[Array, ...]:
-    """Every k-th sample, so that a page stays small."""
-    step = max(1, len(columns[0]) // _MOST_POINTS)
-    return tuple(np.round(c[::step], 6) for c in columns)
+def _thin(most: int, *columns: Array) -> tuple[NDArray[np.float32], ...]:
+    """Every k-th sample in single precision, so that a page stays small."""
+    step = -(-len(columns[0]) // most)
+    return tuple(c[::step].astype(np.float32) for c in columns)
 
 
 def shown(report: Report) -> Curve:
@@ -22,73 +31,75 @@ def shown(report: Report) -> Curve:
     return next((c for c in report.curves if c.role == "held-out"), report.curves[0])
 
 
+def stages(report: Report) -> tuple[tuple[str, str, str], ...]:
+    """Label, attribute of a curve and colour of each prediction; one where nothing was added."""
+    if not report.added:
+        return (("law alone", "before", AFTER),)
+    return ("before", "before", BEFORE), ("after", "after", AFTER)
+
+
 def over_time(report: Report) -> go.Figure:
     """Measured and predicted torque, and the residual, over time."""
     c = shown(report)
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06)
-    t, m, b, a = _thin(c.time, c.measured, c.before, c.after)
-    for name, y, colour in (("measured", m, MEASURED), ("before", b, BEFORE), ("after", a, AFTER)):
-        figure.add_scatter(x=t, y=y, name=name, line={"color": colour, "width": 1.4}, row=1, col=1)
-    for name, y, colour in (("before", m - b, BEFORE), ("after", m - a, AFTER)):
+    t, m = _thin(_LINE, c.time, c.measured)
+    line: dict[str, Any] = {"color": MEASURED, "width": 3.5}
+    figure.add_scatter(x=t, y=m, name="measured", line=line, row=1, col=1)
+    for name, stage, colour in stages(report):
+        (y,) = _thin(_LINE, getattr(c, stage))
+        line = {"color": colour, "width": 1.3}
+        figure.add_scatter(x=t, y=y, name=name, line=line, row=1, col=1)
         figure.add_scatter(
-            x=t, y=y, name=f"residual {name}", line={"color": colour, "width": 1}, row=2, col=1
+            x=t, y=m - y, line=line, showlegend=False, name=f"residual, {name}", row=2, col=1
         )
-    figure.update_yaxes(title_text=f"torque, {_torque(report)}", row=1, col=1)
-    figure.update_yaxes(title_text=f"residual, {_torque(report)}", row=2, col=1)
+    torque, _ = units(report)
+    figure.update_yaxes(title_text=f"torque, {torque}", row=1, col=1)
+    figure.update_yaxes(title_text=f"residual, {torque}", row=2, col=1)
     figure.update_xaxes(title_text="time, s", row=2, col=1)
     return styled(figure, 520)
 
 
-def planes(report: Report) -> go.Figure:
-    """Torque against velocity and against position."""
+def plane(report: Report, quantity: str) -> go.Figure:
+    """Torque against velocity or position, measured and predicted."""
     c = shown(report)
-    figure = make_subplots(rows=1, cols=2, shared_yaxes=True, horizontal_spacing=0.04)
-    v, q, m, b, a = _thin(c.velocity, c.position, c.measured, c.before, c.after)
-    for column, x in ((1, v), (2, q)):
-        for name, y, colour in (
-            ("measured", m, MEASURED),
-            ("before", b, BEFORE),
-            ("after", a, AFTER),
-        ):
-            figure.add_scattergl(
-                x=x,
-                y=y,
-                name=name,
-                mode="markers",
-                marker={"color": colour, "size": 3},
-                showlegend=column == 1,
-                row=1,
-                col=column,
-            )
-    position = "m" if report.slide else "rad"
-    figure.update_xaxes(title_text=f"velocity, {position}/s", row=1, col=1)
-    figure.update_xaxes(title_text=f"position, {position}", row=1, col=2)
-    figure.update_yaxes(title_text=f"torque, {_torque(report)}", row=1, col=1)
-    return styled(figure, 420)
+    figure = go.Figure()
+    rows = (("measured", "measured", MEASURED), *stages(report))
+    for name, stage, colour in rows:
+        x, y = _thin(_CLOUD, getattr(c, quantity), getattr(c, stage))
+        marker = {"color": colour, "size": 6 if stage == "measured" else 3}
+        figure.add_scatter(x=x, y=y, name=name, mode="markers", marker=marker)
+    figure.update_xaxes(title_text=axis(quantity, report.slide))
+    figure.update_yaxes(title_text=f"torque, {units(report)[0]}")
+    return styled(figure, 400)
+
+
+def quantities(report: Report) -> list[str]:
+    """What the residual is drawn against, the joint's own motion first."""
+    found = {name for c in report.curves for name in c.quantities}
+    return [n for n in _ORDER if n in found] + sorted(found - set(_ORDER))
 
 
 def residual_against(report: Report, quantity: str) -> go.Figure:
     """Residual before and after against a measured quantity, with its running mean."""
-    x = np.concatenate([c.quantities[quantity] for c in report.curves if quantity in c.quantities])
-    before, after = (
-        np.concatenate(
-            [c.measured - getattr(c, k) for c in report.curves if quantity in c.quantities]
-        )
-        for k in ("before", "after")
-    )
+    curves = [c for c in report.curves if quantity in c.quantities]
+    x = np.concatenate([c.quantities[quantity] for c in curves])
     figure = go.Figure()
-    xs, bs, as_ = _thin(x, before, after)
-    for name, y, full, colour in (("before", bs, before, BEFORE), ("after", as_, after, AFTER)):
-        figure.add_scattergl(
-            x=xs, y=y, name=name, mode="markers", opacity=0.25, marker={"color": colour, "size": 3}
-        )
-        centres, means = _running_mean(x, full)
+    for name, stage, colour in stages(report):
+        residual = np.concatenate([c.measured - getattr(c, stage) for c in curves])
+        points = dict(zip("xy", _thin(_CLOUD, x, residual), strict=True))
         figure.add_scatter(
-            x=centres, y=means, name=f"mean {name}", line={"color": colour, "width": 3}
+            **points,
+            name=name,
+            mode="markers",
+            opacity=0.3,
+            showlegend=False,
+            marker={"color": colour, "size": 3},
         )
-    figure.update_xaxes(title_text=quantity)
-    figure.update_yaxes(title_text=f"residual, {_torque(report)}")
-    return styled(figure, 320)
+        mean = dict(zip("xy", _running_mean(x, residual), strict=True))
+        figure.add_scatter(**mean, name=f"mean, {name}", line={"color": colour, "width": 3})
+    figure.update_xaxes(title_text=axis(quantity, report.slide))
+    figure.update_yaxes(title_text=f"residual, {units(report)[0]}")
+    return styled(figure, 300)
 
 
 def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
@@ -102,35 +113,53 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def ranking(report: Report) -> go.Figure:
-    """Held-out gain of every candidate at the first look."""
+    """Held-out gain of every candidate at the first look, the best on top."""
     rows = sorted(report.ranking[:12], key=lambda r: r[1])
+    first = report.added[0] if report.added else None
+    marks = {first.effect: "chosen, ", first.evidence.runner_up: "runner-up, "} if first else {}
+    gains = [100 * max(0.0, gain) for _, gain, _ in rows]
+    most = max([10.0, *gains])
     figure = go.Figure(
         go.Bar(
-            x=[max(0.0, 100 * gain) for _, gain, _ in rows],
+            x=gains,
             y=[name for name, _, _ in rows],
             orientation="h",
             marker_color=[AFTER if p <= 0.05 else MEASURED for _, _, p in rows],
-            text=[f"p = {p:.3g}" for _, _, p in rows],
+            text=[f"{marks.get(name, '')}p {p:.2g}" for name, _, p in rows],
+            textposition=["inside" if x > 0.6 * most else "outside" for x in gains],
+            cliponaxis=False,
         )
     )
-    figure.update_xaxes(title_text="held-out gain, % of the residual's variance")
+    figure.add_vline(100 * SMALLEST_GAIN, line={"color": BEFORE, "dash": "dot", "width": 1.5})
+    figure.update_xaxes(title_text="held-out gain, %", range=[0.0, 1.02 * most])
+    figure.update_yaxes(automargin=True)
     return styled(figure, 90 + 28 * len(rows))
-
-
-def _torque(report: Report) -> str:
-    return "N" if report.slide else "N m"
 
 
 def styled(figure: go.Figure, height: int) -> go.Figure:
     """The house style, on a background of its page's own."""
     figure.update_layout(
         height=height,
-        margin={"l": 60, "r": 20, "t": 30, "b": 50},
+        margin={"l": 60, "r": 15, "t": 40, "b": 50},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
-        font={"color": "#808080", "size": 13},
-        legend={"orientation": "h", "y": 1.08},
+        font={"color": "#808080", "size": 13, "family": "system-ui, sans-serif"},
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "itemsizing": "constant"},
     )
-    figure.update_xaxes(gridcolor="rgba(128,128,128,0.2)", zerolinecolor="rgba(128,128,128,0.4)")
-    figure.update_yaxes(gridcolor="rgba(128,128,128,0.2)", zerolinecolor="rgba(128,128,128,0.4)")
+    lines: dict[str, Any] = {
+        "gridcolor": "rgba(128,128,128,0.2)",
+        "zerolinecolor": "rgba(128,128,128,0.4)",
+    }
+    figure.update_xaxes(**lines)
+    figure.update_yaxes(**lines)
     return figure
+
+
+def lines(
+    figure: go.Figure, curves: Sequence[tuple[Array, Array]], colour: str, name: str
+) -> go.Figure:
+    """Several curves as one entry of the legend."""
+    gap = np.array([np.nan])
+    x, y = (np.concatenate([part for c in curves for part in (c[i], gap)]) for i in (0, 1))
+    line = {"color": colour, "width": 2}
+    return figure.add_scatter(x=x, y=y, name=name, mode="lines", line=line, connectgaps=False)

@@ -1,0 +1,65 @@
+"""What to record next: the motion that would tell what these logs leave open."""
+
+from collections.abc import Iterable, Mapping
+
+from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.result import Estimate
+
+# A parameter whose standard error exceeds this share of it counts as not determined.
+_LOOSE = 0.5
+_BREAKAWAY = "constant velocities from creeping to fast, both ways"
+_PRESLIDING = "slow reversals that turn round before the joint slides"
+# Which motion determines which parameters of the law.
+_DETERMINED_BY = {
+    _BREAKAWAY: ("Fs_pos", "Vs_pos", "delta_pos", "sigma2_pos"),
+    _PRESLIDING: ("stiffness",),
+}
+_PARTED_BY = {
+    "position": "the whole range at two slow speeds, both ways",
+    "velocity": "constant velocities over the whole range of speed, both ways",
+    "acceleration": "one path at two speeds: what follows acceleration grows fourfold at twice one",
+    "load": "one motion with two payloads",
+    "time": "one motion repeated for long, with temperature_c beside it",
+    "temperature_c": "one motion with the joint cold and warm",
+}
+
+
+def what_to_record(
+    ties: Iterable[tuple[Effect, str]],
+    unexplained: Iterable[tuple[str, float]],
+    law: Mapping[str, Estimate],
+    held_out: bool,
+) -> tuple[str, ...]:
+    """One sentence for everything left open, most telling first.
+
+    Args:
+        ties: an added effect and the name of another that explains as much.
+        unexplained: quantities the residual still depends on, with their shares.
+        law: the final estimates by name.
+        held_out: whether a log was kept from fit and choice.
+    """
+    found = [
+        f"To tell {effect.name} from {other}: {effect.separating_motion}." for effect, other in ties
+    ]
+    for variable, _ in unexplained:
+        motion = _PARTED_BY.get(variable, "this joint alone with the others held, then the others")
+        found.append(f"To find what acts through {quantity(variable)}: {motion}.")
+    for motion, names in _DETERMINED_BY.items():
+        loose = [
+            name.removesuffix("_pos") for name in names if name in law and _is_loose(law[name])
+        ]
+        if loose:
+            found.append(f"To determine {', '.join(loose)}: {motion}.")
+    if not held_out:
+        found.append("To know the error on unseen data: one more log, given with --held-out.")
+    return tuple(found)
+
+
+def quantity(variable: str) -> str:
+    """A measured quantity for people."""
+    joint, dot, name = variable.rpartition(".")
+    return f"{name} of joint {joint}" if dot else variable.removesuffix("_c")
+
+
+def _is_loose(x: Estimate) -> bool:
+    return x.stderr is None or x.stderr > _LOOSE * abs(x.value)

@@ -1,0 +1,23 @@
+"""Intervals of an rms whose samples are not independent."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+
+_RESAMPLES = 400
+
+
+def rms_interval(e: Array, block: NDArray[np.int64]) -> tuple[float, float]:
+    """95% interval of the rms of e, shape (n,), by bootstrap over blocks of time.
+
+    Args:
+        block: the block each sample belongs to, shape (n,).
+    """
+    rng = np.random.default_rng(0)
+    _, block = np.unique(block, return_inverse=True)
+    sums, counts = np.bincount(block, e**2), np.bincount(block)
+    draws = rng.integers(0, len(sums), size=(_RESAMPLES, len(sums)))
+    sample = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
+    low, high = np.quantile(sample, (0.025, 0.975))
+    return float(low), float(high)

@@ -1,0 +1,108 @@
+"""What the report shows of presliding: the law's loops, and the log behind its turning points."""
+
+from itertools import pairwise
+
+import numpy as np
+import plotly.graph_objects as go
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.report_data import Curve, Report
+from frictionjoint.law.motion import friction_torque
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.report.plots import AFTER, MEASURED, lines, stages, styled
+from frictionjoint.report.wording import units
+
+# Turning points shown, samples a window has at least, and its length over that of presliding.
+_MOST_TURNS, _LEAST_SAMPLES, _REACH = 12, 10, 6.0
+_SLOW = 1e-6
+# Turns of a loop after the first pull, alone or with two loops inside.
+PLAIN = (0.0, 1.0, -1.0, 1.0)
+NESTED = (0.0, 1.0, -1.0, 0.5, -0.5, 0.2, -0.2, 1.0, -1.0)
+
+
+def length(law: FrictionParameters) -> float:
+    """Displacement, rad, from full sliding one way to nine tenths of it the other way."""
+    z, F = np.array([(0.0, 0.0), *law.knots]).T
+    return float(np.interp(0.9 * (law.Fs_pos + law.Fs_neg), F, z))
+
+
+def loops(report: Report) -> go.Figure:
+    """Slow loops of two sizes, the larger with two nested, of the law before and after."""
+    size = max(length(law) for law in report.laws)
+    figure = go.Figure()
+    laws = dict(zip(("before", "after"), report.laws, strict=True))
+    for name, stage, colour in stages(report):
+        curves = [loop(laws[stage], 0.6 * size, NESTED), loop(laws[stage], 0.2 * size, PLAIN)]
+        lines(figure, curves, colour, name)
+    torque, position = units(report)
+    figure.update_xaxes(title_text=f"displacement, {position}")
+    figure.update_yaxes(title_text=f"torque of the law, {torque}")
+    return styled(figure, 380)
+
+
+def loop(
+    law: FrictionParameters, amplitude: float, corners: tuple[float, ...]
+) -> tuple[Array, Array]:
+    """Displacement and torque along slow turns at shares of an amplitude, shape (n,)."""
+    legs = [np.linspace(a, b, 60, endpoint=False) for a, b in pairwise(corners)]
+    q = amplitude * np.concatenate([*legs, corners[-1:]])
+    time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))]) / _SLOW
+    return q, friction_torque(law, time, q)
+
+
+def behind_turns(report: Report) -> go.Figure | None:
+    """Friction against the way since a turning point, measured and by the law; None without turns.
+
+    Measured friction is what the rest of the final model leaves of the measured torque. All turns
+    are drawn as if the joint went on in the positive direction.
+    """
+    size = _REACH * length(report.laws[1])
+    found = [(c, window) for c in report.curves for window in turns(c, size)]
+    if not found:
+        return None
+    # the slowest: there presliding has the most samples
+    found.sort(key=lambda f: _way(*f) / (f[1].stop - f[1].start))
+    found = found[:_MOST_TURNS]
+    figure = go.Figure()
+    way, measured, law = [], [], []
+    for c, w in found:
+        sign = np.sign(c.position[w.stop - 1] - c.position[w.start])
+        way.append(np.abs(c.position[w] - c.position[w.start]))
+        measured.append(sign * (c.measured - c.after + c.friction)[w])
+        law.append(sign * c.friction[w])
+    figure.add_scatter(
+        x=np.concatenate(way).astype(np.float32),
+        y=np.concatenate(measured).astype(np.float32),
+        name="measured",
+        mode="markers",
+        marker={"color": MEASURED, "size": 5},
+    )
+    lines(figure, list(zip(way, law, strict=True)), AFTER, stages(report)[-1][0])
+    torque, position = units(report)
+    figure.update_xaxes(title_text=f"way since the turning point, {position}")
+    figure.update_yaxes(title_text=f"friction, {torque}")
+    return styled(figure, 380)
+
+
+def turns(c: Curve, size: float) -> list[slice]:
+    """Samples from each turning point on until the joint has gone `size`, or turned again."""
+    step = np.diff(c.position)
+    moving = np.flatnonzero(step != 0.0)
+    # a gap in the samples is no turn
+    even = np.diff(c.time) < 1.5 * np.median(np.diff(c.time))
+    found = []
+    for a, b in pairwise(moving):
+        if step[a] * step[b] >= 0.0 or not even[a : b + 1].all():
+            continue
+        end = b + 1
+        while end < len(step) and even[end] and step[end] * step[b] > 0.0:
+            end += 1
+            enough = end - b >= _LEAST_SAMPLES
+            if enough and abs(c.position[end] - c.position[b]) >= size:
+                found.append(slice(int(b), int(end) + 1))
+                break
+    return found
+
+
+def _way(c: Curve, window: slice) -> float:
+    return float(abs(c.position[window.stop - 1] - c.position[window.start]))

@@ -1,0 +1,209 @@
+"""The report page holds every part a reader needs, for a find, a miss and nothing at all."""
+
+import re
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.advice import what_to_record
+from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.result import Estimate
+from frictionjoint.measured.readers import read_log
+from frictionjoint.report import presliding, wording
+from frictionjoint.report.page import render
+
+sentence = wording.sentence
+DEMO = Path(str(files("frictionjoint"))) / "demo"
+COMMAND = "frictionjoint close-loop 'my log.csv' --out out"
+
+
+@pytest.fixture(scope="module")
+def found():
+    logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
+    return close_loop(
+        logs, DEMO / "joint.xml", "joint", [read_log(DEMO / "multisine.csv", "joint")]
+    )
+
+
+@pytest.fixture(scope="module")
+def nothing(found):
+    """The same report as it would be had nothing been found."""
+    laws, curves = (found.laws[0],) * 2, tuple(replace(c, after=c.before) for c in found.curves)
+    return replace(
+        found,
+        added=(),
+        verdict="no-effect-found",
+        after_torque=found.before_torque,
+        torque_interval=(found.torque_interval[0],) * 2,
+        laws=laws,
+        curves=curves,
+    )
+
+
+PARTS = {
+    "verdict": 'class="verdict explained"',
+    "before and after": "Error before and after",
+    "interval": "95% interval",
+    "why": "What was added, and why",
+    "cause": "cogging, current ripple",
+    "ranking": "held-out gain, %",
+    "runner-up": "runner-up, p",
+    "over time": "time, s",
+    "velocity plane": "velocity, rad\\u002fs",
+    "position plane": "position, rad",
+    "presliding loops": "torque of the law, N m",
+    "turning points": "way since the turning point, rad",
+    "residual": "mean, before",
+    "unexplained": "What is still unexplained",
+    "next": "What to record next",
+    "parameters": "breakaway, positive motion",
+    "errors": " ± ",
+    "units": "N m s/rad",
+    "logs": "multisine",
+    "command": "frictionjoint close-loop &#39;my log.csv&#39; --out out",
+    "versions": "mujoco 3.",
+    "dark": "prefers-color-scheme: dark",
+    "print": "@media print",
+    "phone": "max-width: 700px",
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_each_part_is_there(found, part):
+    page = render(found, COMMAND).replace("/s", "\\u002fs").replace("N m s\\u002f", "N m s/")
+    assert PARTS[part] in page
+
+
+def test_nothing_is_loaded_from_elsewhere(found):
+    page = render(found, COMMAND)
+    own = re.sub(r"<script>/\*\*.*?</script>", "", page, count=1, flags=re.DOTALL)
+    assert len(own) < len(page) / 2, "plotly itself is embedded"
+    assert not re.search(r"""(?:src|href|url)\s*[=(]\s*["']?(?:https?:)?//""", own)
+    assert "<link" not in own
+    assert "@import" not in own
+
+
+def test_what_a_log_is_called_cannot_become_markup(found):
+    log = replace(found.logs[0], name="<script>alert(1)</script>")
+    page = render(replace(found, logs=(log, *found.logs[1:])), "<b>x</b>")
+    assert "<script>alert" not in page
+    assert "<b>x</b>" not in page
+
+
+def test_notes_are_shown(found):
+    assert "a thing to know" in render(replace(found, notes=("a thing to know",)), COMMAND)
+
+
+def test_a_page_without_a_find_shows_one_model(nothing):
+    page = render(nothing, COMMAND)
+    assert 'class="verdict no-effect-found"' in page
+    assert "law alone" in page
+    assert '"name":"after"' not in page
+    assert "no effect of the catalogue" in page
+
+
+def test_without_held_out_log_the_page_speaks_of_fitted_ones(found):
+    fit_only = replace(
+        found,
+        after_torque=replace(found.after_torque, held_out=None),
+        before_torque=replace(found.before_torque, held_out=None),
+    )
+    assert "on fitted data" in wording.sentence(fit_only)
+    assert "The intervals are of the fitted logs" in render(fit_only, COMMAND)
+
+
+def test_the_sentence_owns_up(found, nothing):
+    assert re.search(
+        r"falls by 8\d%, from 0\.23\d to 0\.04\d+ N m on held-out data", sentence(found)
+    )
+    # with the intervals before and after upon each other, no fall is claimed
+    touching = replace(found, torque_interval=((0.1, 0.3), (0.05, 0.12)))
+    assert "may be chance" in sentence(touching)
+    assert "falls" not in sentence(touching)
+    # a residual far above the noise is not "nothing missing"
+    assert "No effect was found" in sentence(nothing)
+    assert "times the torque's own noise" in sentence(nothing)
+    quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
+    assert "Nothing is missing" in sentence(quiet)
+    missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
+    assert "depends on velocity of joint arm" in sentence(missed)
+
+
+def test_intervals_hold_their_rms(found):
+    for pair, stages in (
+        (found.torque_interval, (found.before_torque, found.after_torque)),
+        (found.replay_interval, (found.before_replay, found.after_replay)),
+    ):
+        for (low, high), rms in zip(pair, stages, strict=True):
+            assert low < rms.held_out < high
+
+
+def test_law_and_rest_of_the_model_make_up_what_is_measured_behind_a_turn(found):
+    # the law's torque runs from one Coulomb level to the other behind a turn
+    curve = found.curves[0]
+    windows = presliding.turns(curve, 6.0 * presliding.length(found.laws[1]))
+    assert windows
+    law = found.laws[1]
+    for w in windows:
+        sign = np.sign(curve.position[w.stop - 1] - curve.position[w.start])
+        assert sign * curve.friction[w.stop - 1] > 0.9 * law.Fc_pos
+        assert (np.diff(curve.position[w]) * sign > 0.0).all()
+
+
+def test_a_gap_or_a_pause_is_no_turn():
+    q = np.concatenate([np.linspace(0, 1, 50), np.full(20, 1.0), np.linspace(1, 2, 50)[1:]])
+    zero = np.zeros_like(q)
+    t = 0.01 * np.arange(len(q))
+    make = found_curve(t, q, zero)
+    assert presliding.turns(make, 0.1) == []
+    back = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)[1:]])
+    t = 0.01 * np.arange(len(back))
+    assert len(presliding.turns(found_curve(t, back, 0 * back), 0.1)) == 1
+    t[50:] += 1.0
+    assert presliding.turns(found_curve(t, back, 0 * back), 0.1) == []
+
+
+def found_curve(t, q, zero):
+    from frictionjoint.diagnose.report_data import Curve
+
+    return Curve("log", "fit", t, q, zero, zero, zero, zero, zero, {})
+
+
+def test_advice_names_what_these_logs_leave_open():
+    effect = next(e for e in CATALOGUE if e.name == "spring")
+    law = {
+        "Fs_pos": Estimate(1.0, 0.01, "N m"),
+        "Vs_pos": Estimate(0.1, 0.09, "rad/s"),
+        "stiffness": Estimate(1e4, None, "N m/rad"),
+    }
+    tie, unexplained, velocity, presliding_motion, held = what_to_record(
+        [(effect, "gravity-error")], [("load", 0.3)], law, held_out=False
+    )
+    assert "spring from gravity-error" in tie
+    assert effect.separating_motion in tie
+    assert "load: one motion with two payloads" in unexplained
+    assert velocity.startswith("To determine Vs:")
+    assert presliding_motion.startswith("To determine stiffness:")
+    assert "--held-out" in held
+    sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
+    assert what_to_record([], [], sure, held_out=True) == ()
+
+
+@pytest.mark.parametrize(
+    ("value", "stderr", "text"),
+    [
+        (1.24912, 0.0161, "1.249 ± 0.016"),
+        (-0.231672, 0.00108, "−0.2317 ± 0.0011"),
+        (5605.8, 64.9, "5606 ± 65"),
+        (123456.7, 1234.0, "123500 ± 1200"),
+        (4.0, None, "4 ± –"),
+        (0.0, 0.7, "0 ± 0.7"),
+        (0.00012345, 0.00001, "0.000123 ± 1e-05"),
+    ],
+)
+def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):
+    assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text
