@@ -25,6 +25,11 @@ class Friction(Protocol):
 
     law: ClassVar[str]
 
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness at a reversal, N m/rad."""
+        ...
+
     def pack(self) -> NDArray[np.float64]:
         """The law's block of numbers, as its kernel reads them."""
         ...

@@ -302,7 +302,7 @@ class _Outer:
                 reach = self._reach(term, x)
                 low.append(x - reach)
                 high.append(x + reach)
-        self.bounds = (np.array(low), np.array(high))
+        self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared.voltage_driven, law, terms)
 
@@ -317,7 +317,7 @@ class _Outer:
         return self.vector(self.law)
 
     def vector(self, law: Shape) -> Array:
-        x = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
+        x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
@@ -333,7 +333,7 @@ class _Outer:
 
     def best_of_grid(self) -> Array:
         """Best point of a coarse grid."""
-        trials = []
+        trials: list[tuple[float, int, Array]] = []
         for law in self.law.grid(self.vmax, self.span):
             x = self.vector(law)
             trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))

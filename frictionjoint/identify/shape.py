@@ -9,12 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Protocol, Self, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from frictionjoint.arrays import Array
 from frictionjoint.law.motion import drive_integrated
 from frictionjoint.parameters import Friction, FrictionParameters, Knots, Variant, Virgin
-
-Array = NDArray[np.float64]
 
 
 class Shape(Protocol):

@@ -21,7 +21,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     rows = []
     for name, carried in read_friction(model).items():
         dof = int(model.jnt_dofadr[model.joint(name).id])
-        stiffness = float(getattr(carried.parameters, "stiffness", 0.0))
+        stiffness = carried.parameters.stiffness
         ratio = model.opt.timestep * float(np.sqrt(stiffness * inverse[dof, dof]))
         remark = "suits the time step"
         if ratio > _LARGEST_STEP_RATIO:
