@@ -1,7 +1,10 @@
 """The command line: bad input gives one line, exit code 2, and nothing written."""
 
+import json
+import re
 import subprocess
 import sys
+from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
@@ -114,8 +117,71 @@ def test_parameter_file_round_trip_is_exact(tmp_path):
     assert read_parameters(tmp_path / "p.toml").parameters == parameters
 
 
-def test_every_subcommand_has_help(tmp_path):
-    for name in ("demo", "close-loop", "identify", "install", "check"):
-        done = run(name, "--help", cwd=tmp_path)
+COMMANDS = ("demo", "close-loop", "identify", "compare", "install", "check", "data")
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, "data list", "data get"])
+def test_every_subcommand_has_help_with_an_example(name, tmp_path):
+    done = run(*name.split(), "--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert f"Usage: frictionjoint {name}" in done.stdout
+    assert re.search(rf"Examples?:\s+frictionjoint {name}", done.stdout)
+
+
+def test_the_help_lists_the_commands_in_the_order_of_use(tmp_path):
+    for arguments in ((), ("--help",), ("-h",)):
+        done = run(*arguments, cwd=tmp_path)
         assert done.returncode == 0
-        assert "Usage" in done.stdout
+        assert re.findall(r"^│ ([a-z][a-z-]+)  ", done.stdout, re.MULTILINE) == list(COMMANDS)
+
+
+def test_version(tmp_path):
+    done = run("--version", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"frictionjoint {metadata.version('frictionjoint')}\nmujoco ")
+
+
+def test_piped_output_is_plain_and_wide(tmp_path):
+    for arguments in (("--help",), ("data", "list")):
+        assert "\x1b" not in run(*arguments, cwd=tmp_path).stdout
+    # an address that is cut short leads nowhere
+    listed = "".join(run("data", "list", cwd=tmp_path).stdout.split())
+    assert "…" not in listed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["close-lop"], "No such command 'close-lop'. Did you mean 'close-loop'?; see"),
+        (["bogus"], "No such command 'bogus'; see frictionjoint --help"),
+        (["check"], "; see frictionjoint check --help"),
+    ],
+)
+def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path):
+    done = run(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert line in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [("frictionjoint cl", ["close-loop"]), ("frictionjoint check --js", ["--json"])],
+)
+def test_shells_complete_commands_and_options(line, wanted, tmp_path, monkeypatch):
+    monkeypatch.setenv("_FRICTIONJOINT_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", line)
+    monkeypatch.setenv("COMP_CWORD", str(len(line.split()) - 1))
+    done = run(cwd=tmp_path)
+    assert done.stdout.split() == wanted, done.stderr
+
+
+def test_json_goes_to_scripts_alone(tmp_path):
+    (tmp_path / "arm.xml").write_text(MODEL.read_text())
+    parameters = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
+    (tmp_path / "p.toml").write_text(toml_text(parameters))
+    done = run("install", "arm.xml", "--joint", "joint=p.toml", "--out", "with.xml", cwd=tmp_path)
+    assert done.stdout == "Wrote with.xml with friction in joint.\n"
+    (row,) = json.loads(run("check", "with.xml", "--json", cwd=tmp_path).stdout)
+    assert row["joint"] == "joint"
+    assert row["stiffness"] == pytest.approx(3200.0)

@@ -61,7 +61,7 @@ PARTS = {
     "unexplained": "What is still unexplained",
     "next": "What to record next",
     "parameters": "breakaway, positive motion",
-    "errors": " ± ",
+    "errors": "\u00a0±\u00a0",
     "units": "N m s/rad",
     "logs": "multisine",
     "command": "frictionjoint close-loop &#39;my log.csv&#39; --out out",
@@ -206,4 +206,4 @@ def test_advice_names_what_these_logs_leave_open():
     ],
 )
 def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):
-    assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text
+    assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text.replace(" ", "\u00a0")

@@ -8,6 +8,7 @@ import shlex
 import signal
 import sys
 import warnings
+from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TextIO
@@ -29,6 +30,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
     help=(
         "Joint friction for MuJoCo that is true at low speed and learns from logs.\n\n"
         "Start with `frictionjoint demo`. With logs of your own joint:\n\n"
@@ -38,22 +40,77 @@ app = typer.Typer(
         "beside others.\n"
         "3. `install` writes an MJCF that carries the friction itself; `check` tells whether its "
         "time step suits it and what it costs.\n\n"
+        "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones. "
         "Bad input ends in one line and exit code 2, and writes nothing."
     ),
 )
-app.command()(compare)
-app.add_typer(data, name="data")
 
-Logs = Annotated[list[Path], typer.Argument(help="CSV, Parquet, npz, mat or XL330 json logs.")]
-Model = Annotated[Path, typer.Option("--model", help="MJCF of the robot, without its friction.")]
-Joint = Annotated[str, typer.Option("--joint", help="Name of the joint in the MJCF and the log.")]
+Logs = Annotated[
+    list[Path],
+    typer.Argument(metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."),
+]
+Model = Annotated[
+    Path, typer.Option("--model", metavar="MJCF", help="The robot, without its friction.")
+]
+Joint = Annotated[
+    str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
+]
 Columns = Annotated[
     list[str] | None,
-    typer.Option("--column", help="Foreign column name: ours=theirs, e.g. time_s=t. Repeatable."),
+    typer.Option(
+        "--column",
+        metavar="OURS=THEIRS",
+        help="A foreign column name, e.g. time_s=t. Repeatable.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Seed = Annotated[int, typer.Option(help="Of the random tests; equal seeds, equal reports.")]
+
+
+def _versions(wanted: bool) -> None:
+    if wanted:
+        names = ("frictionjoint", "mujoco", "numpy", "numba")
+        typer.echo("\n".join(f"{name} {metadata.version(name)}" for name in names))
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_versions, is_eager=True, help="Print the versions."),
+    ] = False,
+) -> None:
+    """What every command shares; its help is the app's."""
+
+
+@app.command()
+def demo() -> None:
+    """Stick-slip of the KUKA joint, then the loop on a shipped log.
+
+    Writes ./frictionjoint-demo/ with report.html, report.json, model.xml and stick_slip.svg.
+
+    Example: `frictionjoint demo`, then open frictionjoint-demo/report.html
+    """
+    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.report.write import write_files, write_report
+    from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
+
+    out = Path("frictionjoint-demo")
+    with progress() as told:
+        told("stick-slip of the KUKA IR 361 joint")
+        ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
+        write_files(out, {"stick_slip.svg": draw(ours, native)})
+        folder = Path(str(files("frictionjoint.demo")))
+        read = [_read(folder / f"{n}.csv", "joint", {}) for n in ("pick_and_place", "ramps")]
+        kept = [_read(folder / "multisine.csv", "joint", {})]
+        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=told)
+        write_report(report, out, "frictionjoint demo")
+    typer.echo(ours.summary())
+    typer.echo("")
+    show_report(report)
+    typer.echo(f"Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
 
 
 @app.command("close-loop")
@@ -61,11 +118,12 @@ def close_loop_command(
     logs: Logs,
     model: Model,
     joint: Joint,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the report.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the report goes.")],
     held_out: Annotated[
         list[str] | None,
         typer.Option(
             "--held-out",
+            metavar="LOG|FRACTION",
             help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
         ),
     ] = None,
@@ -75,8 +133,14 @@ def close_loop_command(
 ) -> None:
     """Fit, find what is missing, add it, report before and after.
 
-    Example: `frictionjoint close-loop a.csv b.csv --held-out c.csv --model arm.xml --joint elbow
-    --out report`
+    Writes FOLDER/report.html (for people), report.json (for scripts) and model.xml (to simulate).
+
+    Examples:
+
+    `frictionjoint close-loop a.csv b.csv --held-out c.csv --model arm.xml --joint elbow --out out`
+
+    `frictionjoint close-loop a.csv --held-out 0.3 --column time_s=t --model arm.xml --joint elbow
+    --out out --json`
     """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import write_report
@@ -98,7 +162,7 @@ def identify(
     logs: Logs,
     model: Model,
     joint: Joint,
-    out: Annotated[Path, typer.Option("--out", help="Parameter file to write, TOML.")],
+    out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
     law: Annotated[str, typer.Option(help="Friction law to fit: " + ", ".join(LAWS))] = LAWS[0],
     column: Columns = None,
     as_json: Json = False,
@@ -141,15 +205,25 @@ def identify(
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
 
 
+app.command()(compare)
+
+
 @app.command()
 def install(
-    mjcf: Annotated[Path, typer.Argument(help="MJCF to add friction to.")],
-    joint: Annotated[list[str], typer.Option("--joint", help="NAME=params.toml. Repeatable.")],
-    out: Annotated[Path, typer.Option("--out", help="MJCF to write.")],
+    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="Model to add friction to.")],
+    joint: Annotated[
+        list[str],
+        typer.Option("--joint", metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")],
 ) -> None:
     """Write an MJCF that carries friction itself.
 
-    Example: `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
+    Examples:
+
+    `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
+
+    `frictionjoint install arm.xml --joint elbow=e.toml --joint wrist=w.toml --out arm_friction.xml`
     """
     import mujoco
 
@@ -172,17 +246,17 @@ def install(
     install_spec(spec, friction, effects)
     spec.compile()
     write_files(out.parent, {out.name: spec.to_xml()})
-    typer.echo(f"Wrote {out}: {', '.join(friction)} carry friction.")
+    typer.echo(f"Wrote {out} with friction in {', '.join(friction)}.")
 
 
 @app.command()
 def check(
-    mjcf: Annotated[Path, typer.Argument(help="MJCF that carries friction.")],
+    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="Model that carries friction.")],
     as_json: Json = False,
 ) -> None:
     """Tell what friction an MJCF carries and whether its time step suits it.
 
-    Example: `frictionjoint check arm_friction.xml`
+    Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
     """
     from frictionjoint.simulate.carrier import load_model
     from frictionjoint.simulate.check import check_model
@@ -204,30 +278,7 @@ def check(
     console().print(table)
 
 
-@app.command()
-def demo() -> None:
-    """Stick-slip of the KUKA joint, then the loop on a shipped log.
-
-    Writes ./frictionjoint-demo/.
-    """
-    from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import write_files, write_report
-    from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
-
-    out = Path("frictionjoint-demo")
-    with progress() as told:
-        told("stick-slip of the KUKA IR 361 joint")
-        ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
-        write_files(out, {"stick_slip.svg": draw(ours, native)})
-        folder = Path(str(files("frictionjoint.demo")))
-        read = [_read(folder / f"{n}.csv", "joint", {}) for n in ("pick_and_place", "ramps")]
-        kept = [_read(folder / "multisine.csv", "joint", {})]
-        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=told)
-        write_report(report, out, "frictionjoint demo")
-    typer.echo(ours.summary())
-    typer.echo("")
-    show_report(report)
-    typer.echo(f"Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
+app.add_typer(data, name="data")
 
 
 def _split(
@@ -289,7 +340,7 @@ def main() -> None:
     except FrictionJointError as error:
         _fail(str(error), 2)
     except _UsageError as error:
-        _fail(f"{error.format_message()}; see {_path(error)} --help", 2)
+        _fail(f"{error.format_message().rstrip('.')}; see {_path(error)} --help", 2)
     except KeyboardInterrupt:
         code = _INTERRUPTED
     if code == _INTERRUPTED:

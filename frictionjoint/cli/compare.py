@@ -13,11 +13,12 @@ from frictionjoint.errors import ParameterError
 
 def compare(
     parameters: Annotated[
-        list[Path], typer.Argument(help="Parameter files (TOML), as `identify` writes them.")
+        list[Path],
+        typer.Argument(metavar="TOML", help="Parameter files, as `identify` writes them."),
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="Drawing to write: .html, .png or .svg."),
+        typer.Option("--out", metavar="FILE", help="Drawing: .html, .png or .svg."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
@@ -26,7 +27,10 @@ def compare(
     Every file's law is driven through the same three motions: a slow pull from rest, small
     reversals before sliding, and steady sliding over the speeds.
 
-    Examples: `frictionjoint compare elbow.toml wrist.toml`,
+    Examples:
+
+    `frictionjoint compare elbow.toml wrist.toml --json`
+
     `frictionjoint compare elbow.toml elbow_lugre.toml --out compare.html`
     """
     from frictionjoint.files import read_parameters

@@ -44,7 +44,8 @@ def list_command(as_json: Json = False) -> None:
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "files", "licence", "source")
+    table = Table("name", "what", "files", "licence")
+    table.add_column("source", overflow="fold")  # an address cut short leads nowhere
     for x in found:
         table.add_row(x.name, x.title, str(len(x.files)), x.licence, x.source)
     console().print(table)
@@ -52,7 +53,8 @@ def list_command(as_json: Json = False) -> None:
 
 @data.command("get")
 def get_command(
-    name: Annotated[str, typer.Argument(help="As `data list` names it.")], as_json: Json = False
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As `data list` has it.")],
+    as_json: Json = False,
 ) -> None:
     """Bring a data set here and tell where its logs lie.
 

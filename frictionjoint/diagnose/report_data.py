@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
-from frictionjoint.parameters import FrictionParameters
+from frictionjoint.parameters import Friction
 
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found"]
@@ -137,7 +137,7 @@ class Report:
     verdict: Verdict
     mjcf: str
     seconds: float
-    laws: tuple[FrictionParameters, FrictionParameters] = field(repr=False)
+    laws: tuple[Friction, Friction] = field(repr=False)
     curves: tuple[Curve, ...] = field(repr=False)
     ranking: tuple[tuple[str, float, float], ...] = field(repr=False)
     proposals: tuple[str, ...] = ()

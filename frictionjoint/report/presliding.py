@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report
 from frictionjoint.law.motion import friction_torque
-from frictionjoint.parameters import FrictionParameters
+from frictionjoint.parameters import Friction
 from frictionjoint.report.plots import AFTER, MEASURED, lines, stages, styled
 from frictionjoint.report.wording import units
 
@@ -20,10 +20,13 @@ PLAIN = (0.0, 1.0, -1.0, 1.0)
 NESTED = (0.0, 1.0, -1.0, 0.5, -0.5, 0.2, -0.2, 1.0, -1.0)
 
 
-def length(law: FrictionParameters) -> float:
-    """Displacement, rad, from full sliding one way to nine tenths of it the other way."""
-    z, F = np.array([(0.0, 0.0), *law.knots]).T
-    return float(np.interp(0.9 * (law.Fs_pos + law.Fs_neg), F, z))
+def length(law: Friction) -> float:
+    """Displacement, rad, from full sliding one way to nine tenths of the way to the other."""
+    way = np.geomspace(1e-9, 1.0, 2000)
+    q = np.concatenate([[0.0], way, way[-1] - way])
+    F = friction_torque(law, np.arange(len(q)) / _SLOW, q)
+    back = F[len(way) + 1 :]
+    return float(way[np.argmax(back <= F[len(way)] + 0.9 * (back[-1] - F[len(way)]))])
 
 
 def loops(report: Report) -> go.Figure:
@@ -40,9 +43,7 @@ def loops(report: Report) -> go.Figure:
     return styled(figure, 380)
 
 
-def loop(
-    law: FrictionParameters, amplitude: float, corners: tuple[float, ...]
-) -> tuple[Array, Array]:
+def loop(law: Friction, amplitude: float, corners: tuple[float, ...]) -> tuple[Array, Array]:
     """Displacement and torque along slow turns at shares of an amplitude, shape (n,)."""
     legs = [np.linspace(a, b, 60, endpoint=False) for a, b in pairwise(corners)]
     q = amplitude * np.concatenate([*legs, corners[-1:]])

@@ -115,7 +115,9 @@ def value(x: Estimate | None, spread: bool = False) -> str:
     """
     if x is None:
         return "–"
-    behind = f" ± {_plain(f'{x.stderr:.2g}') if x.stderr is not None else '–'}" if spread else ""
+    stderr = "–" if x.stderr is None else _plain(f"{x.stderr:.2g}")
+    # the spaces do not break a line
+    behind = f"\u00a0±\u00a0{stderr}" if spread else ""
     if not x.stderr or not math.isfinite(x.stderr) or x.value == 0.0:
         return _plain(f"{x.value:.5g}") + behind
     digits = math.floor(math.log10(abs(x.value))) - math.floor(math.log10(x.stderr)) + 2
