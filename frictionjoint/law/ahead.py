@@ -35,7 +35,7 @@ def _miss(
     end: float,
 ) -> tuple[float, float]:
     """How far a guess of the velocity at the end misses, and the torque there."""
-    for i in range(len(S)):
+    for i in range(row_size(P, p)):
         S[i] = X[x + i]
     commit(P, p, S, 0)
     F = step_row(P, p, S, 0, h * end, h, end)

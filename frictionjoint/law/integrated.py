@@ -145,6 +145,7 @@ def _slide(
     reset_torque = (1.0 - RESET_MARGIN) * S
     f = direction * X[h + FH]
     j = -1  # segment of Fd; -1 asks for it anew because the base has changed
+    r = 1.0
     while True:
         wiped = X[h + VIRGIN] == 0.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
         if not wiped and f >= reset_torque:

@@ -82,7 +82,7 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
 
 @njit(cache=True)
 def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
-    law = P[p]
+    law = int(P[p])
     h = x + _rival_header(P, p)
     if law == LUGRE:
         return _step_lugre(P, p + 1, X, x, h, dq, dt, v)
@@ -139,7 +139,7 @@ def coulomb_level(P: Vector, p: int) -> float:
 @njit(cache=True)
 def presliding(P: Vector, p: int) -> tuple[float, float]:
     """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding; none where unknown."""
-    law = P[p]
+    law = int(P[p])
     if law == INTEGRATED:
         return P[p + 1 + integrated.KNOTS + 3], P[p + 1 + integrated.SIGMA1]
     if law == STATIC:

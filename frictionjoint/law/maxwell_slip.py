@@ -69,6 +69,6 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
         X[h + HEADER + n + i] = 1.0 if slips else 0.0
         Fh += f
     X[h + FH] = direction * Fh
-    X[h + RATE] = stuck / n
+    X[h + RATE] = float(stuck) / float(n)
     X[h + DIRECTION] = direction
     return total(P, p, X[h + FH], 0.0, v)

@@ -19,8 +19,9 @@ _U_SATURATED = 37.0
 # A fourth-order Runge-Kutta step of n*a below this is exact to about 1e-9; a handful of them cost
 # less than one Newton solution.
 _SMALL_STEP = 0.05
-_MOST_SMALL_STEPS = 8
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_SMALL = 8 * _SMALL_STEP
+_ORDER = 8
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_ORDER)
 _X = tuple(float(x) for x in _NODES)
 _W = tuple(float(w) for w in _WEIGHTS)
 
@@ -91,17 +92,18 @@ def _quadrature(branch: int, lower: float, upper: float, n: float) -> float:
     panels = math.ceil(abs(upper - lower))
     if panels == 0:
         return 0.0
-    half = 0.5 * (upper - lower) / panels
+    half = 0.5 * (upper - lower) / float(panels)
     total = 0.0
     for p in range(panels):
-        middle = lower + (2 * p + 1) * half
-        for x, w in zip(_X, _W):  # noqa: B905 - numba has no strict zip
+        middle = lower + float(2 * p + 1) * half
+        for i in range(_ORDER):
+            u = middle + half * _X[i]
             if branch == 0:
-                total += w * _below(middle + half * x, n)
+                total += _W[i] * _below(u, n)
             elif branch == 1:
-                total += w * _above(middle + half * x, n)
+                total += _W[i] * _above(u, n)
             else:
-                total += w * _negative(middle + half * x, n)
+                total += _W[i] * _negative(u, n)
     return total * half
 
 
@@ -246,7 +248,7 @@ def _advance_above(r0: float, a: float, n: float) -> float:
 def _advance_small(r: float, a: float, n: float) -> float:
     """r after a small displacement from 0 <= r < 1."""
     steps = 1 + int(n * a / _SMALL_STEP)
-    h = a / steps
+    h = a / float(steps)
     for _ in range(steps):
         k1 = 1.0 - power(r, n)
         k2 = 1.0 - power(r + 0.5 * h * k1, n)
@@ -281,6 +283,6 @@ def advance(r: float, a: float, n: float) -> float:
     if r == 1.0:
         return 1.0
     # r**n is not smooth at 0 for small n, and Runge-Kutta needs it to be
-    if r < 1.0 and n * a < _MOST_SMALL_STEPS * _SMALL_STEP and (n >= 3.0 or r > 0.1):
+    if r < 1.0 and n * a < _SMALL and (n >= 3.0 or r > 0.1):
         return _advance_small(r, a, n)
     return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)

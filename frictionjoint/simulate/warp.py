@@ -1,0 +1,224 @@
+"""Friction in mujoco_warp: many worlds at once, on a GPU or on the CPU.
+
+mujoco_warp calls ``Model.callback.passive`` where MuJoCo calls ``mjcb_passive``. `attach_warp` puts
+the friction that an MJCF carries there. The state of every world lives in one warp array of the
+`WarpFriction` it returns, not in ``userdata``; the rule that commits it is the same: a later time
+commits the last evaluated point, the same time evaluates again, an earlier time starts afresh.
+"""
+
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.simulate.carrier import EFFECTS, resolve, rows_of_block
+
+# Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
+# not be told from repeated ones.
+_INTEGRATORS = ("EULER", "IMPLICIT", "IMPLICITFAST")
+# threads of a block; the law needs many registers, which small blocks waste least
+_BLOCK = 128
+
+
+class WarpMissingError(FrictionJointError, ImportError):
+    """mujoco_warp is not installed."""
+
+
+def _load() -> tuple[Any, Any]:
+    try:
+        import mujoco_warp
+        import warp
+    except ImportError as error:
+        raise WarpMissingError(
+            f"friction in mujoco_warp needs it ({error}): pip install 'frictionjoint[warp]'"
+        ) from None
+    return mujoco_warp, warp
+
+
+class WarpFriction:
+    """The friction of one `mujoco_warp` model and data; made by `attach_warp`.
+
+    Usable in a ``with`` block, which ends with `detach`.
+
+    Attributes:
+        joints: names of the joints that carry friction, in the order of `torque`.
+        joint_rows: where each joint's numbers begin in a world's state.
+        parameters: warp array of doubles, shape (1, n): the model's numbers, shared by all worlds.
+        state: warp array of doubles, shape (nworld, m): what a world remembers, clocks included.
+            Copy it, with the data, to save a simulation; it takes no part in ``mujoco_warp``'s own.
+    """
+
+    def __init__(self, m: Any, d: Any, mjm: mujoco.MjModel) -> None:
+        mjw, wp = _load()
+        found = _fitting(mjw, m, d, mjm)
+        from frictionjoint.simulate import warp_kernel
+
+        self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
+        numbers = np.array(mjm.numeric_data)
+        sizes = [warp_kernel.FRONT + rows_of_block(numbers[at:].tolist()) for at in found.values()]
+        self._effects = any(numbers[at + int(numbers[at + EFFECTS])] > 0 for at in found.values())
+        self._friction, self._reset = warp_kernel.build(max(sizes), self._effects)
+        self.joints = tuple(found)
+        first = np.cumsum([0, *sizes[:-1]])
+        self.joint_rows = {name: int(at) for name, at in zip(found, first, strict=True)}
+        with wp.ScopedDevice(d.qpos.device):
+            self.parameters = wp.array(numbers[None, :], dtype=wp.float64)
+            self._blocks = wp.array(list(found.values()), dtype=int)
+            self._rows = wp.array(first, dtype=int)
+            # worlds side by side: neighbouring threads then read neighbouring numbers
+            self.state = wp.zeros((sum(sizes), d.nworld), dtype=wp.float64).transpose()
+            self._torque = wp.zeros((d.nworld, len(found)), dtype=float)
+            self._every_world = wp.ones(d.nworld, dtype=wp.bool)
+            # a graph capture must not meet a module that is still to be loaded
+            for kernel in (self._friction, self._reset):
+                block_dim = 1 if d.qpos.device.is_cpu else _BLOCK
+                wp.load_module(kernel.module, d.qpos.device, block_dim=block_dim)
+        self._previous: Callable[[Any, Any], None] | None = m.callback.passive
+        self._attached = True
+        m.callback.passive = self._call
+
+    def _call(self, m: Any, d: Any) -> None:
+        if self._previous is not None:
+            self._previous(m, d)
+        if not self._attached:
+            return
+        if d is not self._data:
+            raise ModelError(
+                "this friction remembers the worlds of another mujoco_warp Data: attach_warp with "
+                "the one that is stepped"
+            )
+        if self._effects:
+            # load-dependent effects want this step's bias forces, which come after passive ones
+            self._mjw.rne(m, d)
+        self._wp.launch(
+            self._friction,
+            dim=(d.nworld, len(self.joints)),
+            inputs=[
+                self.parameters,
+                self._blocks,
+                self._rows,
+                m.opt.timestep,
+                m.M_rowadr,
+                m.M_rownnz,
+                m.jnt_bodyid,
+                m.jnt_axis,
+                m.opt.gravity,
+                d.time,
+                d.qpos,
+                d.qvel,
+                d.M,
+                d.qfrc_bias,
+                d.xaxis,
+                d.xmat,
+                self.state,
+            ],
+            outputs=[self._torque, d.qfrc_passive],
+            device=d.qpos.device,
+            block_dim=_BLOCK,
+        )
+
+    def torque(self) -> Any:
+        """The friction torques of the last evaluation, opposing positive motion.
+
+        Returns: warp array of floats on the model's device, shape (nworld, number of `joints`),
+        N m (N for a slide joint); overwritten by the next step.
+        """
+        return self._torque
+
+    def reset(self, world_mask: Any = None) -> None:
+        """Worlds forget: at rest and never moved from their next evaluation on.
+
+        ``mujoco_warp.reset_data`` sets the time back, which does the same to worlds whose time
+        has run; this one is for worlds that go on at their time.
+
+        Args:
+            world_mask: shape (nworld,), booleans, as an array of numpy or of warp on the model's
+                device; all worlds without it.
+        Raises:
+            ModelError: a mask of another shape.
+        """
+        mask = self._every_world
+        if world_mask is not None:
+            if tuple(world_mask.shape) != (self._data.nworld,):
+                raise ModelError(
+                    f"a mask of {self._data.nworld} worlds has shape ({self._data.nworld},), not "
+                    f"{tuple(world_mask.shape)}"
+                )
+            mask = world_mask
+            if not isinstance(mask, self._wp.array):
+                on = self._data.qpos.device
+                mask = self._wp.array(np.asarray(mask, dtype=bool), dtype=self._wp.bool, device=on)
+        self._wp.launch(
+            self._reset,
+            dim=(self._data.nworld, len(self.joints)),
+            inputs=[mask, self._rows],
+            outputs=[self.state],
+            device=self._data.qpos.device,
+            block_dim=_BLOCK,
+        )
+
+    def detach(self) -> None:
+        """Friction acts no longer; the callback it found returns. A captured graph keeps it."""
+        self._attached = False
+        if self._model.callback.passive == self._call:
+            self._model.callback.passive = self._previous
+
+    def __enter__(self) -> "WarpFriction":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.detach()
+
+
+def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
+    """Addresses of the friction blocks by joint name, if all fits together."""
+    sizes = [(m.nq, mjm.nq), (m.nv, mjm.nv), (m.njnt, mjm.njnt), (d.qpos.shape[1], mjm.nq)]
+    if any(a != b for a, b in sizes):
+        raise ModelError(
+            "the mujoco_warp Model and Data were not made from this MjModel: give the one that "
+            "went into put_model"
+        )
+    bit = mjw.DisableBit
+    if m.opt.disableflags & bit.SPRING and m.opt.disableflags & bit.DAMPER:
+        raise ModelError(
+            "spring and damper flags are both disabled, so mujoco_warp calls no passive force: "
+            "enable one of them in <option><flag>"
+        )
+    integrator = mjw.IntegratorType(m.opt.integrator).name
+    if integrator not in _INTEGRATORS:
+        raise ModelError(
+            f"friction in mujoco_warp does not know the integrator {integrator}: use "
+            f"{', '.join(_INTEGRATORS)}"
+        )
+    owner = getattr(m.callback.passive, "__self__", None)
+    if isinstance(owner, WarpFriction):
+        raise ModelError("this model is attached already: detach the friction it has first")
+    found = resolve(mjm)
+    if not found:
+        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    return found
+
+
+def attach_warp(m: Any, d: Any, mjm: mujoco.MjModel) -> WarpFriction:
+    """Let the friction that a model carries act in `mujoco_warp`, from the next step on.
+
+    A passive callback that is there already is called first.
+
+    Args:
+        m: ``mujoco_warp.Model``, from ``put_model(mjm)``.
+        d: ``mujoco_warp.Data`` of any number of worlds; the friction belongs to this one.
+        mjm: carries friction, see `install`.
+    Raises:
+        WarpMissingError: mujoco_warp is not installed.
+        ModelError: no or damaged friction in the model, a model and data that do not belong
+            together, an integrator or flags that it cannot work with, or attached already.
+    """
+    return WarpFriction(m, d, mjm)

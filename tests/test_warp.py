@@ -1,0 +1,425 @@
+"""Friction in mujoco_warp: the same law as the native callback, in many worlds at once."""
+
+import sys
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.errors import ModelError
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.memory import N_MAX, N_MIN
+from frictionjoint.rivals import (
+    ArmstrongParameters,
+    DahlParameters,
+    ElastoplasticParameters,
+    LuGreParameters,
+    MaxwellSlipParameters,
+    StaticParameters,
+)
+from frictionjoint.simulate.carrier import ROW, SimulatedEffect, read_friction, resolve
+from frictionjoint.simulate.row import FRONT, evaluate, row_size
+from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
+
+mjw = pytest.importorskip("mujoco_warp")
+wp = pytest.importorskip("warp")
+
+from frictionjoint.simulate import warp_kernel  # noqa: E402
+from frictionjoint.simulate.warp import WarpMissingError, attach_warp  # noqa: E402
+from frictionjoint.simulate.warp_source import translate  # noqa: E402
+
+STIFF = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
+SOFT = ((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2))
+EPS = 2.0**-24  # half a unit in the last place of a single float, relative
+ARM = """
+<mujoco>
+  <option timestep="0.001" integrator="{integrator}"/>
+  <worldbody>
+    <body><joint name="a" axis="0 1 0" armature=".02"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03"/>
+      <body pos="0 0 -.4"><joint name="b" axis="0 1 0" armature=".02"/>
+        <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".03"/></body></body>
+  </worldbody>
+</mujoco>
+"""
+LEVELS = {"Fs": 1.5, "Fc": 1.0, "Vs": 0.05, "sigma2": 0.4}
+
+
+def friction(**changes) -> fj.FrictionParameters:
+    values = LEVELS | {"sigma1": 0.5, "n": 2, "knots": SOFT}
+    return fj.FrictionParameters.symmetric(**(values | changes))
+
+
+def arm(integrator="implicitfast", effects=None, **changes) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_string(ARM.format(integrator=integrator))
+    fj.install(spec, {"a": friction(**changes), "b": friction(**changes)}, effects)
+    return spec.compile()
+
+
+def load(t: float, world: int = 0) -> list[float]:
+    """Slow and fast sines: presliding loops nest, and now and then a joint breaks away."""
+    slow = (2.2 + 0.1 * world) * np.sin(9 * t) + 0.8 * np.sin(41 * t)
+    return [slow, 0.9 * np.sin((23 + world) * t)]
+
+
+def worlds(mjm: mujoco.MjModel, n: int):
+    return mjw.put_model(mjm), mjw.make_data(mjm, nworld=n)
+
+
+def step(m, d, loads) -> np.ndarray:
+    """A step under loads of shape (nworld, nv): positions and velocities, (nworld, 2 nv)."""
+    d.qfrc_applied.assign(np.asarray(loads, dtype=np.float32))
+    mjw.step(m, d)
+    return np.hstack([d.qpos.numpy(), d.qvel.numpy()])
+
+
+def run(mjm, steps, which=(0,), between=lambda m, d, friction, k: None) -> np.ndarray:
+    """Worlds under their loads: positions and velocities, shape (steps, worlds, 2 nv)."""
+    m, d = worlds(mjm, len(which))
+    out = []
+    with attach_warp(m, d, mjm) as friction:
+        for k in range(steps):
+            out.append(step(m, d, [load(1e-3 * k, w) for w in which]))
+            between(m, d, friction, k)
+    return np.array(out)
+
+
+def native(mjm, steps) -> np.ndarray:
+    """World 0 by the native callback, shape (steps, 2 nv)."""
+    data = mujoco.MjData(mjm)
+    out = []
+    with fj.attach(mjm):
+        for k in range(steps):
+            data.qfrc_applied[:] = np.float32(load(1e-3 * k))
+            mujoco.mj_step(mjm, data)
+            out.append([*data.qpos, *data.qvel])
+    return np.array(out)
+
+
+# the law
+
+
+@pytest.fixture(scope="module")
+def in_warp():
+    """Runs warp's `evaluate` along motions q and v, shape (worlds, n)."""
+    size = 128
+    made = translate([evaluate], size, "frictionjoint_test")["simulate_row_evaluate"]
+    vector, matrix = wp.array(dtype=wp.float64), wp.array2d(dtype=wp.float64)
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def kernel(
+        P: vector,
+        X: matrix,
+        t: vector,
+        q: matrix,
+        v: matrix,
+        h: wp.float64,
+        inertia: wp.float64,
+        effects: int,
+        out: matrix,
+    ):
+        w = wp.tid()
+        for k in range(t.shape[0]):
+            out[w, k] = made(P, 0, effects, X[w], 0, t[k], q[w, k], v[w, k], h, inertia)
+
+    def torque(P, t, q, v, h, inertia):
+        X = wp.zeros((len(q), size), dtype=wp.float64, device="cpu")
+        out = wp.zeros(q.shape, dtype=wp.float64, device="cpu")
+        arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (t, q, v)]
+        numbers = wp.array(P, dtype=wp.float64, device="cpu")
+        inputs = [numbers, X, *arrays, wp.float64(h), wp.float64(inertia), len(P) - 1]
+        wp.launch(kernel, dim=len(q), inputs=inputs, outputs=[out], device="cpu")
+        return out.numpy()
+
+    return torque
+
+
+def in_numba(P, t, q, v, h, inertia):
+    out = np.zeros_like(q)
+    for w in range(len(q)):
+        X = np.zeros(row_size(int(law_row_size(P, 0)), 0))
+        for k in range(len(t)):
+            out[w, k] = evaluate(P, 0, len(P) - 1, X, 0, t[k], q[w, k], v[w, k], h, inertia)
+    return out
+
+
+INTEGRATED = [
+    friction(n=n, knots=STIFF, variant=variant, virgin=virgin)
+    for n in (1.0, 1.5, 2.0, 3.0, 4.0, 7.3)
+    for variant, virgin in (("ganseman1997", "literal"), ("lampaert2002", "masing"))
+]
+RIVALS = [
+    StaticParameters.symmetric(**LEVELS, V0=1e-3),
+    ArmstrongParameters.symmetric(**LEVELS, sigma0=1e4),
+    DahlParameters.symmetric(Fc=1.0, sigma2=0.4, sigma0=1e4),
+    LuGreParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0),
+    ElastoplasticParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
+    MaxwellSlipParameters.symmetric(**LEVELS, elements=((5e3, 0.3), (3e3, 0.7)), C=100.0),
+]
+
+
+@pytest.mark.parametrize("h", [0.0, 1e-3], ids=["explicit", "stiff"])
+@pytest.mark.parametrize("parameters", INTEGRATED + RIVALS, ids=lambda p: f"{p.law}")
+def test_warp_computes_what_numba_computes(in_warp, parameters, h):
+    rng = np.random.default_rng(1)
+    n = 400
+    t = 1e-3 * np.arange(n)
+    size = np.array([1e-7, 1e-6, 1e-5, 1e-4])[:, None]
+    q = np.cumsum(size * rng.normal(size=(4, n)), axis=1) + 20 * size * np.sin(30 * t)
+    v = np.gradient(q, t, axis=1)
+    P = np.append(parameters.pack(), 0.0)
+    numba = in_numba(P, t, q, v, h, 1e-3)
+    # the same operations in doubles: only the mathematical libraries differ in the last digit
+    np.testing.assert_allclose(in_warp(P, t, q, v, h, 1e-3), numba, rtol=0, atol=1e-11)
+
+
+# against the native callback
+
+
+def test_stick_slip_of_the_kuka_joint():
+    """Sticks, slips from 0.55 s to 1.25 s, and sticks again."""
+    mjm = fj.load_model(kuka_model())
+    p = read_friction(mjm)[JOINT].parameters
+    m, d = worlds(mjm, 1)
+    data = mujoco.MjData(mjm)
+    ours, theirs = [], []
+    with fj.attach(mjm), attach_warp(m, d, mjm):
+        for k in range(1350):
+            target = np.float32(SPEED * 1e-3 * k)
+            data.ctrl[0] = target
+            mujoco.mj_step(mjm, data)
+            d.ctrl.fill_(float(target))
+            mjw.step(m, d)
+            theirs.append([data.qpos[0], data.qvel[0]])
+            ours.append([d.qpos.numpy()[0, 0], d.qvel.numpy()[0, 0]])
+    q, v = np.array(theirs).T
+    assert v.max() > 0.2
+    assert abs(v[-1]) < 5e-3
+    # A float is off by up to EPS q, the friction by K EPS q; break-away comes when the target has
+    # moved that much further, and from then on the joint is off by its speed times that.
+    kp = mjm.actuator_gainprm[0, 0]
+    breaks_away = np.abs(q[np.argmax(v > SPEED / 10)])
+    late = p.stiffness * EPS * breaks_away / (kp * SPEED)
+    bound = 10 * (v.max() * late + EPS * np.abs(q).max())  # ten: roundings of many steps
+    assert bound < 1e-6
+    assert np.abs(np.array(ours)[:, 0] - q).max() < bound
+    assert np.abs(np.array(ours)[:, 1] - v).max() < 10 * bound
+
+
+def test_presliding_loops_remember_the_same_extrema():
+    mjm = arm()
+    at = resolve(mjm)
+    m, d = worlds(mjm, 1)
+    data = mujoco.MjData(mjm)
+    deepest = 0
+    with fj.attach(mjm), attach_warp(m, d, mjm) as friction:
+        first = friction.joint_rows["a"] + warp_kernel.FRONT + FRONT
+        row = int(mjm.numeric_data[at["a"] + ROW]) + FRONT
+        for k in range(700):
+            t = 1e-3 * k
+            shrinking = [1.2 * np.exp(-2 * t) * np.sin(55 * t), 0.0]
+            data.qfrc_applied[:] = np.float32(shrinking)
+            mujoco.mj_step(mjm, data)
+            got = step(m, d, [shrinking])[0]
+            X = friction.state.numpy()[0]
+            count = slice(row + N_MIN, row + N_MAX + 1)
+            np.testing.assert_array_equal(
+                X[first + N_MIN : first + N_MAX + 1], data.userdata[count]
+            )
+            deepest = max(deepest, int(data.userdata[count].sum()) - 2)
+            np.testing.assert_allclose(got, [*data.qpos, *data.qvel], rtol=0, atol=1e-6)
+    assert deepest >= 6
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast"])
+def test_an_arm_moves_as_with_the_native_callback(integrator):
+    mjm = arm(integrator)
+    there = native(mjm, 400)
+    here = run(mjm, 400)[:, 0]
+    assert np.abs(there[:, 2:]).max() > 0.5
+    np.testing.assert_allclose(here, there, rtol=0, atol=1e-5)
+
+
+def test_a_stiff_joint_is_held():
+    """h sqrt(K/J) is 3: left alone, the joint would chatter."""
+    J, h = 0.01, 1e-3
+    K = J * (3.0 / h) ** 2
+    spec = mujoco.MjSpec.from_string(
+        f'<mujoco><option timestep="{h}" gravity="0 0 0" integrator="implicitfast"/><worldbody>'
+        f'<body><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="{J} {J} {J}"/></body>'
+        "</worldbody></mujoco>"
+    )
+    knots = ((1.5 / K, 1.5), (6.0 / K, 3.0))
+    fj.install(spec, {"j": friction(n=4.0, virgin="masing", sigma1=0.0, knots=knots)})
+    mjm = spec.compile()
+    m, d = worlds(mjm, 1)
+    with attach_warp(m, d, mjm):
+        track = np.array([step(m, d, [[0.75 * min(1.0, k / 500)]])[0] for k in range(1500)])
+    q, v = track[700:].T
+    # single floats: a torque rounded by EPS moves the joint by h/J times that in a step
+    assert np.abs(v).max() < 4 * h / J * EPS * 0.75
+    assert np.ptp(q) < 1e-9
+
+
+EFFECTS = {
+    "position-periodic": ((5.0,), (0.2, 0.1)),
+    "load-dependent": ((), (0.1,)),
+    "gravity-error": ((), (0.05, 0.02)),
+    "dwell-time": ((0.01, 1e-3, 1e-2), (0.5,)),
+}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_effects_act_as_with_the_native_callback(name):
+    effect = next(e for e in CATALOGUE if e.name == name)
+    carried = {"a": [SimulatedEffect(effect, *EFFECTS[name])]}
+    mjm = arm(effects=carried)
+    there, without = native(mjm, 300), native(arm(), 300)
+    assert np.abs(there - without).max() > 1e-3
+    np.testing.assert_allclose(run(mjm, 300)[:, 0], there, rtol=0, atol=1e-5)
+
+
+# many worlds, and the rule that commits
+
+
+def test_worlds_do_not_touch_each_other():
+    mjm = arm()
+    which = (0, 3, 1, 7, 5)
+    together = run(mjm, 150, which)
+    for i, world in enumerate(which):
+        np.testing.assert_array_equal(together[:, i], run(mjm, 150, (world,))[:, 0])
+
+
+def test_calls_between_steps_change_nothing():
+    mjm = arm()
+
+    def forward(m, d, friction, k):
+        for _ in range(k % 3):
+            mjw.forward(m, d)
+
+    np.testing.assert_array_equal(run(mjm, 200), run(mjm, 200, between=forward))
+
+
+def test_time_set_back_starts_afresh():
+    mjm = arm()
+    m, d = worlds(mjm, 2)
+    with attach_warp(m, d, mjm):
+        tracks = []
+        for _ in range(2):
+            mjw.reset_data(m, d)
+            tracks.append([step(m, d, [load(1e-3 * k), load(1e-3 * k, 4)]) for k in range(120)])
+    np.testing.assert_array_equal(*tracks)
+
+
+@pytest.mark.parametrize("kind", ["numpy", "warp"])
+def test_one_world_forgets_and_the_others_do_not(kind):
+    mjm = arm()
+    m, d = worlds(mjm, 3)
+    mask = np.array([False, True, False])
+    with attach_warp(m, d, mjm) as friction:
+        for k in range(100):
+            step(m, d, [load(1e-3 * k, w) for w in range(3)])
+        before = friction.torque().numpy()
+        friction.reset(wp.array(mask, dtype=wp.bool) if kind == "warp" else mask)
+        mjw.forward(m, d)
+        after = friction.torque().numpy()
+    np.testing.assert_array_equal(before[[0, 2]] == after[[0, 2]], before[[0, 2]] == after[[0, 2]])
+    # forward evaluates at the new position: what has not moved is the memory
+    sigma = 0.4 + 0.5
+    np.testing.assert_allclose(after[1], sigma * d.qvel.numpy()[1], rtol=1e-5)
+    assert np.all(np.abs(after[[0, 2]] - sigma * d.qvel.numpy()[[0, 2]]) > 1e-2)
+
+
+def test_a_late_clock_is_as_good_as_an_early_one():
+    # after a thousand seconds a single float counts in steps of 0.06 ms
+    mjm = arm()
+    m, d = worlds(mjm, 2)
+    with attach_warp(m, d, mjm):
+        d.time.assign(np.array([0.0, 1000.0], dtype=np.float32))
+        for k in range(300):
+            early, late = step(m, d, [load(1e-3 * k)] * 2)
+    np.testing.assert_allclose(early, late, rtol=0, atol=1e-6)
+
+
+def test_a_callback_that_was_there_still_acts_and_returns():
+    mjm = arm()
+    m, d = worlds(mjm, 1)
+    calls = []
+
+    def theirs(m, d):
+        calls.append(1)
+
+    m.callback.passive = theirs
+    with attach_warp(m, d, mjm):
+        mjw.step(m, d)
+        assert calls == [1]
+    assert m.callback.passive is theirs
+    mjw.step(m, d)
+    assert calls == [1, 1]
+
+
+def test_friction_acts_no_longer_once_detached():
+    mjm = arm()
+    m, d = worlds(mjm, 1)
+    attach_warp(m, d, mjm).detach()
+    here = step(m, d, [load(0.2)])
+    bare = step(*worlds(mjm, 1), [load(0.2)])
+    np.testing.assert_array_equal(here, bare)
+
+
+# refusals
+
+
+def test_runge_kutta_is_refused():
+    mjm = arm("RK4")
+    with pytest.raises(ModelError, match=r"does not know the integrator RK4: use EULER"):
+        attach_warp(*worlds(mjm, 1), mjm)
+
+
+def test_disabled_passive_forces_are_refused():
+    mjm = arm()
+    mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SPRING
+    mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_DAMPER
+    with pytest.raises(ModelError, match="calls no passive force"):
+        attach_warp(*worlds(mjm, 1), mjm)
+
+
+def test_a_model_without_friction_is_refused():
+    mjm = mujoco.MjModel.from_xml_string(ARM.format(integrator="Euler"))
+    with pytest.raises(ModelError, match="carries no friction"):
+        attach_warp(*worlds(mjm, 1), mjm)
+
+
+def test_another_model_is_refused():
+    with pytest.raises(ModelError, match="not made from this MjModel"):
+        attach_warp(*worlds(fj.load_model(kuka_model()), 1), arm())
+
+
+def test_a_second_attach_is_refused():
+    mjm = arm()
+    m, d = worlds(mjm, 1)
+    with attach_warp(m, d, mjm), pytest.raises(ModelError, match="attached already"):
+        attach_warp(m, d, mjm)
+
+
+def test_other_data_is_refused():
+    mjm = arm()
+    m, d = worlds(mjm, 1)
+    other = mjw.make_data(mjm, nworld=1)
+    with attach_warp(m, d, mjm), pytest.raises(ModelError, match="another mujoco_warp Data"):
+        mjw.step(m, other)
+
+
+def test_a_mask_of_another_length_is_refused():
+    mjm = arm()
+    m, d = worlds(mjm, 2)
+    with attach_warp(m, d, mjm) as friction, pytest.raises(ModelError, match="2 worlds"):
+        friction.reset(np.array([True]))
+
+
+def test_without_mujoco_warp_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco_warp", None)
+    with pytest.raises(WarpMissingError, match=r"pip install 'frictionjoint\[warp\]'"):
+        attach_warp(None, None, arm())
