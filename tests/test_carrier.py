@@ -1,5 +1,7 @@
 """A model carries its friction: exact through XML, prefixes and copies; mistakes get one line."""
 
+import warnings
+
 import mujoco
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint.effects.position_periodic import EFFECT
 from frictionjoint.errors import FrictionJointError, ModelError
-from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+from frictionjoint.simulate.carrier import MAGIC, SimulatedEffect, read_friction
 
 XML = """
 <mujoco>
@@ -120,3 +122,29 @@ def test_damaged_block_is_refused_or_repaired(place):
     except FrictionJointError:
         return
     assert carried == friction(), "a damaged block must not change the friction silently"
+
+
+def test_a_number_that_is_none_is_refused_in_one_line_and_nothing_is_written(
+    tmp_path, monkeypatch, capfd
+):
+    monkeypatch.chdir(tmp_path)
+    spec = carrying(friction())
+    spec.compile()
+    version = f'"{int(MAGIC)} 1 '
+    assert version in spec.to_xml()
+    (tmp_path / "arm.xml").write_text(spec.to_xml().replace(version, f'"{int(MAGIC)} nan '))
+    with warnings.catch_warnings(record=True) as told, pytest.raises(ModelError) as refused:
+        fj.load_model("arm.xml")
+    assert str(refused.value).startswith("arm.xml: numeric frictionjoint:elbow has version nan")
+    assert told == []
+    assert capfd.readouterr() == ("", "")
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.xml"]
+
+
+def test_what_mujoco_warns_of_is_a_warning_of_python(tmp_path):
+    spec = carrying(friction())
+    spec.compile()
+    other = '<custom><numeric name="other" data="nan"/>'
+    (tmp_path / "arm.xml").write_text(spec.to_xml().replace("<custom>", other, 1))
+    with pytest.warns(RuntimeWarning, match="NaN"):
+        fj.load_model(tmp_path / "arm.xml")

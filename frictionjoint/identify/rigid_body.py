@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
+from frictionjoint.mujoco_warnings import as_python_warnings
 
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
@@ -103,11 +104,12 @@ class RigidBody:
 def compile_model(mjcf: str | Path) -> mujoco.MjModel:
     """Compile an MJCF file or text; one clear line when that fails."""
     try:
-        if isinstance(mjcf, str) and mjcf.lstrip().startswith("<"):
-            return mujoco.MjModel.from_xml_string(mjcf)
-        if not Path(mjcf).is_file():
-            raise ModelError(f"{mjcf}: no such MJCF file, check the path")
-        return mujoco.MjModel.from_xml_path(str(mjcf))
+        with as_python_warnings():
+            if isinstance(mjcf, str) and mjcf.lstrip().startswith("<"):
+                return mujoco.MjModel.from_xml_string(mjcf)
+            if not Path(mjcf).is_file():
+                raise ModelError(f"{mjcf}: no such MJCF file, check the path")
+            return mujoco.MjModel.from_xml_path(str(mjcf))
     except ValueError as error:
         if isinstance(error, ModelError):
             raise

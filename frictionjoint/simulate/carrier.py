@@ -25,6 +25,7 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
+from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.row import row_size
 
@@ -252,10 +253,12 @@ def load_model(path: str | Path) -> mujoco.MjModel:
     """
     if not Path(path).is_file():
         raise ModelError(f"{path}: no such file, check the path")
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        raise ModelError(f"{path}: {' '.join(str(error).split())}") from None
-    if not resolve(model):
-        raise ModelError(f"{path} carries no friction: write it with `frictionjoint install`")
+    with as_python_warnings():
+        try:
+            model = mujoco.MjModel.from_xml_path(str(path))
+            carried = resolve(model)
+        except ValueError as error:
+            raise ModelError(f"{path}: {' '.join(str(error).split())}") from None
+        if not carried:
+            raise ModelError(f"{path} carries no friction: write it with `frictionjoint install`")
     return model
