@@ -9,18 +9,28 @@ if TYPE_CHECKING:
     from frictionjoint.parameters import FrictionParameters
     from frictionjoint.simulate.attach import attach
     from frictionjoint.simulate.carrier import install, load_model
+    from frictionjoint.simulate.warp import attach_warp
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
     "close_loop": "frictionjoint.diagnose.close_loop",
     "attach": "frictionjoint.simulate.attach",
+    "attach_warp": "frictionjoint.simulate.warp",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
 
-__all__ = ["FrictionParameters", "attach", "close_loop", "friction_torque", "install", "load_model"]
+__all__ = [
+    "FrictionParameters",
+    "attach",
+    "attach_warp",
+    "close_loop",
+    "friction_torque",
+    "install",
+    "load_model",
+]
 
 
 def __getattr__(name: str) -> Any:

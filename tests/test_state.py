@@ -256,3 +256,20 @@ def test_rollout_and_batch_equal_a_serial_loop(threads):
             m, pool, np.tile(start, (runs, 1)), control, control_spec=spec, nstep=steps
         )
     np.testing.assert_array_equal(states[:, -1, 1:3], np.array(serial))
+
+
+@pytest.mark.parametrize("astray", [np.nan, np.inf, -1e11])
+def test_a_state_gone_astray_has_no_torque_and_leaves_no_trace(astray):
+    m = model()
+    data, other = mujoco.MjData(m), mujoco.MjData(m)
+    with fj.attach(m):
+        for d in (data, other):
+            run(m, d, 50)
+        good = data.qpos.copy()
+        data.qpos[0] = astray
+        mujoco.mj_forward(m, data)
+        assert np.isnan(data.qfrc_passive[0])
+        data.qpos[:] = good
+        # the solver's warm start holds the acceleration of the lost state
+        data.qacc_warmstart[:] = other.qacc_warmstart
+        np.testing.assert_array_equal(run(m, data, 50), run(m, other, 50))

@@ -19,6 +19,7 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
+from frictionjoint.simulate.callback import effects_torque
 from frictionjoint.simulate.carrier import ROW, SimulatedEffect, read_friction, resolve
 from frictionjoint.simulate.row import FRONT, evaluate, row_size
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
@@ -173,6 +174,43 @@ def test_warp_computes_what_numba_computes(in_warp, parameters, h):
     numba = in_numba(P, t, q, v, h, 1e-3)
     # the same operations in doubles: only the mathematical libraries differ in the last digit
     np.testing.assert_allclose(in_warp(P, t, q, v, h, 1e-3), numba, rtol=0, atol=1e-11)
+
+
+def test_warp_computes_every_effect_as_numba_does():
+    rng = np.random.default_rng(2)
+    law = friction().pack()
+    carried = [
+        SimulatedEffect(e, tuple(rng.uniform(0.2, 0.8, len(e.shape))), (0.3,) * len(e.coefficients))
+        for e in CATALOGUE
+    ]
+    P = np.concatenate([law, [float(len(carried))], *(e.pack() for e in carried)])
+    size = row_size(int(law_row_size(P, 0)), len(carried))
+    name, made = "simulate_callback_effects_torque", [evaluate, effects_torque]
+    namespace = translate(made, size, "frictionjoint_test_effects")
+    joint, effect = namespace["simulate_row_evaluate"], namespace[name]
+    vector = wp.array(dtype=wp.float64)
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def kernel(P: vector, X: vector, t: vector, u: wp.array2d(dtype=wp.float64), e: int, y: vector):
+        for k in range(t.shape[0]):
+            # velocity, bias, inertia, unit gravity torques
+            h, v = wp.float64(0.0), u[k, 1]
+            F = joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, u[k, 3])
+            y[k] = effect(P, 0, e, X, 0, t[k], u[k, 0], v, F, u[k, 2], u[k, 3], u[k, 4], u[k, 5])
+
+    n, e = 300, len(law)
+    t = 1e-3 * np.arange(n)
+    q = 0.5 * np.sin(20 * t) + 1e-3 * rng.normal(size=n)
+    u = np.column_stack([q, np.gradient(q, t), 1 + np.sin(9 * t), np.full(n, 0.1), q, 1 - q])
+    X, numba = np.zeros(size), np.zeros(n)
+    for k in range(n):
+        F = evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])
+        numba[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], F, *u[k, 2:])
+    y = wp.zeros(n, dtype=wp.float64, device="cpu")
+    arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (P, np.zeros(size), t, u)]
+    wp.launch(kernel, dim=1, inputs=[*arrays, e], outputs=[y], device="cpu")
+    assert np.ptp(numba) > 1.0
+    np.testing.assert_allclose(y.numpy(), numba, rtol=1e-12, atol=1e-11)
 
 
 # against the native callback
@@ -332,6 +370,57 @@ def test_one_world_forgets_and_the_others_do_not(kind):
     assert np.all(np.abs(after[[0, 2]] - sigma * d.qvel.numpy()[[0, 2]]) > 1e-2)
 
 
+def test_every_world_may_have_its_own_parameters():
+    mjm = arm()
+    m, d = worlds(mjm, 3)
+    own = [friction(), friction(Fs=0.8, Fc=0.6), friction(sigma2=2.0)]
+    with attach_warp(m, d, mjm) as acting:
+        acting.set_parameters("a", own)
+        track = [step(m, d, [load(1e-3 * k)] * 3) for k in range(200)]
+        for world, p in enumerate(own):
+            spec = mujoco.MjSpec.from_string(ARM.format(integrator="implicitfast"))
+            fj.install(spec, {"a": p, "b": friction()})
+            alone = run(spec.compile(), 200)[:, 0]
+            np.testing.assert_array_equal(np.array(track)[:, world], alone)
+        acting.set_parameters("a", own[1])
+        assert np.ptp(acting.parameters.numpy(), axis=0).max() == 0.0
+
+
+def test_a_saved_state_goes_on_as_before():
+    mjm = arm()
+    m, d = worlds(mjm, 2)
+    with attach_warp(m, d, mjm) as friction:
+        for k in range(100):
+            step(m, d, [load(1e-3 * k, w) for w in (0, 2)])
+        kept = {name: wp.clone(getattr(d, name)) for name in ("time", "qpos", "qvel")}
+        state = wp.clone(friction.state)
+        tracks = []
+        for _ in range(2):
+            for name, array in kept.items():
+                wp.copy(getattr(d, name), array)
+            wp.copy(friction.state, state)
+            tracks.append(
+                [step(m, d, [load(1e-3 * k, w) for w in (0, 2)]) for k in range(100, 180)]
+            )
+    np.testing.assert_array_equal(*tracks)
+
+
+def test_a_world_gone_astray_neither_hangs_nor_spreads():
+    mjm = arm()
+    m, d = worlds(mjm, 3)
+    with attach_warp(m, d, mjm) as friction:
+        for k in range(60):
+            if k == 20:
+                d.qpos.assign(np.vstack([[np.nan, 0.0], d.qpos.numpy()[1:]]))
+                d.qvel.assign(np.vstack([d.qvel.numpy()[:2], [0.0, np.inf]]))
+            got = step(m, d, [load(1e-3 * k)] * 3)
+        assert np.isnan(friction.torque().numpy()[[0, 2], [0, 1]]).all()
+        np.testing.assert_array_equal(got[1], run(mjm, 60)[-1, 0])
+        mjw.reset_data(m, d)
+        again = [step(m, d, [load(1e-3 * k)] * 3) for k in range(20)]
+    np.testing.assert_array_equal(np.array(again)[:, 0], run(mjm, 20)[:, 0])
+
+
 def test_a_late_clock_is_as_good_as_an_early_one():
     # after a thousand seconds a single float counts in steps of 0.06 ms
     mjm = arm()
@@ -410,6 +499,18 @@ def test_other_data_is_refused():
     other = mjw.make_data(mjm, nworld=1)
     with attach_warp(m, d, mjm), pytest.raises(ModelError, match="another mujoco_warp Data"):
         mjw.step(m, other)
+
+
+def test_parameters_that_do_not_fit_are_refused():
+    mjm = arm()
+    m, d = worlds(mjm, 2)
+    with attach_warp(m, d, mjm) as acting:
+        with pytest.raises(ModelError, match="joint 'c' carries no friction: a, b do"):
+            acting.set_parameters("c", friction())
+        with pytest.raises(ModelError, match="2 worlds need 2 sets of parameters: 3"):
+            acting.set_parameters("a", [friction()] * 3)
+        with pytest.raises(ModelError, match="keep law and number of knots"):
+            acting.set_parameters("a", RIVALS[0])
 
 
 def test_a_mask_of_another_length_is_refused():

@@ -13,6 +13,7 @@ torque, committed velocity and torque, then the law's row, then the effects' mem
 evaluated.
 """
 
+import numpy as np
 from numba import njit
 
 from frictionjoint.arrays import Vector
@@ -26,6 +27,8 @@ STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE
 )
 TORQUE_COMMITTED = 8
 FRONT = 9
+# mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
+_ASTRAY = 1e10
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -59,8 +62,12 @@ def evaluate(
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
     With a step h, s, of one evaluation and the joint's inertia J, kg m^2, a stiff joint gets the
-    torque of the step's end, see ``law.ahead``; h = 0 asks for the torque here and now.
+    torque of the step's end, see ``law.ahead``; h = 0 asks for the torque here and now. A state
+    gone astray has no torque: NaN.
     """
+    if not (abs(q) <= _ASTRAY and abs(v) <= _ASTRAY):
+        # the law's search for events would not end; what is remembered stays as it is
+        return np.nan
     law = x + FRONT
     if X[x + STARTED] == 0.0 or t < X[x + T_EVALUATED]:
         X[x + STARTED] = 1.0

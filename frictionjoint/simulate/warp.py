@@ -6,7 +6,7 @@ the friction that an MJCF carries there. The state of every world lives in one w
 commits the last evaluated point, the same time evaluates again, an earlier time starts afresh.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -14,7 +14,15 @@ import mujoco
 import numpy as np
 
 from frictionjoint.errors import FrictionJointError, ModelError
-from frictionjoint.simulate.carrier import EFFECTS, resolve, rows_of_block
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import (
+    COUNT,
+    EFFECTS,
+    HEAD,
+    resolve,
+    rows_of_block,
+    write_parameters,
+)
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be told from repeated ones.
@@ -46,7 +54,8 @@ class WarpFriction:
     Attributes:
         joints: names of the joints that carry friction, in the order of `torque`.
         joint_rows: where each joint's numbers begin in a world's state.
-        parameters: warp array of doubles, shape (1, n): the model's numbers, shared by all worlds.
+        parameters: warp array of doubles, the friction blocks' numbers: shape (1, n) while all
+            worlds share them, (nworld, n) after `set_parameters` with one set a world.
         state: warp array of doubles, shape (nworld, m): what a world remembers, clocks included.
             Copy it, with the data, to save a simulation; it takes no part in ``mujoco_warp``'s own.
     """
@@ -57,16 +66,23 @@ class WarpFriction:
         from frictionjoint.simulate import warp_kernel
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
-        numbers = np.array(mjm.numeric_data)
+        self._numbers, self._found = np.array(mjm.numeric_data), found
+        numbers = self._numbers
         sizes = [warp_kernel.FRONT + rows_of_block(numbers[at:].tolist()) for at in found.values()]
         self._effects = any(numbers[at + int(numbers[at + EFFECTS])] > 0 for at in found.values())
+        # what the kernel reads: each block without the pieces that follow it
+        lengths = [HEAD + int(numbers[at + COUNT]) for at in found.values()]
+        starts = np.cumsum([0, *lengths[:-1]])
+        self._read = np.concatenate(
+            [np.arange(at, at + n) for at, n in zip(found.values(), lengths, strict=True)]
+        )
         self._friction, self._reset = warp_kernel.build(max(sizes), self._effects)
         self.joints = tuple(found)
         first = np.cumsum([0, *sizes[:-1]])
         self.joint_rows = {name: int(at) for name, at in zip(found, first, strict=True)}
         with wp.ScopedDevice(d.qpos.device):
-            self.parameters = wp.array(numbers[None, :], dtype=wp.float64)
-            self._blocks = wp.array(list(found.values()), dtype=int)
+            self.parameters = wp.array(numbers[None, self._read], dtype=wp.float64)
+            self._blocks = wp.array(starts, dtype=int)
             self._rows = wp.array(first, dtype=int)
             # worlds side by side: neighbouring threads then read neighbouring numbers
             self.state = wp.zeros((sum(sizes), d.nworld), dtype=wp.float64).transpose()
@@ -119,6 +135,38 @@ class WarpFriction:
             device=d.qpos.device,
             block_dim=_BLOCK,
         )
+
+    def set_parameters(self, joint: str, parameters: Friction | Sequence[Friction]) -> None:
+        """Another friction for a joint, in all worlds or in each its own.
+
+        What the worlds remember stays. A graph captured before keeps the old parameters.
+
+        Args:
+            joint: carries friction already.
+            parameters: one, or one a world; of the law the model carries, with as many knots.
+        Raises:
+            ModelError: no friction on that joint, another number of worlds, another law or
+                another number of knots.
+        """
+        if joint not in self._found:
+            raise ModelError(f"joint {joint!r} carries no friction: {', '.join(self.joints)} do")
+        at, nworld = self._found[joint], self._data.nworld
+        rows = self.parameters.numpy()
+        numbers = self._numbers.copy()
+        each = list(parameters) if isinstance(parameters, Sequence) else [parameters]
+        if isinstance(parameters, Sequence):
+            if len(each) != nworld:
+                raise ModelError(f"{nworld} worlds need {nworld} sets of parameters: {len(each)}")
+            rows = np.repeat(rows, nworld // len(rows), axis=0)
+        mine = (self._read >= at) & (self._read < at + int(numbers[at + EFFECTS]))
+        made = []
+        for one in each:
+            write_parameters(numbers, at, one)
+            made.append(numbers[self._read[mine]])
+        rows[:, mine] = made
+        # worlds side by side, as in the state
+        turned = self._wp.array(rows.T.copy(), dtype=self._wp.float64, device=self._torque.device)
+        self.parameters = turned.transpose()
 
     def torque(self) -> Any:
         """The friction torques of the last evaluation, opposing positive motion.
