@@ -63,7 +63,8 @@ def test_table_and_page(folder):
     assert done.returncode == 0, done.stderr
     assert "breakaway torque" in done.stdout
     page = (folder / "c.html").read_text()
-    assert "breakaway: a slow pull from rest" in page
+    assert "Breakaway: a slow pull from rest" in page
+    assert "breakaway displacement, rad" in page
     assert 'src="http' not in page
 
 

@@ -34,7 +34,7 @@ def compare(
     `frictionjoint compare elbow.toml elbow_lugre.toml --out compare.html`
     """
     from frictionjoint.files import read_parameters
-    from frictionjoint.report.compare import KINDS, compared, draw
+    from frictionjoint.report.compare import KINDS, compared, draw, rows
     from frictionjoint.report.write import write_files
 
     if out is not None and out.suffix.lower() not in KINDS:
@@ -55,11 +55,8 @@ def compare(
         typer.echo(json.dumps({x.name: x.figures for x in found}, indent=2))
         return
     table = Table("", *(x.name for x in found))
-    for row in dict.fromkeys(name for x in found for name in x.figures):
-        cells = (x.figures.get(row) for x in found)
-        table.add_row(
-            row, *("-" if c is None else f"{c:.4g}" if isinstance(c, float) else c for c in cells)
-        )
+    for name, cells in rows(found):
+        table.add_row(name, *cells)
     console().print(table)
     if out is not None:
         typer.echo(f"Wrote {out}")

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from plotly.offline import get_plotlyjs
-from plotly.subplots import make_subplots
+import plotly.graph_objects as go
 
 from frictionjoint.arrays import Array
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
+from frictionjoint.report.html import fill, plot
 from frictionjoint.report.plots import styled
 from frictionjoint.simulate.carrier import JointFriction
 
@@ -116,39 +116,42 @@ def _loop_work(q: Array, F: Array) -> float:
     return float(np.trapezoid(F[last], q[last]))
 
 
+def rows(found: list[Compared]) -> list[tuple[str, list[str]]]:
+    """The figures as text, a row each with a cell a parameter set; a dash where a law has none."""
+    names = dict.fromkeys(name for x in found for name in x.figures)
+    return [(name, [_cell(x.figures.get(name)) for x in found]) for name in names]
+
+
+def _cell(value: float | str | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else value
+
+
 def draw(found: list[Compared], kind: str) -> str | bytes:
     """The three panels as a page of its own (.html) or a picture (.png, .svg)."""
     return _page(found) if kind == ".html" else _picture(found, kind.removeprefix("."))
 
 
 def _page(found: list[Compared]) -> str:
-    figure = make_subplots(rows=3, cols=1, subplot_titles=[p[0] for p in PANELS])
-    for k, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
-        for row, (a, b) in enumerate(x.curves, start=1):
-            figure.add_scatter(
-                x=np.round(a, 9),
-                y=np.round(b, 6),
-                name=x.name,
-                legendgroup=str(k),
-                showlegend=row == 1,
-                line={"color": colour, "width": 2},
-                row=row,
-                col=1,
-            )
-    for row, (_, x_title, y_title) in enumerate(PANELS, start=1):
-        figure.update_xaxes(title_text=x_title, row=row, col=1)
-        figure.update_yaxes(title_text=y_title, row=row, col=1)
-    styled(figure, 1150)
-    head = (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        "<title>Friction laws compared</title><style>:root { color-scheme: light dark; } "
-        "body { margin: 0 auto; max-width: 1000px; padding: 1rem; font: 16px/1.5 system-ui; }"
-        "</style>"
+    panels = []
+    for k, (title, x_title, y_title) in enumerate(PANELS):
+        figure = go.Figure()
+        for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
+            # dashes let equal curves be seen
+            line = {"color": colour, "width": 2, "dash": "solid" if i % 2 == 0 else "dash"}
+            a, b = (c.astype(np.float32) for c in x.curves[k])
+            figure.add_scatter(x=a, y=b, name=x.name, line=line, showlegend=True)
+        figure.update_xaxes(title_text=x_title)
+        figure.update_yaxes(title_text=y_title)
+        panels.append((title.capitalize(), plot(styled(figure, 380))))
+    return fill(
+        "compare.html.j2",
+        {},
+        names=[x.name for x in found],
+        panels=panels,
+        figures=rows(found),
     )
-    plot = figure.to_html(full_html=False, include_plotlyjs=False, config={"responsive": True})
-    script = f"<script>{get_plotlyjs()}</script></head>"
-    return f"{head}{script}<body><h1>Friction laws compared</h1>{plot}</body></html>"
 
 
 def _picture(found: list[Compared], kind: str) -> bytes:

@@ -1,29 +1,20 @@
 """report.html: one self-contained page for a reader who did not make it."""
 
-import platform
-from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
-from jinja2 import Environment
-from plotly.offline import get_plotlyjs
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
 from frictionjoint.diagnose.loop import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.report import plots, presliding, wording
-
-_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
+from frictionjoint.report.html import fill, plot
 
 
 def render(report: Report, command: str) -> str:
     """The page as text; `command` is shown as the way to make it again."""
-    template = files("frictionjoint.report").joinpath("page.html.j2").read_text(encoding="utf-8")
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {
+    filters = {
         "figures": wording.three,
         "interval": wording.interval,
         "value": wording.value,
@@ -31,7 +22,9 @@ def render(report: Report, command: str) -> str:
     }
     torque, position = wording.units(report)
     turns = presliding.behind_turns(report)
-    return environment.from_string(template).render(
+    return fill(
+        "page.html.j2",
+        filters,
         report=report,
         sentence=wording.sentence(report),
         held=report.after_torque.held_out is not None,
@@ -40,17 +33,14 @@ def render(report: Report, command: str) -> str:
         position=position,
         parameters=_parameters(report),
         logs=_logs(report),
-        over_time=_html(plots.over_time(report)),
-        planes=[_html(plots.plane(report, x)) for x in ("velocity", "position")],
-        loops=_html(presliding.loops(report)),
-        turns=_html(turns) if turns is not None else "",
-        ranking=_html(plots.ranking(report)) if report.ranking else "",
-        residuals=[_html(plots.residual_against(report, x)) for x in plots.quantities(report)],
+        over_time=plot(plots.over_time(report)),
+        planes=[plot(plots.plane(report, x)) for x in ("velocity", "position")],
+        loops=plot(presliding.loops(report)),
+        turns=plot(turns) if turns is not None else "",
+        ranking=plot(plots.ranking(report)) if report.ranking else "",
+        residuals=[plot(plots.residual_against(report, x)) for x in plots.quantities(report)],
         shown=plots.shown(report),
         command=command,
-        plotly=get_plotlyjs(),
-        versions=[(name, version(name)) for name in _MADE_BY]
-        + [("Python", platform.python_version())],
     )
 
 
@@ -78,13 +68,3 @@ def _logs(report: Report) -> list[dict[str, Any]]:
 
 def _rms(e: Array) -> float:
     return float(np.sqrt(np.mean(e**2)))
-
-
-def _html(figure: go.Figure) -> str:
-    return str(
-        figure.to_html(
-            full_html=False,
-            include_plotlyjs=False,
-            config={"responsive": True, "displayModeBar": False},
-        )
-    )

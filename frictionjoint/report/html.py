@@ -1,0 +1,42 @@
+"""What the pages share: template, style, plotly itself. Nothing is fetched when a page is read."""
+
+import platform
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+import plotly.graph_objects as go
+from jinja2 import Environment
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
+
+
+def fill(template: str, filters: dict[str, Any], **values: Any) -> str:
+    """A page from a template of this folder; whatever is no `Markup` is escaped."""
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= filters
+    versions = [f"{name} {version(name)}" for name in _MADE_BY]
+    return environment.from_string(_text(template)).render(
+        values,
+        style=Markup(_text("style.css")),
+        behaviour=Markup(_text("behaviour.js")),
+        plotly=Markup(get_plotlyjs()),
+        versions=", ".join([*versions, f"Python {platform.python_version()}"]),
+    )
+
+
+def plot(figure: go.Figure) -> Markup:
+    """A figure as a part of a page."""
+    return Markup(
+        figure.to_html(
+            full_html=False,
+            include_plotlyjs=False,
+            config={"responsive": True, "displayModeBar": False},
+        )
+    )
+
+
+def _text(name: str) -> str:
+    return files("frictionjoint.report").joinpath(name).read_text(encoding="utf-8")
