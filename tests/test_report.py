@@ -133,6 +133,27 @@ def test_the_sentence_owns_up(found, nothing):
     assert "depends on velocity of joint arm" in sentence(missed)
 
 
+def test_several_effects_are_listed_without_their_causes(found):
+    two = replace(found, added=(found.added[0], replace(found.added[0], effect="spring")))
+    text = sentence(two)
+    assert "lacked position-periodic and spring: with them the error falls" in text
+
+
+def test_every_look_at_the_candidates_is_drawn(found):
+    (first,) = found.rankings
+    looks = (first, replace(first, chosen=first.rows[1][0], runner_up=None))
+    page = render(replace(found, rankings=looks), COMMAND)
+    assert "The candidates, look by look" in page
+    assert page.count('"chosen, p') == 2
+
+
+def test_curves_leave_the_residuals_of_the_table(found):
+    for stage, rms in (("before", found.before_torque), ("after", found.after_torque)):
+        for role, value in (("fit", rms.fit), ("held-out", rms.held_out)):
+            e = [c.measured - getattr(c, stage) for c in found.curves if c.role == role]
+            assert np.sqrt(np.mean(np.concatenate(e) ** 2)) == pytest.approx(value)
+
+
 def test_intervals_hold_their_rms(found):
     for pair, stages in (
         (found.torque_interval, (found.before_torque, found.after_torque)),
@@ -203,6 +224,8 @@ def test_advice_names_what_these_logs_leave_open():
         (4.0, None, "4 ± –"),
         (0.0, 0.7, "0 ± 0.7"),
         (0.00012345, 0.00001, "0.000123 ± 1e-05"),
+        (1.4e-13, 0.0066, "0 ± 0.0066"),
+        (-2e-5, 0.0036, "0 ± 0.0036"),
     ],
 )
 def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):

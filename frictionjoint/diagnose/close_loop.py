@@ -19,11 +19,13 @@ from frictionjoint.diagnose.report_data import (
     Evidence,
     Intervals,
     LogEntry,
+    Looked,
     Report,
     Rms,
     Role,
     Verdict,
 )
+from frictionjoint.diagnose.trace import Ranking
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
@@ -120,7 +122,7 @@ def close_loop(
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
-        ranking=_ranking(found),
+        rankings=_rankings(found),
         proposals=what_to_record(_ties(found), unexplained, final, bool(held_out)),
         notes=_notes(fitted_on, moving),
     )
@@ -294,8 +296,11 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
     for role, prepared in groups:
         if prepared is None:
             continue
-        measured, before = predict(prepared, found.base)
-        _, after = predict(prepared, found.final)
+        # Where the drive's gain is fitted, the measured torque is the final model's; the residual
+        # before stays what the base fit left.
+        own, base = predict(prepared, found.base)
+        measured, after = predict(prepared, found.final)
+        before = [m - (o - b) for m, o, b in zip(measured, own, base, strict=True)]
         friction = law_torque(prepared, found.final)
         rows = zip(prepared.segments, measured, before, after, friction, strict=True)
         for s, m, b, a, f in rows:
@@ -320,11 +325,21 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
     return tuple(curves)
 
 
-def _ranking(found: Trace) -> tuple[tuple[str, float, float], ...]:
-    """Candidates of the first step, or of the last look where nothing was added."""
-    ranking = found.steps[0].ranking if found.steps else found.last_ranking
+def _rankings(found: Trace) -> tuple[Looked, ...]:
+    """Candidates of each step, or of the only look where nothing was added."""
+    looks: list[tuple[str | None, str | None, Ranking]]
+    looks = [(s.term.name, s.runner_up, s.ranking) for s in found.steps]
     return tuple(
-        (r.name, r.held_out_gain, r.p_value) for r in ranking.ranked if not r.candidate.smooth
+        Looked(
+            chosen,
+            runner_up,
+            tuple(
+                (r.name, r.held_out_gain, r.p_value)
+                for r in ranking.ranked
+                if not r.candidate.smooth
+            ),
+        )
+        for chosen, runner_up, ranking in looks or [(None, None, found.last_ranking)]
     )
 
 

@@ -110,12 +110,26 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Looked:
+    """A look at all candidates.
+
+    Attributes:
+        chosen: the effect added then, runner_up: the next best one; None where there is none.
+        rows: (name, held-out gain, p-value) of each effect, best first.
+    """
+
+    chosen: str | None
+    runner_up: str | None
+    rows: tuple[tuple[str, float, float], ...]
+
+
+@dataclass(frozen=True)
 class Report:
     """Outcome of `close_loop`.
 
-    Attributes follow report.json; `laws` (before and after), `curves` and `ranking` serve the page.
-    Intervals are of the rms before and after, at 95%, on held-out logs where there are any. Torques
-    in N m, positions in rad (N and m for a slide).
+    Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
+    page. Intervals are of the rms before and after, at 95%, on held-out logs where there are any.
+    Torques in N m, positions in rad (N and m for a slide).
     """
 
     joint: str
@@ -139,7 +153,7 @@ class Report:
     seconds: float
     laws: tuple[Friction, Friction] = field(repr=False)
     curves: tuple[Curve, ...] = field(repr=False)
-    ranking: tuple[tuple[str, float, float], ...] = field(repr=False)
+    rankings: tuple[Looked, ...] = field(repr=False)
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 

@@ -37,7 +37,7 @@ def render(report: Report, command: str) -> str:
         planes=[plot(plots.plane(report, x)) for x in ("velocity", "position")],
         loops=plot(presliding.loops(report)),
         turns=plot(turns) if turns is not None else "",
-        ranking=plot(plots.ranking(report)) if report.ranking else "",
+        rankings=[plot(plots.ranking(look)) for look in report.rankings if look.rows],
         residuals=[plot(plots.residual_against(report, x)) for x in plots.quantities(report)],
         shown=plots.shown(report),
         command=command,

@@ -10,11 +10,12 @@ from plotly.subplots import make_subplots
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.loop import SMALLEST_GAIN
-from frictionjoint.diagnose.report_data import Curve, Report
+from frictionjoint.diagnose.report_data import Curve, Looked, Report
 from frictionjoint.report.wording import axis, units
 
 # Points of a line, and of a cloud: each point of a cloud is an element of the page.
 _LINE, _CLOUD = 3000, 1200
+_CANDIDATES = 10
 MEASURED, BEFORE, AFTER = "#8a8f94", "#d95f02", "#1b9e77"
 # Order in which a reader meets the quantities.
 _ORDER = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
@@ -43,10 +44,13 @@ def over_time(report: Report) -> go.Figure:
     c = shown(report)
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     t, m = _thin(_LINE, c.time, c.measured)
+    # no line across what was left out
+    m[1:][np.diff(t) > 2.5 * np.median(np.diff(t))] = np.nan
     line: dict[str, Any] = {"color": MEASURED, "width": 3.5}
     figure.add_scatter(x=t, y=m, name="measured", line=line, row=1, col=1)
     for name, stage, colour in stages(report):
         (y,) = _thin(_LINE, getattr(c, stage))
+        y[np.isnan(m)] = np.nan
         line = {"color": colour, "width": 1.3}
         figure.add_scatter(x=t, y=y, name=name, line=line, row=1, col=1)
         figure.add_scatter(
@@ -96,7 +100,9 @@ def residual_against(report: Report, quantity: str) -> go.Figure:
             marker={"color": colour, "size": 3},
         )
         mean = dict(zip("xy", _running_mean(x, residual), strict=True))
-        figure.add_scatter(**mean, name=f"mean, {name}", line={"color": colour, "width": 3})
+        figure.add_scatter(
+            **mean, name=f"mean, {name}", mode="lines", line={"color": colour, "width": 3}
+        )
     figure.update_xaxes(title_text=axis(quantity, report.slide))
     figure.update_yaxes(title_text=f"residual, {units(report)[0]}")
     return styled(figure, 300)
@@ -112,11 +118,10 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
     return 0.5 * (edges[1:] + edges[:-1]), mean
 
 
-def ranking(report: Report) -> go.Figure:
-    """Held-out gain of every candidate at the first look, the best on top."""
-    rows = sorted(report.ranking[:12], key=lambda r: r[1])
-    first = report.added[0] if report.added else None
-    marks = {first.effect: "chosen, ", first.evidence.runner_up: "runner-up, "} if first else {}
+def ranking(look: Looked) -> go.Figure:
+    """Held-out gain of the leading candidates at a look, the best on top."""
+    rows = sorted(look.rows[:_CANDIDATES], key=lambda r: r[1])
+    marks = {look.chosen: "chosen, ", look.runner_up: "runner-up, "}
     gains = [100 * max(0.0, gain) for _, gain, _ in rows]
     most = max([10.0, *gains])
     figure = go.Figure(

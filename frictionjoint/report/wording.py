@@ -52,7 +52,7 @@ def sentence(report: Report) -> str:
             f"No known effect explains what is missing: the law alone leaves {before:.3g} {unit} "
             f"on {where} data{_times_noise(report, after)}.{rest}"
         )
-    names = " and ".join(_with_ties(report, i) for i in range(len(report.added)))
+    names = _listed([_with_ties(report, i) for i in range(len(report.added))])
     change = f"the error goes from {before:.3g} to {after:.3g} {unit} on {where} data"
     if report.torque_interval[0][0] <= report.torque_interval[1][1]:
         change += ", a change that may be chance"
@@ -63,13 +63,19 @@ def sentence(report: Report) -> str:
         )
     if report.verdict == "partly-explained" and not rest:
         rest = f" What is left is not noise alone{_times_noise(report, after)}."
-    return f"The model lacked {names}: with it {change}.{rest}"
+    it = "it" if len(report.added) == 1 else "them"
+    return f"The model lacked {names}: with {it} {change}.{rest}"
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _with_ties(report: Report, i: int) -> str:
     added = report.added[i]
     ties = "".join(f" or {name}" for name in added.evidence.ties)
-    return f"{added.effect}{ties} ({added.cause})"
+    cause = f" ({added.cause})" if len(report.added) == 1 else ""
+    return added.effect + ties + cause
 
 
 def _ratio(report: Report, error: float) -> float:
@@ -118,10 +124,11 @@ def value(x: Estimate | None, spread: bool = False) -> str:
     stderr = "–" if x.stderr is None else _plain(f"{x.stderr:.2g}")
     # the spaces do not break a line
     behind = f"\u00a0±\u00a0{stderr}" if spread else ""
-    if not x.stderr or not math.isfinite(x.stderr) or x.value == 0.0:
+    if not x.stderr or not math.isfinite(x.stderr):
         return _plain(f"{x.value:.5g}") + behind
-    digits = math.floor(math.log10(abs(x.value))) - math.floor(math.log10(x.stderr)) + 2
-    return _plain(f"{x.value:.{min(max(digits, 2), 8)}g}") + behind
+    decimals = 1 - math.floor(math.log10(x.stderr))
+    # adding zero takes the sign off a zero
+    return _plain(f"{round(x.value, decimals) + 0.0:.8g}") + behind
 
 
 def _plain(text: str) -> str:
