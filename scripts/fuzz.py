@@ -15,6 +15,7 @@ import json
 import mmap
 import multiprocessing
 import os
+import signal
 import struct
 import sys
 import tempfile
@@ -29,7 +30,9 @@ TARGETS = ("logs", "parameters", "carrier")
 _FILES = {"parameters": "joint.toml", "carrier": "arm.xml"}
 # Inputs a process tries before the next takes over, and examples of a generator in a row.
 _SHIFT, _ROW = 20000, 500
+# Computing time an input may take; a loaded machine and the first compilation of a kernel count.
 _PATIENCE_S = 120.0
+_HUNG = -signal.SIGPROF
 # What a process writes down before each input: inputs so far, length of the input, the input.
 _HEAD = struct.Struct("<QQ")
 _ROOM = 1 << 20
@@ -71,6 +74,7 @@ def shift(target: str, seed: int, inputs: int, notes: Path, results: Any) -> Non
         content = next(a for a in arguments if isinstance(a, bytes))[: _ROOM - _HEAD.size]
         log[: _HEAD.size + len(content)] = _HEAD.pack(done, len(content)) + content
         done += 1
+        signal.setitimer(signal.ITIMER_PROF, _PATIENCE_S)
         try:
             check(*arguments)
         except Exception as error:
@@ -109,36 +113,22 @@ def fuzz(target: str, seed: int, inputs: int, out: Path) -> Found:
             target=shift, args=(target, seed * 10007 + turn, wanted, notes, results)
         )
         worker.start()
-        hung = not _followed(worker, notes, results, found, out / target)
+        while worker.is_alive() or not results.empty():
+            worker.join(0.2)
+            while not results.empty():
+                found.add(*results.get(), out / target)
         done, length = _HEAD.unpack(notes.read_bytes()[: _HEAD.size])
         found.inputs += done
-        if hung or worker.exitcode:
+        if worker.exitcode:
             content = notes.read_bytes()[_HEAD.size : _HEAD.size + length]
-            why = f"no answer in {_PATIENCE_S:g} s" if hung else f"exit code {worker.exitcode}"
+            hung = worker.exitcode == _HUNG
+            why = f"no end in {_PATIENCE_S:g} s" if hung else f"exit code {worker.exitcode}"
             found.add(why, content, out / target)
             found.inputs += 1
         turn += 1
         print(f"{target}: {found.inputs} inputs, {sum(found.failures.values())} failed", flush=True)
     notes.unlink()
     return found
-
-
-def _followed(worker: Any, notes: Path, results: Any, found: Found, stem: Path) -> bool:
-    """Wait for a process and take its failures; False where it hung at an input and was ended."""
-    last, since = b"", time.monotonic()
-    while True:
-        worker.join(0.2)
-        while not results.empty():
-            found.add(*results.get(), stem)
-        if not worker.is_alive():
-            return True
-        now = notes.read_bytes()[: _HEAD.size]
-        if now != last:
-            last, since = now, time.monotonic()
-        elif time.monotonic() - since > _PATIENCE_S:
-            worker.kill()
-            worker.join()
-            return False
 
 
 def main() -> None:
