@@ -130,7 +130,7 @@ def test_the_sentence_owns_up(found, nothing):
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
     assert "Nothing is missing" in sentence(quiet)
     missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
-    assert "depends on velocity of joint arm" in sentence(missed)
+    assert "depends on velocity of 'arm'" in sentence(missed)
 
 
 def test_several_effects_are_listed_without_their_causes(found):
@@ -152,6 +152,18 @@ def test_curves_leave_the_residuals_of_the_table(found):
         for role, value in (("fit", rms.fit), ("held-out", rms.held_out)):
             e = [c.measured - getattr(c, stage) for c in found.curves if c.role == role]
             assert np.sqrt(np.mean(np.concatenate(e) ** 2)) == pytest.approx(value)
+
+
+def test_neighbours_are_folded_unless_they_explain_something(found):
+    curves = tuple(
+        replace(c, quantities=c.quantities | {"a.velocity": c.velocity, "b.velocity": c.position})
+        for c in found.curves
+    )
+    arm = replace(found, curves=curves, unexplained=(("b.velocity", 0.3),))
+    first, folded = render(arm, COMMAND).split("<details>")
+    assert "velocity of 'b'" in first
+    assert "velocity of 'a'" in folded
+    assert "<details>" not in render(found, COMMAND)
 
 
 def test_intervals_hold_their_rms(found):

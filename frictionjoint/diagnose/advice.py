@@ -58,7 +58,7 @@ def what_to_record(
 def quantity(variable: str) -> str:
     """A measured quantity for people."""
     joint, dot, name = variable.rpartition(".")
-    return f"{name} of joint {joint}" if dot else variable.removesuffix("_c")
+    return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")
 
 
 def _is_loose(x: Estimate) -> bool:

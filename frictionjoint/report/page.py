@@ -22,6 +22,7 @@ def render(report: Report, command: str) -> str:
     }
     torque, position = wording.units(report)
     turns = presliding.behind_turns(report)
+    first, others = plots.quantities(report)
     return fill(
         "page.html.j2",
         filters,
@@ -38,7 +39,8 @@ def render(report: Report, command: str) -> str:
         loops=plot(presliding.loops(report)),
         turns=plot(turns) if turns is not None else "",
         rankings=[plot(plots.ranking(look)) for look in report.rankings if look.rows],
-        residuals=[plot(plots.residual_against(report, x)) for x in plots.quantities(report)],
+        residuals=[plot(plots.residual_against(report, x)) for x in first],
+        neighbours=[plot(plots.residual_against(report, x)) for x in others],
         shown=plots.shown(report),
         command=command,
     )

@@ -77,10 +77,15 @@ def plane(report: Report, quantity: str) -> go.Figure:
     return styled(figure, 400)
 
 
-def quantities(report: Report) -> list[str]:
-    """What the residual is drawn against, the joint's own motion first."""
+def quantities(report: Report) -> tuple[list[str], list[str]]:
+    """What the residual is drawn against: what it may depend on first, then the other joints'.
+
+    A joint of an arm has many neighbours; those that explain nothing come second.
+    """
     found = {name for c in report.curves for name in c.quantities}
-    return [n for n in _ORDER if n in found] + sorted(found - set(_ORDER))
+    left = [name for name, _ in report.unexplained if name in found and name not in _ORDER]
+    first = [n for n in _ORDER if n in found] + left
+    return first, sorted(found - set(first))
 
 
 def residual_against(report: Report, quantity: str) -> go.Figure:
