@@ -335,10 +335,12 @@ class MaxwellSlipParameters(_Stribeck):
         elements: ((k, share), ...), 1 to 16 elements; k in N m/rad, > 0, shares of the level S,
             > 0, that sum to 1.
         C: attraction to the Stribeck curve, N m/s, > 0.
+        sigma1: damping of the elements while they stick, by their shares, N m s/rad, >= 0.
     """
 
     elements: tuple[tuple[float, float], ...]
     C: float
+    sigma1: float = 0.0
 
     law: ClassVar[str] = "maxwell_slip"
     number: ClassVar[int] = 7
@@ -351,6 +353,7 @@ class MaxwellSlipParameters(_Stribeck):
     def _check(self) -> None:
         super()._check()
         require(self.C > 0, "C", self.C, "> 0")
+        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
         try:
             pairs = tuple(
                 (check_number("elements", k), check_number("elements", share))
@@ -382,7 +385,7 @@ class MaxwellSlipParameters(_Stribeck):
     def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
         n = int(own[1])
         pairs = tuple((own[2 + 2 * i], own[3 + 2 * i]) for i in range(n))
-        return cls(**levels, elements=pairs, C=own[0])
+        return cls(**levels, elements=pairs, C=own[0], sigma1=sigma1)
 
 
 RIVALS: tuple[type[_Rival], ...] = (

@@ -26,6 +26,7 @@ from frictionjoint.diagnose.trace import (
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
+from frictionjoint.identify.rival_shape import BASE_FORMS
 from frictionjoint.identify.terms import Term
 
 SIGNIFICANCE = 0.05
@@ -114,16 +115,16 @@ def trace(
     """
     rng = np.random.default_rng(seed)
     progress("base fit")
-    base = fit(prepared, progress=progress)
+    base = fit(prepared, progress=progress, forms=BASE_FORMS)
     progress("rest")
-    prepared, base = resolved(prepared, base)
+    prepared, base = resolved(prepared, base, BASE_FORMS)
     prepared, current, steps, ranking = _grown(prepared, base, [], rng, progress)
     if len(steps) > 1:
         progress("looking again at what was added first")
         current, steps = _reconsidered(prepared, current, steps, rng)
         prepared, current, steps, ranking = _grown(prepared, current, steps, rng, progress)
     if base.residual.size != current.residual.size:
-        base = fit(prepared)
+        base = fit(prepared, forms=BASE_FORMS)
     named = [s for s in steps if not s.evidence.candidate.smooth]
     final = current
     if len(named) < len(steps):
@@ -162,8 +163,9 @@ def _grown(
         progress(f"step {number}: adding {winner.name}")
         # after a large change the old shape may sit in another valley: start from everywhere
         start = current.shape if winner.held_out_gain < _LARGE_GAIN else None
-        refitted = fit(prepared, (*current.terms, winner.candidate.term), start=start)
-        prepared, current = resolved(prepared, refitted)
+        terms = (*current.terms, winner.candidate.term)
+        refitted = fit(prepared, terms, start=start, forms=BASE_FORMS)
+        prepared, current = resolved(prepared, refitted, BASE_FORMS)
         steps.append(_step(winner, ties, current, ranking, rng))
 
 

@@ -12,7 +12,7 @@
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -216,14 +216,22 @@ def _admissible(candidate: Candidate, beta: Array) -> bool:
 
 
 def _best_of_each(rows: list[Ranked]) -> tuple[Ranked, ...]:
+    """The best shape of each effect, with the least p-value of all its shapes.
+
+    The p-values are controlled over all shapes of all effects, so one of them is enough to say
+    that the effect's cause is there; which shape it has is then a matter of the fit.
+    """
     best: dict[tuple[str, bool], Ranked] = {}
+    least: dict[tuple[str, bool], float] = {}
     for row in rows:
         key = (row.name, row.candidate.smooth)
         if not row.admissible:
             continue
+        least[key] = min(least.get(key, 1.0), row.p_value)
         if key not in best or row.held_out_gain > best[key].held_out_gain:
             best[key] = row
-    return tuple(sorted(best.values(), key=lambda r: -r.held_out_gain))
+    found = (replace(row, p_value=least[key]) for key, row in best.items())
+    return tuple(sorted(found, key=lambda r: -r.held_out_gain))
 
 
 def margin(

@@ -245,17 +245,25 @@ def fit(
         outer = _Outer(prepared, terms, start)
         return outer.result(_refined(outer, outer.start, _MOST_STEPS, closeness)[1])
     coarse, cache = prepared.thinned(), ColumnCache()
-    places = []
+    # laws of different variables ripen at different speeds: the best of each is compared when done
+    laws: dict[tuple[str, ...], list[tuple[_Outer, Array]]] = {}
     for i, form in enumerate(forms):
         progress(f"fit: form {i + 1} of {len(forms)}")
         outer = _Outer(coarse, terms, form, cache)
-        places.append((outer, outer.best_of_grid()))
-    for keep, evaluations in _HALVING:
-        progress(f"fit: the better {keep} of {len(places)} starts")
-        found = [(*_refined(outer, x, evaluations, ROUGH), outer) for outer, x in places]
-        found.sort(key=lambda place: place[0])
-        places = [(outer, x) for _, x, outer in found[:keep]]
-    outer, x = places[0]
+        laws.setdefault(form.variables, []).append((outer, outer.best_of_grid()))
+    ripe = []
+    for i, places in enumerate(laws.values()):
+        for keep, evaluations in _HALVING:
+            progress(f"fit: law {i + 1} of {len(laws)}, the better of {len(places)} starts")
+            found = [(*_refined(outer, x, evaluations, ROUGH), outer) for outer, x in places]
+            found.sort(key=lambda place: place[0])
+            places = [(outer, x) for _, x, outer in found[:keep]]
+        outer, x = places[0]
+        cost = 0.0
+        if len(laws) > 1:
+            cost, x = _refined(outer, x, _MOST_STEPS, ROUGH)
+        ripe.append((cost, i, outer, x))
+    _, _, outer, x = min(ripe)
     shape, terms = outer.split(x)
     progress("fit: refining")
     outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]

@@ -5,11 +5,12 @@ N massless blocks in parallel, each behind a spring k_i, with the share alpha_i 
 
     stuck:     dF_i/dt = k_i v                                   until F_i reaches alpha_i S(v)
     slipping:  dF_i/dt = sgn(v) C (alpha_i - F_i / S(v))         until the motion reverses
-    F = sum F_i + sigma2 v
+    F = sum (F_i + sigma1 alpha_i dz_i/dt) + sigma2 v
 
-C, in N m/s, is the rate of attraction towards the Stribeck curve. At constant speed an element has
-at most one event in a step, and both pieces are exact: a line in displacement up to alpha_i S, and
-an exponential in time of length S / C. A stuck element that S has fallen below slips at once.
+dz_i/dt is v for an element that sticks and 0 for one that slips. C, in N m/s, is the rate of
+attraction towards the Stribeck curve. At constant speed an element has at most one event in a step,
+and both pieces are exact: a line in displacement up to alpha_i S, and an exponential in time of
+length S / C. A stuck element that S has fallen below slips at once.
 
 Own numbers: C, N, then k_i and alpha_i by turns. State: N torques F_i, then N flags (1 slipping).
 """
@@ -38,14 +39,14 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
     if dq == 0.0:
         for i in range(HEADER + 2 * n):
             X[h + i] = X[a + i]
-        return total(P, p, X[h + FH], 0.0, v)
+        return total(P, p, X[h + FH], X[h + RATE], v)
     direction = 1.0 if dq > 0.0 else -1.0
     turned = X[a + DIRECTION] != direction
     dx = abs(dq)
     S = stribeck_level(P, side(p, direction), dx / dt if dt > 0.0 else 0.0)
     # What is left of a deviation from the level after the step; nothing in no time means all.
     missing = math.expm1(-P[p + ATTRACTION] * dt / S)
-    Fh, stuck = 0.0, 0
+    Fh, sticking = 0.0, 0.0
     for i in range(n):
         k, share = P[p + ELEMENTS + 2 * i], P[p + ELEMENTS + 2 * i + 1]
         level = share * S
@@ -62,13 +63,13 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
                     X[h + HEADER + n + i] = 1.0
                     Fh += f
                     continue
-                stuck += 1
+                sticking += share
         if slips:
             f -= (level - f) * missing
         X[h + HEADER + i] = direction * f
         X[h + HEADER + n + i] = 1.0 if slips else 0.0
         Fh += f
     X[h + FH] = direction * Fh
-    X[h + RATE] = float(stuck) / float(n)
+    X[h + RATE] = sticking
     X[h + DIRECTION] = direction
-    return total(P, p, X[h + FH], 0.0, v)
+    return total(P, p, X[h + FH], sticking, v)
