@@ -9,6 +9,7 @@ else. Truths go to DIR/sealed.json, written by the judge and read by nobody but 
 """
 
 import argparse
+import contextlib
 import json
 import os
 import sys
@@ -16,7 +17,9 @@ import tempfile
 import time
 import warnings
 from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +32,8 @@ from plants.plant import simulate, write
 
 KINDS = ("none", "one", "two", "unknown")
 SHARES = (0.2, 0.4, 0.2, 0.2)
+# parameters of the law compared with the plant's, by its names
+_ESTIMATED = {"Fc_pos": "Fc_pos", "sigma2_pos": "sigma2"}
 # Cause and effect of one thing: naming one for the other is a tie in the catalogue's own words.
 TIED = {
     frozenset(("torque-bias", "direction-asymmetry")),
@@ -40,11 +45,14 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     """Make one plant, show its logs to the loop, note what it said beside the truth."""
     seed, kind = job
     warnings.simplefilter("ignore")
+    from frictionjoint.diagnose.blocks import make_blocks
     from frictionjoint.diagnose.loop import trace
     from frictionjoint.errors import FrictionJointError
     from frictionjoint.identify.fit import predict
     from frictionjoint.identify.prepare import prepare
+    from frictionjoint.identify.result import law_estimates
     from frictionjoint.identify.rigid_body import RigidBody
+    from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.readers import read_log
 
     trial = simulate(draw_trial(np.random.default_rng(seed), kind))
@@ -59,13 +67,27 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
             kept = prepare(logs[-1:], body, fitted_on.segments[0].bandwidth_hz)
             found = trace(fitted_on, seed)
             errors = []
-            for fitted in (found.base, found.final):
+            for fitted in (found.base, found.final, found.traced):
                 measured, predicted = predict(kept, fitted)
                 e = np.concatenate(measured) - np.concatenate(predicted)
                 errors.append(float(np.sqrt(np.mean(e**2))))
+            blocks = make_blocks(found.traced.residual, found.traced.log_index)
+            estimates = law_estimates(
+                found.traced, covariance(found.traced, blocks.of_sample), body.slide
+            )
     except FrictionJointError as error:
         return result | {"error": str(error)}
+    # white noise of the torque sensor as it is behind the filter of the fit
+    segment = fitted_on.segments[0]
+    noise = trial.spec.instrument.torque_noise
+    floor = noise * float(np.sqrt(min(1.0, 2.0 * segment.bandwidth_hz * segment.dt)))
     return result | {
+        "voltage_driven": fitted_on.voltage_driven,
+        "floor": floor,
+        "sharper": errors[2],
+        "estimates": {
+            name: [x.value, x.stderr] for name, x in estimates.items() if name in _ESTIMATED
+        },
         "added": [s.term.name for s in found.steps],
         "ties": [list(s.ties) for s in found.steps],
         "unexplained": [r.name for r in found.unexplained],
@@ -95,16 +117,68 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
             quantities = catalogue.quantities(true[0])
             tally["unknown: not misnamed"].append(not said)
             tally["unknown: right quantity"].append(bool(set(quantities) & set(r["unexplained"])))
+    answered = [r for r in results if "error" not in r and not r["voltage_driven"]]
     return {
         "confusion": {k: dict(v) for k, v in sorted(table.items())},
         "shares": {k: [float(np.mean(v)), len(v)] for k, v in tally.items()},
+        "error after over noise floor, median": _median(
+            [r["after"] / r["floor"] for r in answered]
+        ),
+        "the same with the law traced with": _median([r["sharper"] / r["floor"] for r in answered]),
+        "parameters": {name: _estimated(name, answered) for name in _ESTIMATED},
         "refused": [r["error"] for r in results if "error" in r],
     }
+
+
+def _median(values: list[float]) -> float | None:
+    return float(np.median(values)) if values else None
+
+
+def _estimated(name: str, results: list[dict[str, Any]]) -> dict[str, float | None]:
+    """How near an estimate came where all effects were named, and how often two of its errors."""
+    near, covered = [], []
+    for r in results:
+        true = [e["name"] for e in r["truth"]["effects"]]
+        if r["kind"].startswith("unknown") or not all(_names(t, r) for t in true):
+            continue
+        value, error = r["estimates"][name]
+        truth = r["truth"]["friction"][_ESTIMATED[name]]
+        near.append(abs(value / truth - 1.0))
+        if error:
+            covered.append(abs(value - truth) < 2.0 * error)
+    share = float(np.mean(covered)) if covered else None
+    return {"median relative error": _median(near), "within two standard errors": share}
 
 
 def _names(true: str, result: dict[str, Any]) -> bool:
     said = set(result["added"]) | {t for ties in result["ties"] for t in ties}
     return true in said or any(frozenset((true, s)) in TIED for s in said)
+
+
+def elsewhere(folder: str, job: tuple[int, str]) -> dict[str, Any]:
+    """`one_trial` on a worker that shares this folder of scripts, under whatever name it runs."""
+    import sys
+
+    sys.path.insert(0, folder)
+    from blind_trials import one_trial
+
+    return one_trial(job)
+
+
+@contextlib.contextmanager
+def _runner(scheduler: str | None, jobs: int) -> Iterator[Callable[..., Iterator[dict[str, Any]]]]:
+    """What maps jobs to results in order: processes here, or workers of a Dask scheduler."""
+    if scheduler is None:
+        with ProcessPoolExecutor(jobs) as pool:
+            yield lambda trials: pool.map(one_trial, trials)
+        return
+    from distributed import Client
+
+    folder = str(Path(__file__).resolve().parent)
+    with Client(scheduler) as client:
+        yield lambda trials: (
+            future.result() for future in client.map(partial(elsewhere, folder), trials)
+        )
 
 
 def main() -> int:
@@ -116,6 +190,7 @@ def main() -> int:
     parser.add_argument("--kind", help="none, one, two, unknown, or one:<effect> ...; default all")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--scheduler", help="address of a Dask scheduler to spread the trials over")
     parser.add_argument("--out", type=Path, help="folder for results.json and sealed.json")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
@@ -123,8 +198,8 @@ def main() -> int:
     kinds = [arguments.kind or str(rng.choice(KINDS, p=SHARES)) for _ in range(arguments.trials)]
     jobs = [(1000 * arguments.seed + i, kind) for i, kind in enumerate(kinds)]
     results = []
-    with ProcessPoolExecutor(arguments.jobs) as pool:
-        for result in pool.map(one_trial, jobs):
+    with _runner(arguments.scheduler, arguments.jobs) as run:
+        for result in run(jobs):
             results.append(result)
             if not arguments.json:
                 true = "+".join(e["name"] for e in result["truth"]["effects"]) or "none"

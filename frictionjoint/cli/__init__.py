@@ -65,6 +65,7 @@ Columns = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Law = Annotated[str, typer.Option("--law", help="Friction law to fit: " + ", ".join(LAWS) + ".")]
 Seed = Annotated[int, typer.Option(help="Of the random tests; equal seeds, equal reports.")]
 
 
@@ -127,6 +128,7 @@ def close_loop_command(
             help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
         ),
     ] = None,
+    law: Law = LAWS[0],
     column: Columns = None,
     seed: Seed = 0,
     as_json: Json = False,
@@ -147,7 +149,7 @@ def close_loop_command(
 
     with progress() as told:
         fitted, kept = _split(logs, held_out or ["0.25"], joint, _mapping(column))
-        report = close_loop(fitted, model, joint, kept, seed, told)
+        report = close_loop(fitted, model, joint, kept, seed, told, law)
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
@@ -163,7 +165,7 @@ def identify(
     model: Model,
     joint: Joint,
     out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
-    law: Annotated[str, typer.Option(help="Friction law to fit: " + ", ".join(LAWS))] = LAWS[0],
+    law: Law = LAWS[0],
     column: Columns = None,
     as_json: Json = False,
 ) -> None:

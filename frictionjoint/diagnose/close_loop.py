@@ -11,7 +11,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.intervals import rms_interval
-from frictionjoint.diagnose.loop import Step, Trace, trace
+from frictionjoint.diagnose.loop import INTEGRATED_LAW, Step, Trace, trace
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
 from frictionjoint.diagnose.report_data import (
     Added,
@@ -61,6 +61,7 @@ def close_loop(
     held_out: Sequence[LogLike] | float = 0.25,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    law: str = INTEGRATED_LAW,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -70,6 +71,7 @@ def close_loop(
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: told what is being done.
+        law: name of the friction law, see `laws.LAWS`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -86,7 +88,7 @@ def close_loop(
     fitted_on = prepare(list(logs), body)
     bandwidth = fitted_on.segments[0].bandwidth_hz
     kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
-    found = trace(fitted_on, seed, progress)
+    found = trace(fitted_on, seed, progress, law)
     moving = found.prepared
     kept_moving = without_rest(kept_back, moving.rest_speed) if kept_back else None
     progress("replay")
@@ -124,7 +126,20 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=what_to_record(_ties(found), unexplained, final, bool(held_out)),
-        notes=_notes(fitted_on, moving),
+        notes=(*_notes(fitted_on, moving), *_law_note(found)),
+    )
+
+
+def _law_note(found: Trace) -> tuple[str, ...]:
+    """Which law the effects were chosen with, where it is not the one reported."""
+    if found.traced is found.final:
+        return ()
+    name = law_parameters(found.traced).law
+    share = found.traced.rms / found.final.rms
+    return (
+        f"The effects were looked for with the law {name}, which leaves {share:.0%} of the "
+        f"residual that {law_parameters(found.final).law} leaves, and then added to the latter. "
+        f"--law {name} reports and simulates that law.",
     )
 
 

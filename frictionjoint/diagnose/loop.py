@@ -1,6 +1,6 @@
 """The closed loop: fit, trace the residual, add an effect, refit, until nothing is justified."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,8 +26,14 @@ from frictionjoint.diagnose.trace import (
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
-from frictionjoint.identify.rival_shape import BASE_FORMS
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
+from frictionjoint.parameters import FrictionParameters
+
+INTEGRATED_LAW = FrictionParameters.law
+# the law with memory that effects are looked for with, where its residual is clearly smaller
+_SHARPER, _CLEARLY = "maxwell_slip", 0.95
 
 SIGNIFICANCE = 0.05
 # Share of the residual's squares that an effect must take away: what takes less beside a residual
@@ -92,6 +98,8 @@ class Trace:
         base: fit of the law alone. steps: additions in order. final: the last fit.
         unexplained: smooth curves that still explain something, best first.
         last_ranking: candidates against the final residual.
+        traced: the last fit of the law that the effects were chosen with; `final` where that is
+            the law asked for.
     """
 
     prepared: Prepared
@@ -100,31 +108,41 @@ class Trace:
     final: Fit
     unexplained: tuple[Ranked, ...]
     last_ranking: Ranking
+    traced: Fit
 
 
 def trace(
     prepared: Prepared,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
+    law: str = INTEGRATED_LAW,
 ) -> Trace:
     """Run the loop on prepared logs; uses these logs only, split into folds.
 
     Args:
         seed: of flips and resampling; equal seeds give equal results.
         progress: told what is being done.
+        law: name of the friction law to fit and to add to. Effects are looked for with a sharper
+            law where there is one, so that what this law cannot copy does not pass for them.
+    Raises:
+        ParameterError: no law has this name.
     """
     rng = np.random.default_rng(seed)
     progress("base fit")
-    base = fit(prepared, progress=progress, forms=BASE_FORMS)
+    forms = forms_of(law)
+    base = fit(prepared, progress=progress, forms=forms)
     progress("rest")
-    prepared, base = resolved(prepared, base, BASE_FORMS)
-    prepared, current, steps, ranking = _grown(prepared, base, [], rng, progress)
+    prepared, base = resolved(prepared, base, forms)
+    sharper, sharper_forms = _sharper(prepared, base, forms, progress)
+    prepared, current, steps, ranking = _grown(prepared, sharper, [], rng, progress, sharper_forms)
     if len(steps) > 1:
         progress("looking again at what was added first")
         current, steps = _reconsidered(prepared, current, steps, rng)
-        prepared, current, steps, ranking = _grown(prepared, current, steps, rng, progress)
+        prepared, current, steps, ranking = _grown(
+            prepared, current, steps, rng, progress, sharper_forms
+        )
     if base.residual.size != current.residual.size:
-        base = fit(prepared, forms=BASE_FORMS)
+        base = fit(prepared, forms=forms)
     named = [s for s in steps if not s.evidence.candidate.smooth]
     final = current
     if len(named) < len(steps):
@@ -132,7 +150,38 @@ def trace(
     named, final = _without_idle(prepared, named, final)
     if final is not current:
         ranking = _rank_all(prepared, final, rng)
-    return Trace(prepared, base, tuple(named), final, _unexplained(ranking, final), ranking)
+    unexplained = _unexplained(ranking, final)
+    traced = final
+    if sharper_forms is not forms:
+        named, final = _restated(prepared, base, named, traced)
+    return Trace(prepared, base, tuple(named), final, unexplained, ranking, traced)
+
+
+def _sharper(
+    prepared: Prepared, base: Fit, forms: Sequence[Shape], progress: Callable[[str], None]
+) -> tuple[Fit, Sequence[Shape]]:
+    """What to look for effects with: the fit of the sharper law where that is clearly better.
+
+    What a law cannot copy stays in its residual and passes for an effect. Generalized Maxwell-slip
+    drops as its elements let go one after the other, which no parameters of the integrated law do.
+    """
+    other = forms_of(_SHARPER)
+    if forms[0].variables == other[0].variables:
+        return base, forms
+    progress("fit: a second law")
+    found = fit(prepared, forms=other)
+    return (found, other) if found.rms < _CLEARLY * base.rms else (base, forms)
+
+
+def _restated(
+    prepared: Prepared, base: Fit, steps: list[Step], traced: Fit
+) -> tuple[list[Step], Fit]:
+    """The same additions, one after the other, to the law that was asked for."""
+    found, current = [], base
+    for step, term in zip(steps, traced.terms, strict=True):
+        current = fit(prepared, (*current.terms, term), start=current.shape)
+        found.append(replace(step, fit=current))
+    return found, current
 
 
 def _grown(
@@ -141,6 +190,7 @@ def _grown(
     steps: list[Step],
     rng: np.random.Generator,
     progress: Callable[[str], None],
+    forms: Sequence[Shape],
 ) -> tuple[Prepared, Fit, list[Step], Ranking]:
     """Add effects until none is justified; the last ranking is that of the final residual."""
     steps = list(steps)
@@ -164,8 +214,8 @@ def _grown(
         # after a large change the old shape may sit in another valley: start from everywhere
         start = current.shape if winner.held_out_gain < _LARGE_GAIN else None
         terms = (*current.terms, winner.candidate.term)
-        refitted = fit(prepared, terms, start=start, forms=BASE_FORMS)
-        prepared, current = resolved(prepared, refitted, BASE_FORMS)
+        refitted = fit(prepared, terms, start=start, forms=forms)
+        prepared, current = resolved(prepared, refitted, forms)
         steps.append(_step(winner, ties, current, ranking, rng))
 
 

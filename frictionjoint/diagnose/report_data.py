@@ -164,7 +164,7 @@ class Report:
             "joint": self.joint,
             "logs": [log.to_dict() for log in self.logs],
             "base": {
-                "law": "integrated",
+                "law": self.laws[0].law,
                 "parameters": {name: x.to_dict() for name, x in self.base.items()},
             },
             "before": {

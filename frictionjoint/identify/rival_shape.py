@@ -154,9 +154,3 @@ def forms_of(law: str) -> tuple[Shape, ...]:
         if rival.law == law:
             return (RivalShape(rival, tuple(_START[name] for name in _VARIABLES[law])),)
     raise ParameterError(f"unknown law {law!r}: known are {', '.join(LAWS)}")
-
-
-# What the loop starts from. Generalized Maxwell-slip has the memory of the integrated law and
-# drops as its elements let go one after the other, which no parameters of the integrated law copy:
-# on plants that do so the better of the two leaves a third to two thirds of the residual.
-BASE_FORMS: tuple[Shape, ...] = (*INTEGRATED, *forms_of("maxwell_slip"))
