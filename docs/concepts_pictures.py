@@ -3,16 +3,15 @@
 Run by mkdocs (gen-files) when the site is built; nothing it writes is committed.
 """
 
-import io
-from collections.abc import Callable
+import sys
 from itertools import pairwise
+from pathlib import Path
 
-import matplotlib
-import mkdocs_gen_files
 import numpy as np
 from numpy.typing import NDArray
 
-matplotlib.use("svg")
+sys.path.insert(0, str(Path(__file__).parent))
+import pictures
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
@@ -24,7 +23,6 @@ from frictionjoint.simulate.stick_slip import JOINT, kuka_model, stick_slip
 
 Array = NDArray[np.float64]
 GREEN, ORANGE, VIOLET = "#1b9e77", "#d95f02", "#7570b3"
-INKS = {"": "#333333", "-dark": "#d0d4d8"}
 # A joint whose loops close to the eye: n large, three segments.
 LAW = FrictionParameters.symmetric(
     Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.8, n=50, knots=((5e-5, 1.0), (2e-4, 2.0), (6e-4, 3.1))
@@ -143,22 +141,5 @@ BOX = {"boxstyle": "round,pad=0.5", "fc": "none", "ec": GREEN, "lw": 1.5}
 ARROW = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.5}
 
 
-def write(name: str, draw: Callable[[], Figure]) -> None:
-    """Draw once for each ink."""
-    for suffix, ink in INKS.items():
-        names = ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color")
-        style = dict.fromkeys(names, ink) | {"axes.titlesize": 11, "svg.hashsalt": name}
-        style |= {"axes.spines.top": False, "axes.spines.right": False}
-        with plt.rc_context(style):
-            figure = draw()
-            for axes in figure.axes:
-                axes.grid(alpha=0.25)
-            text = io.StringIO()
-            figure.savefig(text, format="svg", transparent=True)
-            plt.close(figure)
-        with mkdocs_gen_files.open(f"img/concepts/{name}{suffix}.svg", "w") as file:
-            file.write(text.getvalue())
-
-
 for drawing in (transition, memory, stribeck, loop):
-    write(drawing.__name__, drawing)
+    pictures.write(f"img/concepts/{drawing.__name__}", drawing)

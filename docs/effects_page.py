@@ -3,14 +3,17 @@
 Run by mkdocs (gen-files) when the site is built; nothing it writes is committed.
 """
 
-import io
+import sys
+from functools import partial
+from pathlib import Path
 
-import matplotlib
 import mkdocs_gen_files
 import numpy as np
 
-matplotlib.use("svg")
+sys.path.insert(0, str(Path(__file__).parent))
+import pictures
 from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects import signals as s
@@ -47,20 +50,16 @@ def torque(effect: Effect, rows: Array) -> Array:
     return np.array([effect_torque(effect.effect_id, P, 0, row, X, 0) for row in rows])
 
 
-def picture(effect: Effect, rows: Array) -> str:
-    """The torque against position, velocity and time, as SVG."""
+def picture(effect: Effect, rows: Array) -> Figure:
+    """The torque against position, velocity and time."""
     figure, axes = plt.subplots(1, 3, figsize=(9, 2.4), sharey=True, layout="constrained")
     values = torque(effect, rows)
     labels = {s.Q: "position", s.V: "velocity", s.TIME: "time"}
     for axis, (column, label) in zip(axes, labels.items(), strict=True):
-        axis.plot(rows[:, column], values, lw=1)
+        axis.plot(rows[:, column], values, lw=1.2, color="#1b9e77")
         axis.set_xlabel(label)
-        axis.grid(alpha=0.3)
     axes[0].set_ylabel("torque, coefficients one")
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
-    plt.close(figure)
-    return text.getvalue()
+    return figure
 
 
 def main() -> None:
@@ -73,14 +72,13 @@ def main() -> None:
         "shape, not size. T stands for N m or N, x for rad or m.\n",
     ]
     for effect in CATALOGUE:
-        name = f"img/effects/{effect.effect_id}.svg"
-        with mkdocs_gen_files.open(name, "w") as file:
-            file.write(picture(effect, rows))
+        name = f"img/effects/{effect.effect_id}"
+        pictures.write(name, partial(picture, effect, rows))
         units = [f"{c} ({u})" for c, u in zip(effect.coefficients, effect.units, strict=True)]
         units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
         lines += [
             f"## {effect.name}: {effect.cause}\n",
-            f"![Torque of {effect.name}]({name})\n",
+            pictures.shown(name, f"Torque of {effect.name}"),
             f"* Form: `{effect.form}`; {effect.entry}",
             f"* Numbers: {', '.join(units)}",
             f"* Signature: {effect.signature}",
