@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from frictionjoint.parameters import FrictionParameters
     from frictionjoint.simulate.attach import attach
     from frictionjoint.simulate.carrier import install, load_model
+    from frictionjoint.simulate.remembered import remembered
     from frictionjoint.simulate.warp import attach_warp
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
@@ -18,6 +19,7 @@ _HOMES = {
     "attach_warp": "frictionjoint.simulate.warp",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
+    "remembered": "frictionjoint.simulate.remembered",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
@@ -30,6 +32,7 @@ __all__ = [
     "friction_torque",
     "install",
     "load_model",
+    "remembered",
 ]
 
 

@@ -1,8 +1,12 @@
 """Stacks of extrema: start, overflow, and the loss it costs."""
 
+import mujoco
 import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from reference.integrated_solver import reference_torque
 
+import frictionjoint as fj
 from frictionjoint import friction_torque
 from frictionjoint.law import memory as m
 from frictionjoint.law.integrated import start
@@ -78,3 +82,59 @@ def test_ten_thousand_shrinking_reversals_stay_within_the_bound():
     error = np.abs(np.array(torque) - wanted)
     assert (error <= np.array(bound) + 1e-5).all()
     assert error.max() < 0.01 * LAW.Fs_pos  # far below what the bound allows
+
+
+JOINT = """<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody><body>
+<joint name="j"/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+def spiralling_model(reversals):
+    """A joint led along a shrinking spiral; what it remembers after each reversal."""
+    spec = mujoco.MjSpec.from_string(JOINT)
+    fj.install(spec, {"j": LAW})
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    found = []
+    with fj.attach(model):
+        for i in range(reversals):
+            data.time = float(i)
+            data.qpos[0] = 1.4e-5 * 0.97**i * (-1.0) ** i if i else 0.0
+            mujoco.mj_forward(model, data)
+            found.append(fj.remembered(model, data)["j"])
+    return found
+
+
+def test_a_simulated_joint_tells_what_it_remembers_and_what_it_gave_up():
+    found = spiralling_model(100)
+    assert (found[0].minima, found[0].maxima, found[0].forgotten, found[0].error) == (0, 0, 0, 0.0)
+    few, many = found[12], found[-1]
+    # a call commits the one before: the tenth turn is known at the twelfth call
+    assert few.minima + few.maxima == 10
+    assert few.forgotten == 0
+    assert many.forgotten > 0
+    assert 0.0 < many.error <= LAW.Fs_pos + LAW.Fs_neg
+    assert max(many.minima, many.maxima) < m.CAPACITY
+    errors = [x.error for x in found]
+    assert errors == sorted(errors)
+
+
+def test_the_stated_error_is_never_more_than_the_whole_hysteresis():
+    assert spiralling_model(2000)[-1].error <= LAW.Fs_pos + LAW.Fs_neg
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.9, 0.9999), st.integers(30, 400))
+def test_what_is_given_up_costs_less_than_stated(seed, shrink, reversals):
+    """Any spiral in and out again, with some noise: within the bound of the full memory."""
+    rng = np.random.default_rng(seed)
+    turns = 1.4e-5 * shrink ** np.arange(reversals) * (-1.0) ** np.arange(reversals)
+    turns *= rng.uniform(0.9, 1.0, reversals)
+    q = np.concatenate(([0.0], turns, -turns[::-1]))
+    P = LAW.pack()
+    X = np.zeros(row_size(P, 0))
+    start_row(P, 0, X, 0)
+    wanted, _ = reference_torque(LAW, np.arange(len(q)) * 1.0, q)
+    for dq, F in zip(np.diff(q), wanted[1:], strict=True):
+        got = step_row(P, 0, X, 0, dq, 1.0, dq)
+        commit(P, 0, X, 0)
+        assert abs(got - F) <= X[m.BOUND] + 1e-5

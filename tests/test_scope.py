@@ -14,6 +14,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
+from frictionjoint.rivals import DahlParameters
 from frictionjoint.simulate.scope import SLIP_COLOUR, STICK_COLOUR, Scope
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 
@@ -196,3 +197,12 @@ def test_a_real_window_opens_runs_and_closes():
         timeout=120,
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_another_law_is_refused_in_one_line():
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    fj.install(spec, {"j": DahlParameters.symmetric(Fc=1.0, sigma0=1e3)})
+    with pytest.raises(ModelError, match="has the law dahl: only integrated"):
+        Scope(spec.compile(), "j")

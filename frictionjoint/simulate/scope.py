@@ -12,6 +12,7 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
+from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.carrier import ROW, read_friction, resolve
 from frictionjoint.simulate.row import FRONT, TORQUE
 
@@ -50,7 +51,7 @@ class Scope:
         joint: a joint that carries friction.
         seconds: how far back the figures reach.
     Raises:
-        ModelError: the joint carries no friction.
+        ModelError: the joint carries no friction, or another law than the integrated one.
     """
 
     def __init__(self, model: mujoco.MjModel, joint: str, seconds: float = 5.0) -> None:
@@ -63,7 +64,10 @@ class Scope:
         self._id = model.joint(joint).id
         self._q, self._v = int(model.jnt_qposadr[self._id]), int(model.jnt_dofadr[self._id])
         self._row = int(model.numeric_data[resolve(model)[joint] + ROW])
-        parameters = carried[joint].parameters.to_dict()
+        law = carried[joint].parameters
+        if not isinstance(law, FrictionParameters):
+            raise ModelError(f"joint {joint!r} has the law {law.law}: only integrated is drawn")
+        parameters = law.to_dict()
         # the loop is looked at through a window as wide as presliding reaches
         self._window = float(parameters["knots"][-1][0])
         self._resting = _RESTING * min(float(parameters[f"Vs_{side}"]) for side in ("pos", "neg"))
