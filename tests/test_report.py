@@ -133,6 +133,13 @@ def test_the_sentence_owns_up(found, nothing):
     assert "depends on velocity of 'arm'" in sentence(missed)
 
 
+def test_a_slide_has_newtons_and_metres(found):
+    page = render(replace(found, slide=True), COMMAND)
+    assert "velocity, m\\u002fs" in page or "velocity, m/s" in page
+    assert "torque after, N</td>" in page
+    assert "position after, m</td>" in page
+
+
 def test_several_effects_are_listed_without_their_causes(found):
     two = replace(found, added=(found.added[0], replace(found.added[0], effect="spring")))
     text = sentence(two)
