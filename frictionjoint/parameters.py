@@ -44,14 +44,15 @@ class FrictionParameters:
     """Parameters of the integrated friction model (Ganseman et al. 1997), one joint.
 
     Torques are magnitudes in N m, also those of the negative direction (the paper writes Fs-,
-    Fc- with a negative sign). For a slide joint read N for N m and m for rad.
+    Fc- with a negative sign). Each field in _pos, for positive motion, has its twin in _neg. For a
+    slide joint read N for N m and m for rad.
 
     Attributes:
-        Fs_pos, Fs_neg: breakaway (static) torque, N m, > 0.
-        Fc_pos, Fc_neg: Coulomb torque, N m, 0 < Fc <= Fs.
-        Vs_pos, Vs_neg: Stribeck velocity, rad/s, > 0.
-        delta_pos, delta_neg: Stribeck exponent, 0 < delta <= 10.
-        sigma2_pos, sigma2_neg: viscous coefficient, N m s/rad, >= 0.
+        Fs_pos: breakaway (static) torque, N m, > 0.
+        Fc_pos: Coulomb torque, N m, 0 < Fc <= Fs.
+        Vs_pos: Stribeck velocity, rad/s, > 0.
+        delta_pos: Stribeck exponent, 0 < delta <= 10.
+        sigma2_pos: viscous coefficient, N m s/rad, >= 0.
         sigma1: presliding damping, N m s/rad, >= 0.
         n: exponent of the transition to sliding, 1 <= n <= 1000.
         knots: ((z, F), ...) of the transition curve Fd for z > 0, rad and N m; it starts in

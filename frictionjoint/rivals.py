@@ -143,8 +143,9 @@ class _Stribeck(_Rival):
 class StaticParameters(_Stribeck):
     """Coulomb, Stribeck and viscous torque as a function of velocity (see ``law.static``).
 
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
     Attributes:
-        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
         V0: rad/s, > 0; below this speed the torque falls linearly to zero.
     """
 
@@ -175,8 +176,9 @@ class StaticParameters(_Stribeck):
 class ArmstrongParameters(_Stribeck):
     """Linear presliding spring with breakaway, Armstrong-Helouvry (1991), ``law.armstrong``.
 
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
     Attributes:
-        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
         sigma0: stiffness before breakaway, N m/rad, > 0.
     """
 
@@ -208,8 +210,8 @@ class DahlParameters(_Rival):
     """Dahl's law (1968), ``law.dahl``.
 
     Attributes:
-        Fc_pos, Fc_neg: Coulomb torque, N m, > 0.
-        sigma2_pos, sigma2_neg: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report).
+        Fc_pos: Coulomb torque, N m, > 0; Fc_neg for negative motion.
+        sigma2_pos: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report), with its twin.
         sigma0: stiffness at zero torque, N m/rad, > 0.
         i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
     """
@@ -256,8 +258,9 @@ class DahlParameters(_Rival):
 class LuGreParameters(_Stribeck):
     """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
 
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
     Attributes:
-        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
         sigma0: bristle stiffness, N m/rad, > 0.
         sigma1: bristle damping, N m s/rad, >= 0.
     """
@@ -291,8 +294,9 @@ class LuGreParameters(_Stribeck):
 class ElastoplasticParameters(_Stribeck):
     """Elasto-plastic friction (Dupont et al. 2002), ``law.elastoplastic``.
 
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
     Attributes:
-        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
         sigma0: bristle stiffness, N m/rad, > 0.
         sigma1: bristle damping, N m s/rad, >= 0.
         breakaway: torque up to which the contact is elastic over Fc, 0 <= breakaway <= 0.99;
@@ -330,8 +334,9 @@ class ElastoplasticParameters(_Stribeck):
 class MaxwellSlipParameters(_Stribeck):
     """Generalized Maxwell-slip (Al-Bender, Lampaert and Swevers 2005), ``law.maxwell_slip``.
 
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
     Attributes:
-        Fs, Fc, Vs, delta, sigma2 (_pos, _neg): as in `FrictionParameters`.
         elements: ((k, share), ...), 1 to 16 elements; k in N m/rad, > 0, shares of the level S,
             > 0, that sum to 1.
         C: attraction to the Stribeck curve, N m/s, > 0.

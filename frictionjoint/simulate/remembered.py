@@ -15,7 +15,8 @@ class Remembered:
     """Memory of one joint.
 
     Attributes:
-        minima, maxima: extrema on each stack inside the limits.
+        minima: number of extrema on the stack m, its limit not counted.
+        maxima: the same on M.
         forgotten: pairs of extrema given up for want of room since the joint began to move.
         error: N m; the hysteresis torque is at most this far from that of stacks without end: the
             sum of the gaps that the given-up pairs left, and never more than Fs_pos + Fs_neg.
