@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from frictionjoint.cli.terminal import show_report
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -92,6 +93,14 @@ def test_what_a_log_is_called_cannot_become_markup(found):
     page = render(replace(found, logs=(log, *found.logs[1:])), "<b>x</b>")
     assert "<script>alert" not in page
     assert "<b>x</b>" not in page
+
+
+def test_the_terminal_tells_the_same(found, capsys):
+    show_report(replace(found, notes=("a thing [to] know",), proposals=("record this",)))
+    told = capsys.readouterr().out
+    assert wording.interval(found.torque_interval[1]) in told
+    assert sentence(found) in told
+    assert "* a thing [to] know\n* record this\n" in told
 
 
 def test_notes_are_shown(found):

@@ -42,14 +42,15 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 def show_report(report: "Report") -> None:
-    """Errors before and after, what was added and why, the verdict."""
-    from frictionjoint.report.wording import sentence
+    """Errors before and after, what was added and why, the verdict, what to record next."""
+    from frictionjoint.report.wording import interval, sentence, units
 
-    unit = "N" if report.slide else "N m"
-    table = Table("torque rms", "fitted logs", "held out")
-    for name, rms in (("before", report.before_torque), ("after", report.after_torque)):
+    unit, _ = units(report)
+    table = Table("torque rms", "fitted logs", "held out", "95% interval")
+    stages = (("before", report.before_torque), ("after", report.after_torque))
+    for (name, rms), pair in zip(stages, report.torque_interval, strict=True):
         cells = ["-" if x is None else f"{x:.4g} {unit}" for x in (rms.fit, rms.held_out)]
-        table.add_row(name, *cells)
+        table.add_row(name, *cells, interval(pair))
     out = console()
     out.print(table)
     for added in report.added:
@@ -59,6 +60,8 @@ def show_report(report: "Report") -> None:
             f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
         )
     out.print(sentence(report), soft_wrap=True)
+    for text in (*report.notes, *report.proposals):
+        out.print(f"* {text}", soft_wrap=True, markup=False)
 
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
