@@ -127,7 +127,7 @@ def verdict(name: str | None, source: str) -> str:
             *files,
         ]
         try:
-            done = subprocess.run(command, env=env, cwd=folder, capture_output=True, timeout=60)
+            done = subprocess.run(command, env=env, cwd=folder, capture_output=True, timeout=300)
         except subprocess.TimeoutExpired:
             return "killed (hangs)"
     if done.returncode not in (0, 1, 2):
