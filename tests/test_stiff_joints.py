@@ -80,3 +80,77 @@ def test_free_motion_gains_no_energy(ratio):
 def test_a_minute_at_rest_ends_where_it_settled():
     t, q, _ = run(joint(3.0), lambda t, q: 0.5 * FS * min(1, t / 2.0), 60.0)
     assert abs(q[-1] - q[np.searchsorted(t, 3.0)]) < 1e-9
+
+
+def arm(ratio, h=1e-3, contact=False):
+    """Seven coupled hinges, h sqrt(K/J) as given at each; J is what the free arm has there."""
+    parts, ends = "", ""
+    for i in range(7):
+        parts += (
+            f'<body pos="0 0 {0.2 if i else 0}"><joint name="j{i}" armature="0.005" '
+            f'axis="{("0 0 1", "0 1 0", "1 0 0")[i % 3]}"/><geom type="capsule" mass="1.5" '
+            'fromto="0 0 0 0 0 0.2" size="0.03" contype="0" conaffinity="0"/>'
+        )
+        ends += "</body>"
+    parts += '<geom type="sphere" pos="0 0 0.2" size="0.03" mass="0.2"/>'
+    text = f'<mujoco><option timestep="{h}" gravity="0 0 0"/><worldbody>{parts}{ends}'
+    posture = np.linspace(0.0, 0.6, 7)
+    free = mujoco.MjModel.from_xml_string(text + "</worldbody></mujoco>")
+    data = mujoco.MjData(free)
+    data.qpos[:] = posture
+    mujoco.mj_forward(free, data)
+    M = np.zeros((7, 7))
+    mujoco.mj_fullM(free, data, M)
+    if contact:
+        floor = data.geom_xpos[-1, 2] - 0.0299
+        text += f'<geom type="plane" size="5 5 0.1" pos="0 0 {floor}"/>'
+    spec = mujoco.MjSpec.from_string(text + "</worldbody></mujoco>")
+    laws = {}
+    for i, J in enumerate(1.0 / np.diag(np.linalg.inv(M))):
+        z = 10.0 / ((ratio / h) ** 2 * J)
+        knots = ((z, 10.0), (4 * z, 20.0), (10 * z, 22.0))
+        laws[f"j{i}"] = fj.FrictionParameters.symmetric(
+            Fs=10.0, Fc=7.0, Vs=0.05, sigma2=0.1, n=4.0, knots=knots
+        )
+    fj.install(spec, laws)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = posture
+    return model, data
+
+
+def held(model, data, backend="native", seconds=3.0):
+    """rms velocity and creep in the last second under half the breakaway torque at every joint."""
+    squares, start, touching = [], None, 0
+    with fj.attach(model, backend):
+        while data.time < seconds:
+            data.qfrc_applied[:] = 5.0 * min(1.0, 2 * data.time) * (-1.0) ** np.arange(7)
+            mujoco.mj_step(model, data)
+            if data.time > seconds - 1.0:
+                start = data.qpos.copy() if start is None else start
+                squares.append(np.mean(data.qvel**2))
+                touching += data.ncon
+    return np.mean(squares) ** 0.5, np.abs(data.qpos - start).max(), touching
+
+
+@pytest.mark.parametrize("ratio", [1, 3, 8])
+def test_an_arm_of_coupled_stiff_joints_holds_its_load(ratio):
+    rms, creep, _ = held(*arm(ratio))
+    assert rms < 1e-8
+    assert creep < 1e-8
+
+
+def test_an_arm_holds_in_contact():
+    rms, creep, touching = held(*arm(3, contact=True))
+    assert touching > 0
+    assert rms < 1e-6
+    assert creep < 1e-6
+
+
+def test_both_backends_settle_an_arm_alike():
+    ends = []
+    for backend in ("native", "python"):
+        model, data = arm(3)
+        held(model, data, backend, 1.1)
+        ends.append(data.qpos.copy())
+    np.testing.assert_allclose(*ends, atol=1e-12)

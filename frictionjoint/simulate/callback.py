@@ -39,6 +39,7 @@ from frictionjoint.simulate.row import (
     V_COMMITTED,
     evaluate,
 )
+from frictionjoint.simulate.together import between, is_stiff, settle
 
 # its four evaluations a step are no steps of their own
 RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
@@ -71,6 +72,14 @@ _mj_rne = cast(
     "Callable[[ctypes.c_void_p, ctypes.c_void_p, int, ctypes.c_void_p], None]",
     types.ExternalFunction(
         "mj_rne", types.void(types.voidptr, types.voidptr, types.int32, types.voidptr)
+    ),
+)
+
+_mj_solve_m = cast(
+    "Callable[[ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, int], None]",
+    types.ExternalFunction(
+        "mj_solveM",
+        types.void(types.voidptr, types.voidptr, types.voidptr, types.voidptr, types.int32),
     ),
 )
 
@@ -126,6 +135,7 @@ def build_native() -> Any:
     at_step, at_integrator = model_at["timestep"] // 8, model_at["integrator"] // 4
     at_body, at_axis = model_at["jnt_bodyid"] // 8, model_at["jnt_axis"] // 8
     at_rowadr, at_rownnz = model_at["M_rowadr"] // 8, model_at["M_rownnz"] // 8
+    at_weight = model_at["dof_invweight0"] // 8
     at_time, at_qpos, at_qvel = (data_at[k] // 8 for k in ("time", "qpos", "qvel"))
     at_passive, at_user = data_at["qfrc_passive"] // 8, data_at["userdata"] // 8
     at_mass, at_xmat, at_xaxis = (data_at[k] // 8 for k in ("M", "xmat", "xaxis"))
@@ -194,9 +204,8 @@ def build_native() -> Any:
         if carray(m, (1,), np.int32)[at_integrator] == RK4:
             h = 0.0
         nv = model[at_nv]
-        rowadr = carray(_pointer(model[at_rowadr]), (nv,), np.int32)
-        rownnz = carray(_pointer(model[at_rownnz]), (nv,), np.int32)
-        mass = carray(_pointer(data[at_mass]), (1,), np.float64)
+        weights = carray(_pointer(model[at_weight]), (nv,), np.float64)
+        stiff = 0
         for i in range(n):
             block = address[i]
             if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
@@ -206,11 +215,32 @@ def build_native() -> Any:
             dof = int(P[block + DOF])
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
-            J = mass[rowadr[dof] + rownnz[dof] - 1]
-            F = evaluate(P, block + HEAD, effects, X, x, t, q, v, h, J)
+            F = evaluate(P, block + HEAD, effects, X, x, t, q, v, 0.0, 0.0)
             if P[effects] > 0.0:
                 F += with_effects(m, d, P, block, X, x, t, q, v, F)
             passive[dof] -= F
+            if F != F:
+                return  # gone astray: MuJoCo resets the whole state
+            if is_stiff(P, block + HEAD, X, x, h, weights[dof]):
+                stiff += 1
+        if stiff == 0:
+            return
+        blocks = np.empty(stiff, np.int64)
+        units, columns = np.zeros((stiff, nv)), np.zeros((stiff, nv))
+        k = 0
+        for i in range(n):
+            block = address[i]
+            if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
+                continue
+            dof = int(P[block + DOF])
+            if is_stiff(P, block + HEAD, X, int(P[block + ROW]), h, weights[dof]):
+                blocks[k] = block
+                units[k, dof] = 1.0
+                k += 1
+        _mj_solve_m(m, d, _pointer(columns.ctypes.data), _pointer(units.ctypes.data), stiff)
+        more = settle(P, blocks, X, h, between(P, blocks, columns))
+        for i in range(stiff):
+            passive[int(P[blocks[i] + DOF])] -= more[i]
 
     return native
 
@@ -259,6 +289,8 @@ def unit_gravity(
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The same callback in Python: slower, but every line can be stepped through."""
     P, X = model.numeric_data, data.userdata
+    h = 0.0 if model.opt.integrator == RK4 else model.opt.timestep
+    stiff: list[int] = []
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
         if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
@@ -267,8 +299,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
         last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
-        h = 0.0 if model.opt.integrator == RK4 else model.opt.timestep
-        F = evaluate(P, block + HEAD, effects, X, x, t, q, v, h, data.M[last])
+        F = evaluate(P, block + HEAD, effects, X, x, t, q, v, 0.0, 0.0)
         if P[effects] > 0.0:
             bias = np.zeros(model.nv)
             mujoco.mj_rne(model, data, 0, bias)
@@ -279,6 +310,18 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 P, block + HEAD, effects, X, x, t, q, v, F, bias[dof], data.M[last], gx, gy
             )
         data.qfrc_passive[dof] -= F
+        if F != F:
+            return
+        if is_stiff(P, block + HEAD, X, x, h, model.dof_invweight0[dof]):
+            stiff.append(block)
+    if not stiff:
+        return
+    dofs = [int(P[block + DOF]) for block in stiff]
+    units, columns = np.zeros((len(dofs), model.nv)), np.zeros((len(dofs), model.nv))
+    units[np.arange(len(dofs)), dofs] = 1.0
+    mujoco.mj_solveM(model, data, columns, units)
+    blocks = np.array(stiff, dtype=np.int64)
+    data.qfrc_passive[dofs] -= settle(P, blocks, X, h, between(P, blocks, columns))
 
 
 Callback = Callable[[mujoco.MjModel, mujoco.MjData], None]

@@ -36,6 +36,7 @@ MODEL_FIELDS = (
     "jnt_axis",
     "M_rowadr",
     "M_rownnz",
+    "dof_invweight0",
 )
 DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis")
 
