@@ -33,6 +33,7 @@ from frictionjoint.simulate.warp_source import translate  # noqa: E402
 
 STIFF = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 SOFT = ((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2))
+INERTIA, STEP = 0.01, 1e-3
 EPS = 2.0**-24  # half a unit in the last place of a single float, relative
 ARM = """
 <mujoco>
@@ -280,25 +281,72 @@ def test_an_arm_moves_as_with_the_native_callback(integrator):
     np.testing.assert_allclose(here, there, rtol=0, atol=1e-5)
 
 
-def test_a_stiff_joint_is_held():
-    """h sqrt(K/J) is 3: left alone, the joint would chatter."""
-    J, h = 0.01, 1e-3
-    K = J * (3.0 / h) ** 2
+def hinge(ratio: float) -> mujoco.MjModel:
+    """One hinge whose h sqrt(K/J) is `ratio`."""
+    K = INERTIA * (ratio / STEP) ** 2
     spec = mujoco.MjSpec.from_string(
-        f'<mujoco><option timestep="{h}" gravity="0 0 0" integrator="implicitfast"/><worldbody>'
-        f'<body><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="{J} {J} {J}"/></body>'
-        "</worldbody></mujoco>"
+        f'<mujoco><option timestep="{STEP}" gravity="0 0 0" integrator="implicitfast"/><worldbody>'
+        '<body><joint name="j"/><inertial pos="0 0 0" mass="1" '
+        f'diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body></worldbody></mujoco>'
     )
     knots = ((1.5 / K, 1.5), (6.0 / K, 3.0))
     fj.install(spec, {"j": friction(n=4.0, virgin="masing", sigma1=0.0, knots=knots)})
-    mjm = spec.compile()
+    return spec.compile()
+
+
+def held(mjm: mujoco.MjModel, start: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Half of the breakaway torque put on and held: q and v natively and here, (steps, 2) each."""
     m, d = worlds(mjm, 1)
-    with attach_warp(m, d, mjm):
-        track = np.array([step(m, d, [[0.75 * min(1.0, k / 500)]])[0] for k in range(1500)])
-    q, v = track[700:].T
+    data = mujoco.MjData(mjm)
+    data.qpos[:] = start
+    d.qpos.fill_(start)
+    there, here = [], []
+    with fj.attach(mjm), attach_warp(m, d, mjm):
+        for k in range(steps):
+            torque = np.float32(0.75 * min(1.0, k / 300))
+            data.qfrc_applied[:] = torque
+            mujoco.mj_step(mjm, data)
+            there.append([data.qpos[0], data.qvel[0]])
+            here.append(step(m, d, [[torque]])[0])
+    return np.array(there), np.array(here)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 8.0])
+def test_a_stiff_joint_is_held(ratio):
+    _, here = held(hinge(ratio), 0.0, 900)
+    q, v = here[400:].T
     # single floats: a torque rounded by EPS moves the joint by h/J times that in a step
-    assert np.abs(v).max() < 4 * h / J * EPS * 0.75
+    assert np.abs(v).max() < 4 * STEP / INERTIA * EPS * 0.75
     assert np.ptp(q) < 1e-9
+
+
+def test_a_joint_far_from_zero_is_held_as_quietly_as_at_zero():
+    """A float at 3 rad is off by 1.2e-7 rad; taken at its word, friction jumps by K times that."""
+    mjm = hinge(0.4)
+    there, here = held(mjm, 3.0, 900)
+    quiet = np.sqrt(np.mean(there[700:, 1] ** 2))
+    jump = INERTIA * (0.4 / STEP) ** 2 * EPS * 2.0
+    assert quiet < 0.1 * jump * STEP / INERTIA
+    assert np.sqrt(np.mean(here[700:, 1] ** 2)) < 0.1 * jump * STEP / INERTIA
+    assert np.abs(here[:, 0] - there[:, 0]).max() < EPS * 3.0 / warp_kernel.PULL
+
+
+def test_the_place_friction_counts_does_not_part_from_the_one_shown():
+    """A speed of 0.6 of a float's spacing a step is shown as a whole one, always the same way."""
+    mjm = hinge(0.4)
+    m, d = worlds(mjm, 1)
+    spacing = float(np.spacing(np.float32(3.0)))
+    d.qpos.fill_(3.0)
+    mjw.forward(m, d)  # for the inertia
+    with attach_warp(m, d, mjm) as friction:
+        for k in range(2000):
+            d.time.fill_(STEP * k)
+            d.qpos.fill_(3.0 + k * spacing)
+            d.qvel.fill_(0.6 * spacing / STEP)
+            m.callback.passive(m, d)
+        place = friction.state.numpy()[0, warp_kernel.PLACE]
+    apart = abs(place - d.qpos.numpy()[0, 0])
+    assert 10 * spacing < apart < 0.5 * spacing / warp_kernel.PULL
 
 
 EFFECTS = {
@@ -416,6 +464,11 @@ def test_a_world_gone_astray_neither_hangs_nor_spreads():
             got = step(m, d, [load(1e-3 * k)] * 3)
         assert np.isnan(friction.torque().numpy()[[0, 2], [0, 1]]).all()
         np.testing.assert_array_equal(got[1], run(mjm, 60)[-1, 0])
+        good = step(m, d, [load(0.06)] * 3)[1]
+        d.qpos.assign(np.tile(good[:2], (3, 1)))
+        d.qvel.assign(np.tile(good[2:], (3, 1)))
+        m.callback.passive(m, d)
+        assert np.isfinite(friction.torque().numpy()).all()
         mjw.reset_data(m, d)
         again = [step(m, d, [load(1e-3 * k)] * 3) for k in range(20)]
     np.testing.assert_array_equal(np.array(again)[:, 0], run(mjm, 20)[:, 0])

@@ -28,7 +28,7 @@ STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE
 TORQUE_COMMITTED = 8
 FRONT = 9
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
-_ASTRAY = 1e10
+ASTRAY = 1e10
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -65,7 +65,7 @@ def evaluate(
     torque of the step's end, see ``law.ahead``; h = 0 asks for the torque here and now. A state
     gone astray has no torque: NaN.
     """
-    if not (abs(q) <= _ASTRAY and abs(v) <= _ASTRAY):
+    if not (abs(q) <= ASTRAY and abs(v) <= ASTRAY):
         # the law's search for events would not end; what is remembered stays as it is
         return np.nan
     law = x + FRONT

@@ -4,9 +4,14 @@ It does what the native callback does (`frictionjoint.simulate.callback`), with 
 the same source, on rows of state that live in a warp array instead of ``mjData.userdata``. The law
 is computed in doubles; mujoco_warp hands it position, velocity, inertia and time as single floats.
 
-Time needs care: a float clock that counts milliseconds is off by several percent of a step after
-some minutes, and the law divides by the step. So each row keeps a clock in doubles, `CLOCK`, that
-advances by whole steps wherever the float clock agrees with whole steps to its own rounding.
+Time and position need care. A float clock that counts milliseconds is off by several percent of a
+step after some minutes, and the law divides by the step. A float position of a radian is off by
+6e-8 rad, and presliding stiffness turns that into a torque that keeps a joint at rest trembling. So
+each row keeps both in doubles. `CLOCK` advances by whole steps wherever the float clock agrees with
+whole steps to its own rounding. `PLACE` advances by velocity times step, as the integrators do
+before they round, wherever the position shown agrees with that to its own rounding. Left to itself
+it would part from the position shown, and what friction holds would drift: one way in steps too
+small to show, back in larger ones. So while the position shown moves, `PLACE` is pulled to it.
 """
 
 # The annotations of kernels are warp's types, not Python's:
@@ -18,13 +23,16 @@ from typing import Any
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.callback import effects_torque, unit_gravity
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.row import STARTED, evaluate
+from frictionjoint.simulate.row import ASTRAY, STARTED, evaluate
 from frictionjoint.simulate.warp_source import translate
 
-# a row of state: the time mujoco_warp showed last, our clock then, and the row of `simulate.row`
-SHOWN, CLOCK, FRONT = range(3)
-# of two times in single precision, relative
+# a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
+# the row of `simulate.row`
+TIME_SHOWN, CLOCK, PLACE_SHOWN, PLACE, FRONT = range(5)
+# of the difference of two numbers in single precision, relative to them
 ROUNDING = 2.0**-22
+# of its way back to the position shown that our place goes in a step in which that moves
+PULL = 0.01
 
 
 @functools.lru_cache(maxsize=8)
@@ -50,21 +58,28 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
 
     @wp.func
-    def clock(X: Any, x: Any, shown: Any, h: Any):
-        """Our clock at the time shown; writes it down."""
-        last = X[x + SHOWN]
-        now = shown
-        if shown < last:
+    def follow(X: Any, x: Any, t: Any, q: Any, v: Any, h: Any):
+        """Our clock and place at the time and position shown; writes them down."""
+        step = t - X[x + TIME_SHOWN]
+        way = q - X[x + PLACE_SHOWN]
+        if step < double(0.0):
             X[x + FRONT + STARTED] = double(0.0)
-        elif X[x + FRONT + STARTED] != double(0.0):
-            step = shown - last
+        if X[x + FRONT + STARTED] == double(0.0):
+            X[x + CLOCK] = t
+            X[x + PLACE] = q
+        else:
             steps = wp.rint(step / h)
-            if steps > double(0.0) and wp.abs(step - steps * h) <= double(ROUNDING) * shown:
+            if steps > double(0.0) and wp.abs(step - steps * h) <= double(ROUNDING) * t:
                 step = steps * h
-            now = X[x + CLOCK] + step
-        X[x + SHOWN] = shown
-        X[x + CLOCK] = now
-        return now
+            moved = q != X[x + PLACE_SHOWN]
+            if steps == double(1.0) and wp.abs(way - h * v) <= double(ROUNDING) * wp.abs(q):
+                way = h * v
+            X[x + CLOCK] = X[x + CLOCK] + step
+            X[x + PLACE] = X[x + PLACE] + way
+            if moved:
+                X[x + PLACE] = X[x + PLACE] + double(PULL) * (q - X[x + PLACE])
+        X[x + TIME_SHOWN] = t
+        X[x + PLACE_SHOWN] = q
 
     @wp.kernel(enable_backward=False, module="unique")
     def friction(
@@ -95,13 +110,18 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         x = rows[k]
         dof = int(P[block + DOF])
         h = double(timestep[world % timestep.shape[0]])
-        t = clock(X, x, double(time[world]), h)
         q = double(qpos[world, int(P[block + QPOS])])
         v = double(qvel[world, dof])
+        place = q
+        # a state gone astray would spoil the clock and the place for ever
+        if wp.abs(q) <= double(ASTRAY) and wp.abs(v) <= double(ASTRAY):
+            follow(X, x, double(time[world]), q, v, h)
+            place = X[x + PLACE]
+        t = X[x + CLOCK]
         J = double(mass[world, rowadr[dof] + rownnz[dof] - 1])
         law = block + HEAD
         effects = block + int(P[block + EFFECTS])
-        F = joint_torque(P, law, effects, X, x + FRONT, t, q, v, h, J)
+        F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h, J)
         if wp.static(with_effects):  # noqa: SIM102 - one test is for the compiler
             if P[effects] > double(0.0):
                 joint = int(P[block + JOINT])
