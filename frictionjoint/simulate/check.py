@@ -26,7 +26,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
         remark = "suits the time step"
         if ratio > _LARGEST_STEP_RATIO:
             longest = model.opt.timestep * _LARGEST_STEP_RATIO / ratio
-            remark = f"stiff for this step: use timestep <= {longest:.2g} s"
+            remark = f"stiff: held, and presliding resolved at timestep <= {longest:.2g} s"
         if model.dof_frictionloss[dof] > 0.0:
             remark += "; native frictionloss acts too"
         rows.append(
