@@ -7,9 +7,9 @@ import pytest
 from numba import njit
 
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.callback import effects_torque, unit_gravity
 from frictionjoint.simulate.row import evaluate
 from frictionjoint.simulate.warp_source import source
+from frictionjoint.simulate.with_effects import effects_torque, unit_gravity
 
 
 def functions(text: str) -> dict[str, ast.FunctionDef]:

@@ -10,10 +10,8 @@ v = v- and F = f, so a held load is held exactly; nothing creeps. In a single jo
 and the step is the implicit Euler step of the joint with its friction.
 """
 
-import numpy as np
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.kernel import commit, row_size, step_row
 
 # (h**2 K + h sigma1) / J from which on the explicit torque is left: half of where it oscillates
@@ -21,39 +19,39 @@ STIFF = 0.25
 _MOST = 60
 
 
-@njit(cache=True)
+@compiled
 def _miss(
+    P: Vector, p: int, S: Vector, s: int, h: float, f: float, J: float, v: float, end: float
+) -> tuple[float, float]:
+    """How far a guess of the velocity at the end misses, and the torque there."""
+    F = step_row(P, p, S, s, h * end, h, end)
+    return end - v - h * (f - F) / J, F
+
+
+@compiled
+def torque_ahead(
     P: Vector,
     p: int,
     X: Vector,
     x: int,
     S: Vector,
+    s: int,
     h: float,
     f: float,
     J: float,
     v: float,
-    end: float,
-) -> tuple[float, float]:
-    """How far a guess of the velocity at the end misses, and the torque there."""
-    for i in range(row_size(P, p)):
-        S[i] = X[x + i]
-    commit(P, p, S, 0)
-    F = step_row(P, p, S, 0, h * end, h, end)
-    return end - v - h * (f - F) / J, F
-
-
-@njit(cache=True)
-def torque_ahead(
-    P: Vector, p: int, X: Vector, x: int, h: float, f: float, J: float, v: float
 ) -> float:
     """Torque at the end of a step that begins at the evaluated point of the law's row X[x:].
 
     Args:
-        h: s, the step. f: N m, all other torque. J: kg m^2. v: rad/s at the step's beginning.
+        S, s: room for a row, to try in. h: s, the step. f: N m, all other torque. J: kg m^2.
+        v: rad/s at the step's beginning.
     """
-    S = np.empty(row_size(P, p))
+    for i in range(row_size(P, p)):
+        S[s + i] = X[x + i]
+    commit(P, p, S, s)
     low = high = v
-    at_low, F = _miss(P, p, X, x, S, h, f, J, v, v)
+    at_low, F = _miss(P, p, S, s, h, f, J, v, v)
     at_high = at_low
     reach = abs(at_low)
     # the torque rises with the way gone, but for the Stribeck effect: mostly one reach is enough
@@ -62,17 +60,17 @@ def torque_ahead(
             break
         if at_low > 0.0:
             low -= reach
-            at_low, F = _miss(P, p, X, x, S, h, f, J, v, low)
+            at_low, F = _miss(P, p, S, s, h, f, J, v, low)
         else:
             high += reach
-            at_high, F = _miss(P, p, X, x, S, h, f, J, v, high)
+            at_high, F = _miss(P, p, S, s, h, f, J, v, high)
         reach *= 2.0
     side = 0
     for _ in range(_MOST):  # Illinois variant of false position
         if at_low == at_high:
             break
         end = (low * at_high - high * at_low) / (at_high - at_low)
-        miss, F = _miss(P, p, X, x, S, h, f, J, v, end)
+        miss, F = _miss(P, p, S, s, h, f, J, v, end)
         if abs(miss) <= 1e-15 + 1e-12 * abs(v) or high - low < 1e-18:
             break
         if miss > 0.0:

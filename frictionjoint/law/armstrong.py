@@ -14,9 +14,8 @@ On reversal the contact sticks with the spring as stretched as the sliding torqu
 the torque is continuous there. It jumps from Fs to S(v) at breakaway: that is the published law.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FS, stribeck_level
 
@@ -25,7 +24,7 @@ SLIDING = HEADER
 SIZE = HEADER + 1
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, direction, sliding = X[a + FH], X[a + DIRECTION], X[a + SLIDING]

@@ -10,16 +10,15 @@ is added as everywhere in this package and zero in Dahl's report.
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC
 
 SIGMA0, EXPONENT = OWN, OWN + 1
 
 
-@njit(cache=True)
+@compiled
 def remaining(w: float, a: float, i: float) -> float:
     """Solution of dw/da = -w**i after a >= 0, from w >= 0."""
     if w <= 0.0 or a == 0.0:
@@ -36,7 +35,7 @@ def remaining(w: float, a: float, i: float) -> float:
     return w * math.exp(math.log1p(-used) / e)
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]

@@ -20,6 +20,7 @@ import math
 from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC, stribeck_level
 
@@ -47,7 +48,7 @@ def _slope(u: float, r_ba: float) -> float:
     return (1.0 - plastic_share(r, r_ba) * r) / left
 
 
-@njit(cache=True)
+@compiled
 def _transition(r: float, r_ba: float, a: float) -> float:
     """r after the displacement a (in units of S / sigma0) from r_ba <= r < 1."""
     u = -math.log1p(-r)
@@ -66,7 +67,7 @@ def _transition(r: float, r_ba: float, a: float) -> float:
     return -math.expm1(-u)
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]

@@ -34,6 +34,7 @@ import math
 from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.memory import (
     BOUND,
     CAPACITY,
@@ -60,7 +61,7 @@ KNOTS = NEGATIVE + 5
 _KNOT, _CLOSING, _RESET = 0, 1, 2
 
 
-@njit(cache=True)
+@compiled
 def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
     """State of a joint at rest that never moved: Fh = 0, the stacks hold only the limits."""
     for i in range(HEADER):
@@ -133,7 +134,7 @@ def _closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
     return -X[s + tops - 1] if tops > 1 else math.inf
 
 
-@njit(cache=True)
+@compiled
 def _slide(
     P: Vector, p: int, X: Vector, h: int, s: int, direction: float, S: float, dx: float
 ) -> None:
@@ -192,7 +193,7 @@ def _slide(
     X[h + RATE] = rate(r, n)
 
 
-@njit(cache=True)
+@compiled
 def step(
     P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
 ) -> float:

@@ -10,9 +10,9 @@ first in each.
 """
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, late, link
 from frictionjoint.law import (
     armstrong,
     bristle,
@@ -29,7 +29,9 @@ from frictionjoint.law.stribeck import FC
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
 
 _start_integrated = integrated.start
-_step_integrated = integrated.step
+_step_integrated = late(
+    integrated.step, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, WHOLE, REAL, REAL, REAL)
+)
 _step_static = static.step
 _step_armstrong = armstrong.step
 _step_dahl = dahl.step
@@ -39,7 +41,7 @@ _step_maxwell_slip = maxwell_slip.step
 _size_maxwell_slip = maxwell_slip.size
 
 
-@njit(cache=True)
+@compiled
 def _rival_header(P: Vector, p: int) -> int:
     """float64 of one header of a law other than the integrated one."""
     if P[p] == MAXWELL_SLIP:
@@ -49,13 +51,13 @@ def _rival_header(P: Vector, p: int) -> int:
     return bristle.HEADER
 
 
-@njit(cache=True)
+@compiled
 def header_size(P: Vector, p: int) -> int:
     """Where the header of the last evaluation begins in a row."""
     return HEADER if P[p] == INTEGRATED else _rival_header(P, p)
 
 
-@njit(cache=True)
+@compiled
 def row_size(P: Vector, p: int) -> int:
     """Number of float64 a joint's state takes."""
     if P[p] == INTEGRATED:
@@ -63,7 +65,7 @@ def row_size(P: Vector, p: int) -> int:
     return 2 * _rival_header(P, p)
 
 
-@njit(cache=True)
+@compiled
 def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
     """At rest and never moved."""
     if P[p] == INTEGRATED:
@@ -80,7 +82,7 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
         X[x + n + bristle.RATE] = 1.0
 
 
-@njit(cache=True)
+@compiled
 def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     law = int(P[p])
     h = x + _rival_header(P, p)
@@ -99,15 +101,23 @@ def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: f
     return np.nan
 
 
-@njit(cache=True)
+_late_rival = late(_step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, REAL, REAL, REAL))
+
+
+@compiled
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point; leaves the committed point alone."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return _step_rival(P, p, X, x, dq, dt, v)
+    return _late_rival(P, p, X, x, dq, dt, v)
 
 
-@njit(cache=True)
+def link_law(number: float) -> None:
+    """Compile or load the step of the law with this number now, not at its first step."""
+    link(_step_integrated if number == INTEGRATED else _late_rival)
+
+
+@compiled
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """The last evaluated point becomes the committed one."""
     if P[p] == INTEGRATED:
@@ -120,7 +130,7 @@ def commit(P: Vector, p: int, X: Vector, x: int) -> None:
         X[x + i] = X[x + n + i]
 
 
-@njit(cache=True)
+@compiled
 def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     """Fh of the last evaluation, N m: the friction torque without its viscous and sigma1 parts."""
     if P[p] == INTEGRATED:
@@ -128,7 +138,7 @@ def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     return X[x + _rival_header(P, p) + bristle.FH]
 
 
-@njit(cache=True)
+@compiled
 def coulomb_level(P: Vector, p: int) -> float:
     """Mean of the two directions' Coulomb torques, N m."""
     if P[p] == INTEGRATED:
@@ -136,7 +146,7 @@ def coulomb_level(P: Vector, p: int) -> float:
     return 0.5 * (P[p + 1 + bristle.POSITIVE + FC] + P[p + 1 + bristle.NEGATIVE + FC])
 
 
-@njit(cache=True)
+@compiled
 def presliding(P: Vector, p: int) -> tuple[float, float]:
     """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding; none where unknown."""
     law = int(P[p])

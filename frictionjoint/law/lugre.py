@@ -9,16 +9,15 @@ Linear in z at constant speed, hence an exponential in displacement of length S 
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
 SIGMA0 = OWN
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     Fh, rate, direction = X[a + FH], X[a + RATE], X[a + DIRECTION]

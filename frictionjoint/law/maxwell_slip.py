@@ -20,6 +20,7 @@ import math
 from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
@@ -32,7 +33,7 @@ def size(P: Vector, p: int) -> int:
     return HEADER + 2 * int(P[p + N_ELEMENTS])
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque after a displacement; see ``integrated.step`` for the arguments."""
     n = int(P[p + N_ELEMENTS])

@@ -21,16 +21,15 @@ into the slot above the top: the stacks of the state it started from stay whole,
 be evaluated any number of times before it is committed.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 
 FH, FB, DIRECTION, N_MIN, N_MAX, VIRGIN, RATE, FORGOTTEN, BOUND = range(9)
 HEADER = 9
 CAPACITY = 24
 
 
-@njit(cache=True)
+@compiled
 def make_room(X: Vector, h: int, s: int) -> None:
     """Give up one pair of extrema when a stack is full, so that a step always finds a free slot.
 

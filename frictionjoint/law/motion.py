@@ -1,10 +1,10 @@
 """A law driven along a given motion: the friction torque at each sample, from rest."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
@@ -15,7 +15,7 @@ _start = integrated.start
 _step = integrated.step
 
 
-@njit(cache=True)
+@compiled
 def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F: Vector) -> None:
     """Fill F with the torque along a motion that is linear between samples.
 
@@ -34,7 +34,7 @@ def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F
         commit(P, p, X, 0)
 
 
-@njit(cache=True)
+@compiled
 def drive_integrated(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
     """Fill H with Fh and `rate` with dz/dq along a motion, for a block of the integrated law."""
     X = np.zeros(HEADER + 2 * CAPACITY)
@@ -50,7 +50,7 @@ def drive_integrated(P: Vector, time: Vector, position: Vector, H: Vector, rate:
         rate[k] = X[RATE]
 
 
-@njit(cache=True)
+@compiled
 def drive_rival(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
     """As `drive_integrated`, for a block of any other law, its number in front."""
     X = np.zeros(row_size(P, 0))

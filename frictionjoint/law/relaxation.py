@@ -14,6 +14,8 @@ import math
 import numpy as np
 from numba import njit
 
+from frictionjoint.compiled import compiled
+
 # exp(-37) is below the spacing of doubles at 1: from here on r is 1 to the last bit.
 _U_SATURATED = 37.0
 # A fourth-order Runge-Kutta step of n*a below this is exact to about 1e-9; a handful of them cost
@@ -46,7 +48,7 @@ def rate(r: float, n: float) -> float:
     return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
 
 
-@njit(cache=True)
+@compiled
 def _series(r: float, n: float, sign: float) -> float:
     """Integral of 1 / (1 - sign r**n) from 0 to r, for 0 <= r <= 1/2."""
     q = sign * float(r**n)
@@ -86,7 +88,7 @@ def _negative(t: float, n: float) -> float:
     return math.exp(t / n) / (n * (1.0 + math.exp(t)))
 
 
-@njit(cache=True)
+@compiled
 def _quadrature(branch: int, lower: float, upper: float, n: float) -> float:
     """Integral of one of the three integrands, panel by panel; each is smooth on a scale of 1."""
     panels = math.ceil(abs(upper - lower))
@@ -107,7 +109,7 @@ def _quadrature(branch: int, lower: float, upper: float, n: float) -> float:
     return total * half
 
 
-@njit(cache=True)
+@compiled
 def _to_zero(rho: float, n: float) -> float:
     """Displacement from r = -rho up to r = 0."""
     if rho <= 0.5:
@@ -124,7 +126,7 @@ def _to_zero(rho: float, n: float) -> float:
     return half + (_quadrature(2, t0, t1, n) if t1 > t0 else 0.0)
 
 
-@njit(cache=True)
+@compiled
 def _from_zero(r: float, n: float) -> float:
     """Displacement from 0 to r, 0 <= r < 1."""
     if r <= 0.5:
@@ -132,7 +134,7 @@ def _from_zero(r: float, n: float) -> float:
     return _series(0.5, n, 1.0) + _quadrature(0, math.log(2.0), -math.log1p(-r), n)
 
 
-@njit(cache=True)
+@compiled
 def distance(r0: float, r1: float, n: float) -> float:
     """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
     if (r0 < 1.0 and r1 >= 1.0) or (r0 > 1.0 and r1 <= 1.0) or r0 == 1.0:
@@ -150,7 +152,7 @@ def distance(r0: float, r1: float, n: float) -> float:
     return distance_positive(r0, r1, n)
 
 
-@njit(cache=True)
+@compiled
 def distance_positive(r0: float, r1: float, n: float) -> float:
     """`distance` for 0 <= r0 <= r1 < 1."""
     if n == 2.0:
@@ -163,7 +165,7 @@ def distance_positive(r0: float, r1: float, n: float) -> float:
     return _from_zero(r1, n) - _from_zero(r0, n)
 
 
-@njit(cache=True)
+@compiled
 def _advance_negative(rho: float, a: float, n: float) -> float:
     """rho after the displacement a < _to_zero(rho): Newton's method kept inside a bracket."""
     total = _to_zero(rho, n)
@@ -185,7 +187,7 @@ def _advance_negative(rho: float, a: float, n: float) -> float:
     return x
 
 
-@njit(cache=True)
+@compiled
 def _between(u0: float, r0: float, u1: float, r1: float, n: float) -> float:
     """Displacement from r0 to r1 on one side of 1, given u as well: 1 - r has no digits near 1."""
     if n == 4.0:
@@ -199,7 +201,7 @@ def _between(u0: float, r0: float, u1: float, r1: float, n: float) -> float:
     return distance_positive(r0, r1, n) if r1 >= r0 else -distance_positive(r1, r0, n)
 
 
-@njit(cache=True)
+@compiled
 def _advance_below(r0: float, a: float, n: float) -> float:
     """r after the displacement a from 0 <= r0 < 1."""
     u = -math.log1p(-r0)
@@ -220,7 +222,7 @@ def _advance_below(r0: float, a: float, n: float) -> float:
     return r
 
 
-@njit(cache=True)
+@compiled
 def _advance_above(r0: float, a: float, n: float) -> float:
     """r after the displacement a from r0 > 1."""
     u0 = -math.log(r0 - 1.0)
@@ -244,7 +246,7 @@ def _advance_above(r0: float, a: float, n: float) -> float:
     return 1.0 + math.exp(-u)
 
 
-@njit(cache=True)
+@compiled
 def _advance_small(r: float, a: float, n: float) -> float:
     """r after a small displacement from 0 <= r < 1."""
     steps = 1 + int(n * a / _SMALL_STEP)
@@ -258,7 +260,7 @@ def _advance_small(r: float, a: float, n: float) -> float:
     return r
 
 
-@njit(cache=True)
+@compiled
 def advance(r: float, a: float, n: float) -> float:
     """r after the displacement a >= 0.
 

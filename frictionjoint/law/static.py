@@ -12,16 +12,15 @@ of Fs / V0; an explicit step chatters within +-Fs once h Fs / (V0 J) exceeds 2.
 The law has no memory: its result depends on the velocity at the end of the step only.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
 V0 = OWN
 
 
-@njit(cache=True)
+@compiled
 def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float) -> float:
     """Friction torque at velocity v; see ``integrated.step`` for the arguments."""
     X[h + DIRECTION] = 0.0

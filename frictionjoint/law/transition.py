@@ -9,6 +9,7 @@ last knot the last slope goes on, so that the inverse exists for every torque.
 from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 
 KNOT_STRIDE = 3
 
@@ -37,7 +38,7 @@ def slope(P: Vector, k: int, j: int) -> float:
     return P[k + 1 + KNOT_STRIDE * j + 2]
 
 
-@njit(cache=True)
+@compiled
 def transition(P: Vector, k: int, z: float) -> float:
     """Fd(z)."""
     last = int(P[k]) - 1
@@ -50,7 +51,7 @@ def transition(P: Vector, k: int, z: float) -> float:
     return F if z >= 0.0 else -F
 
 
-@njit(cache=True)
+@compiled
 def inverse_transition(P: Vector, k: int, F: float) -> float:
     """Fd^-1(F)."""
     f = abs(F)

@@ -3,14 +3,14 @@
 import contextlib
 import functools
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import mujoco
 
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.callback import build_native, python_callback
+from frictionjoint.simulate.callback import build_native, link_what_acts, python_callback
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.layout import LayoutMismatchError
 
@@ -34,11 +34,13 @@ def _native() -> Any:
     return build_native()
 
 
-def _callback(backend: Backend) -> Any:
+def _callback(backend: Backend, model: mujoco.MjModel, blocks: Iterable[int]) -> Any:
     if backend == "python":
         return python_callback
     try:
-        return _native().ctypes
+        native = _native()
+        link_what_acts(model, blocks)
+        return native.ctypes
     except LayoutMismatchError as error:
         warnings.warn(f"{error}: using the slower backend='python'", RuntimeWarning, stacklevel=4)
         return python_callback
@@ -68,9 +70,10 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoc
             "spring and damper flags are both disabled, so MuJoCo calls no passive force: "
             "enable one of them in <option><flag>"
         )
-    if not resolve(model):
+    found = resolve(model)
+    if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
-    callback = _callback(backend)
+    callback = _callback(backend, model, found.values())
     entry = _Attached(model._address, mujoco.get_mjcb_passive())
     mujoco.set_mjcb_passive(callback)
     _attached.append(entry)

@@ -14,9 +14,9 @@ evaluated.
 """
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import commit, presliding, start_row, step_row
@@ -36,7 +36,7 @@ def row_size(law_row: int, n_effects: int) -> int:
     return FRONT + law_row + 2 * MEMORY * n_effects
 
 
-@njit(cache=True)
+@compiled
 def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
     """The effects' evaluated memory becomes the committed one."""
     n = MEMORY * int(P[effects])
@@ -46,24 +46,13 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
             X[memory + i] = X[memory + n + i]
 
 
-@njit(cache=True)
-def evaluate(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    h: float,
-    J: float,
+@compiled
+def torque_now(
+    P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float
 ) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
-    With a step h, s, of one evaluation and the joint's inertia J, kg m^2, a stiff joint gets the
-    torque of the step's end, see ``law.ahead``; h = 0 asks for the torque here and now. A state
-    gone astray has no torque: NaN.
+    A state gone astray has no torque: NaN.
     """
     if not (abs(q) <= ASTRAY and abs(v) <= ASTRAY):
         # the law's search for events would not end; what is remembered stays as it is
@@ -91,10 +80,35 @@ def evaluate(
     X[x + T_EVALUATED] = t
     X[x + Q_EVALUATED] = q
     X[x + V_EVALUATED] = v
-    if dt > 0.0 and h > 0.0:
+    X[x + TORQUE] = F
+    return F
+
+
+@compiled
+def evaluate(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    h: float,
+    J: float,
+) -> float:
+    """`torque_now`, or for a joint alone and stiff the torque of the step's end (``law.ahead``).
+
+    With a step h, s, of one evaluation and the joint's inertia J, kg m^2; h = 0 asks for the
+    torque here and now.
+    """
+    F = torque_now(P, p, effects, X, x, t, q, v)
+    dt = t - X[x + T_COMMITTED]
+    if F == F and dt > 0.0 and h > 0.0:
         K, damping = presliding(P, p)
         if h * (h * K + damping) > STIFF * J:
             f = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED]
-            F = torque_ahead(P, p, X, law, h, f, J, v)
-    X[x + TORQUE] = F
+            S = np.empty(law_row_size(P, p))
+            F = torque_ahead(P, p, X, x + FRONT, S, 0, h, f, J, v)
+            X[x + TORQUE] = F
     return F

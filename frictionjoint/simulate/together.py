@@ -10,10 +10,8 @@ symmetric and positive, the torque rises with the way gone), starting from F-, w
 already where a load is held.
 """
 
-import numpy as np
-from numba import njit
-
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import NOTHING, REAL, VECTOR, WHOLE, compiled, late
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import presliding
 from frictionjoint.simulate.carrier import DOF, HEAD, ROW
@@ -31,7 +29,7 @@ _SWEEPS = 50
 _SETTLED = 1e-12
 
 
-@njit(cache=True)
+@compiled
 def is_stiff(P: Vector, p: int, X: Vector, x: int, h: float, weight: float) -> bool:
     """Whether the explicit torque of an evaluated row would not do; weight: inverse inertia."""
     if h == 0.0 or X[x + T_EVALUATED] == X[x + T_COMMITTED]:
@@ -40,55 +38,55 @@ def is_stiff(P: Vector, p: int, X: Vector, x: int, h: float, weight: float) -> b
     return bool(h * (h * K + damping) * weight > STIFF)
 
 
-@njit(cache=True)
-def settle(P: Vector, blocks: Vector, X: Vector, h: float, W: Array) -> Array:
+@compiled
+def settle(P: Vector, blocks: Vector, k: int, X: Vector, h: float, W: Vector, Y: Vector) -> None:
     """Torques of stiff joints at the end of a step, N m; the rows' TORQUE is overwritten.
 
     Args:
-        blocks: addresses of the joints' blocks in P, shape (k,). W: kg^-1 m^-2, shape (k, k).
-    Returns:
-        by how much the torques differ from the explicit ones, shape (k,).
+        blocks: addresses of the k joints' blocks in P, shape (k,). W: kg^-1 m^-2, shape (k k,).
+        Y: room for 3 k numbers and a law's row. The first k become that by which the torques
+        differ from the explicit ones, N m.
     """
-    k = len(blocks)
+    F, ahead, trial = k, 2 * k, 3 * k
     for i in range(k):
-        if not W[i, i] > 0.0:
-            return np.zeros(k)  # called before the mass matrix was made
-    F, before, ahead = np.empty(k), np.empty(k), np.empty(k)
+        if not W[i * k + i] > 0.0:
+            for j in range(k):
+                Y[j] = 0.0
+            return  # called before the mass matrix was made
     for i in range(k):
         x = int(P[int(blocks[i]) + ROW])
-        before[i] = X[x + TORQUE_COMMITTED]
-        F[i] = before[i]
+        Y[i] = X[x + TORQUE_COMMITTED]
+        Y[F + i] = Y[i]
         v, dt = X[x + V_EVALUATED], X[x + T_EVALUATED] - X[x + T_COMMITTED]
-        ahead[i] = v + h * (v - X[x + V_COMMITTED]) / dt
+        Y[ahead + i] = v + h * (v - X[x + V_COMMITTED]) / dt
     for _ in range(_SWEEPS):
         moved = 0.0
         for i in range(k):
             block = int(blocks[i])
             x = int(P[block + ROW])
-            v, J = X[x + V_EVALUATED], 1.0 / W[i, i]
-            end = ahead[i]
+            v, J = X[x + V_EVALUATED], 1.0 / W[i * k + i]
+            end = Y[ahead + i]
             for j in range(k):
                 if j != i:
-                    end -= h * W[i, j] * (F[j] - before[j])
-            f = J * (end - v) / h + before[i]
-            new = torque_ahead(P, block + HEAD, X, x + FRONT, h, f, J, v)
-            moved = max(moved, abs(new - F[i]) / (abs(new) + abs(F[i]) + 1e-300))
-            F[i] = new
+                    end -= h * W[i * k + j] * (Y[F + j] - Y[j])
+            f = J * (end - v) / h + Y[i]
+            new = torque_ahead(P, block + HEAD, X, x + FRONT, Y, trial, h, f, J, v)
+            moved = max(moved, abs(new - Y[F + i]) / (abs(new) + abs(Y[F + i]) + 1e-300))
+            Y[F + i] = new
         if moved <= _SETTLED or k == 1:
             break
     for i in range(k):
         x = int(P[int(blocks[i]) + ROW])
-        before[i] = F[i] - X[x + TORQUE]
-        X[x + TORQUE] = F[i]
-    return before
+        Y[i] = Y[F + i] - X[x + TORQUE]
+        X[x + TORQUE] = Y[F + i]
 
 
-@njit(cache=True)
-def between(P: Vector, blocks: Vector, columns: Array) -> Array:
-    """W from columns of the inverse of M, columns[i] that of the i-th joint's dof, shape (k, k)."""
-    k = len(blocks)
-    W = np.empty((k, k))
+late_settle = late(settle, NOTHING(VECTOR, VECTOR, WHOLE, VECTOR, REAL, VECTOR, VECTOR))
+
+
+@compiled
+def between(P: Vector, blocks: Vector, k: int, columns: Vector, nv: int, W: Vector) -> None:
+    """Fill W, shape (k k,), from columns of the inverse of M, that of the i-th joint at nv i."""
     for i in range(k):
         for j in range(k):
-            W[j, i] = columns[i, int(P[int(blocks[j]) + DOF])]
-    return W
+            W[j * k + i] = columns[nv * i + int(P[int(blocks[j]) + DOF])]

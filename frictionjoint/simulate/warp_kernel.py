@@ -21,10 +21,10 @@ import functools
 from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
-from frictionjoint.simulate.callback import effects_torque, unit_gravity
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
 from frictionjoint.simulate.row import ASTRAY, STARTED, evaluate
 from frictionjoint.simulate.warp_source import translate
+from frictionjoint.simulate.with_effects import effects_torque, unit_gravity
 
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
 # the row of `simulate.row`
@@ -52,8 +52,8 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         f"frictionjoint_warp_{room}_{int(with_effects)}",
     )
     joint_torque = made["simulate_row_evaluate"]
-    effect_torque = made.get("simulate_callback_effects_torque")
-    gravity_arms = made.get("simulate_callback_unit_gravity")
+    effect_torque = made.get("simulate_with_effects_effects_torque")
+    gravity_arms = made.get("simulate_with_effects_unit_gravity")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
 

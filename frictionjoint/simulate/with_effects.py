@@ -1,0 +1,139 @@
+"""Torque of the effects beyond the law, as the callbacks add it."""
+
+import numpy as np
+
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, late
+from frictionjoint.effects.kernel import MEMORY, total_torque
+from frictionjoint.effects.signals import DT, GX, GY, LOAD, N_SIGNALS, TEMP, TIME, A, H, Q, V
+from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
+from frictionjoint.simulate.row import FRONT, T_COMMITTED, V_COMMITTED
+
+
+@compiled
+def effects_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    F: float,
+    bias: float,
+    inertia: float,
+    gx: float,
+    gy: float,
+) -> float:
+    """Torque of a block's effects at one instant; the memory written is the evaluated one.
+
+    The load is the rigid body's torque at this joint: bias forces plus the joint's own inertia
+    times the acceleration since the committed point.
+    """
+    sig = np.zeros(N_SIGNALS)
+    dt = t - X[x + T_COMMITTED]
+    sig[TIME] = t
+    sig[Q] = q
+    sig[V] = v
+    sig[A] = (v - X[x + V_COMMITTED]) / dt if dt > 0.0 else 0.0
+    sig[LOAD] = bias + inertia * sig[A]
+    sig[GX] = gx
+    sig[GY] = gy
+    sig[DT] = dt
+    sig[TEMP] = np.nan  # a simulation has no thermometer
+    law = x + FRONT
+    sig[H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
+    n = MEMORY * int(P[effects])
+    memory = law + law_row_size(P, p)
+    for i in range(n):
+        X[memory + n + i] = X[memory + i]
+    return total_torque(P, effects, sig, X, memory + n)
+
+
+@compiled
+def unit_gravity(
+    ax: float,
+    ay: float,
+    az: float,
+    wx: float,
+    wy: float,
+    wz: float,
+    gx: float,
+    gy: float,
+    gz: float,
+    R: Vector,
+    r: int,
+) -> tuple[float, float]:
+    """Torque to hold 1 kg at 1 m along each of the body's two axes across the joint.
+
+    (ax, ay, az) the joint's axis in the body, (wx, wy, wz) in the world, (gx, gy, gz) gravity,
+    R[r:r+9] the body's rotation. The two axes are those of ``identify.rigid_body``.
+    """
+    # helper: the coordinate axis the joint's axis leans on least
+    hx = hy = hz = 0.0
+    if abs(ax) <= abs(ay) and abs(ax) <= abs(az):
+        hx = 1.0
+    elif abs(ay) <= abs(az):
+        hy = 1.0
+    else:
+        hz = 1.0
+    e1x, e1y, e1z = ay * hz - az * hy, az * hx - ax * hz, ax * hy - ay * hx
+    norm = (e1x * e1x + e1y * e1y + e1z * e1z) ** 0.5
+    e1x, e1y, e1z = e1x / norm, e1y / norm, e1z / norm
+    e2x, e2y, e2z = ay * e1z - az * e1y, az * e1x - ax * e1z, ax * e1y - ay * e1x
+    tx, ty, tz = gy * wz - gz * wy, gz * wx - gx * wz, gx * wy - gy * wx
+    bx = tx * R[r] + ty * R[r + 3] + tz * R[r + 6]
+    by = tx * R[r + 1] + ty * R[r + 4] + tz * R[r + 7]
+    bz = tx * R[r + 2] + ty * R[r + 5] + tz * R[r + 8]
+    return (
+        -(bx * e1x + by * e1y + bz * e1z),
+        -(bx * e2x + by * e2y + bz * e2z),
+    )
+
+
+@compiled
+def joint_effects(
+    P: Vector,
+    block: int,
+    X: Vector,
+    t: float,
+    q: float,
+    v: float,
+    F: float,
+    bias: float,
+    inertia: float,
+    joint: int,
+    axis: Vector,
+    world: Vector,
+    gravity: Vector,
+    R: Vector,
+    body: int,
+) -> float:
+    """`effects_torque` of a joint's block, from MuJoCo's own arrays of axes and rotations."""
+    gx, gy = unit_gravity(
+        axis[3 * joint],
+        axis[3 * joint + 1],
+        axis[3 * joint + 2],
+        world[3 * joint],
+        world[3 * joint + 1],
+        world[3 * joint + 2],
+        gravity[0],
+        gravity[1],
+        gravity[2],
+        R,
+        9 * body,
+    )
+    effects, x = block + int(P[block + EFFECTS]), int(P[block + ROW])
+    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, F, bias, inertia, gx, gy)
+
+
+late_joint_effects = late(
+    joint_effects,
+    REAL(
+        *[VECTOR, WHOLE, VECTOR, *[REAL] * 6],
+        *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE],
+    ),
+)
