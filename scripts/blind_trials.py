@@ -72,9 +72,8 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
                 e = np.concatenate(measured) - np.concatenate(predicted)
                 errors.append(float(np.sqrt(np.mean(e**2))))
             blocks = make_blocks(found.traced.residual, found.traced.log_index)
-            estimates = law_estimates(
-                found.traced, covariance(found.traced, blocks.of_sample), body.slide
-            )
+            cov = covariance(found.prepared, found.traced, blocks.of_sample)
+            estimates = law_estimates(found.traced, cov, body.slide)
     except FrictionJointError as error:
         return result | {"error": str(error)}
     # white noise of the torque sensor as it is behind the filter of the fit

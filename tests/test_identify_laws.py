@@ -64,7 +64,9 @@ def test_the_plants_own_law_explains_it(plant):
     assert own.rms < 0.03 * FC
     for other in {"static", "dahl"}:
         assert held_out_rms(own, kept) < 0.5 * held_out_rms(fit(logs, forms=forms_of(other)), kept)
-    estimates = law_estimates(own, covariance(own, np.arange(own.residual.size) // 200), False)
+    estimates = law_estimates(
+        own, covariance(logs, own, np.arange(own.residual.size) // 200), False
+    )
     assert estimates["Fc_pos"].value == p.Fc_pos
     assert 0 < estimates["Fc_pos"].stderr < 0.1 * FC
     assert estimates["stiffness"].value == pytest.approx(p.stiffness)

@@ -196,7 +196,9 @@ def identify(
         found = fit(prepared, progress=told, forms=forms)
         prepared, fitted = resolved(prepared, found, forms)
         blocks = make_blocks(fitted.residual, fitted.log_index)
-        estimates = law_estimates(fitted, covariance(fitted, blocks.of_sample), body.slide)
+        estimates = law_estimates(
+            fitted, covariance(prepared, fitted, blocks.of_sample), body.slide
+        )
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
     if as_json:
         rows = {name: x.to_dict() for name, x in estimates.items()}

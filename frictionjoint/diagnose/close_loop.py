@@ -101,16 +101,17 @@ def close_loop(
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
     floor = _noise_floor(moving, found.final.gain)
-    final = law_estimates(found.final, _covariance(found.final), body.slide)
+    cov = _covariance(moving, found.final)
+    final = law_estimates(found.final, cov, body.slide)
     return Report(
         joint=joint,
         slide=body.slide,
         logs=tuple(entries),
-        base=law_estimates(found.base, _covariance(found.base), body.slide),
+        base=law_estimates(found.base, _covariance(moving, found.base), body.slide),
         final=final,
         before_torque=torque[0],
         before_replay=before,
-        added=_added(found, moving, kept_moving),
+        added=_added(found, cov, moving, kept_moving),
         after_torque=torque[1],
         after_replay=after,
         torque_interval=_intervals(kept_moving or moving, found),
@@ -176,9 +177,9 @@ def _read(log: LogLike, joint: str) -> JointLog:
     return log if isinstance(log, JointLog) else read_log(log, joint)
 
 
-def _covariance(fitted: Fit) -> Array:
+def _covariance(prepared: Prepared, fitted: Fit) -> Array:
     blocks = make_blocks(fitted.residual, fitted.log_index)
-    return covariance(fitted, blocks.of_sample)
+    return covariance(prepared, fitted, blocks.of_sample)
 
 
 def _replays(
@@ -223,9 +224,10 @@ def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals
     return pair[0], pair[1]
 
 
-def _added(found: Trace, fitted_on: Prepared, kept_back: Prepared | None) -> tuple[Added, ...]:
+def _added(
+    found: Trace, cov: Array, fitted_on: Prepared, kept_back: Prepared | None
+) -> tuple[Added, ...]:
     """One entry an effect; further harmonics of a periodic effect join the first one's."""
-    cov = _covariance(found.final)
     entries: dict[str, Added] = {}
     for i, step in enumerate(found.steps):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)

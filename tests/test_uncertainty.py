@@ -1,0 +1,133 @@
+"""What the stated standard errors promise, on least squares whose truth is known exactly."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from scipy.stats import t as student
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.effects.signals import N_SIGNALS, V
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.uncertainty import covariance
+
+LOGS, SAMPLES, DT = 4, 1500, 0.02
+TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
+REPEATS = 120
+
+
+def speeds(rng):
+    """Sums of sines of other phases for each log, rad/s."""
+    t = DT * np.arange(SAMPLES)
+    w, phase = np.geomspace(0.3, 5.0, 6), rng.uniform(0.0, 2.0 * np.pi, (LOGS, 6))
+    return np.sin(w * t[:, None, None] + phase).sum(axis=2).T
+
+
+def correlated(rng, size):
+    """Noise correlated over 20 samples or so, standard deviation 1."""
+    rho = 0.9
+    return lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], rng.standard_normal((LOGS, size)))
+
+
+def fitted(v, torque):
+    """Least squares of sigma2 v + Fc sgn(v) on all logs."""
+    X = np.column_stack([v.ravel(), np.sign(v).ravel()])
+    beta = np.linalg.lstsq(X, torque.ravel(), rcond=None)[0]
+    segments = []
+    for one in v:
+        signals = np.zeros((SAMPLES, N_SIGNALS))
+        signals[:, V] = one
+        mask = np.ones(SAMPLES, dtype=bool)
+        segments.append(Segment("log", DT, 10.0, 1, signals, np.zeros(SAMPLES), mask, {}))
+    residual = torque.ravel() - X @ beta
+    found = Fit(
+        shape=INTEGRATED[0], terms=(), beta=beta, gain=1.0, names=("sigma2", "Fc"),
+        residual=residual, jacobian=X, bound=np.zeros(2, dtype=bool),
+        log_index=np.repeat(np.arange(LOGS), SAMPLES), target_rms=1.0,
+    )  # fmt: skip
+    return Prepared(tuple(segments), "joint", False, False), found
+
+
+def stated(v, torque):
+    """Estimates and their standard errors."""
+    prepared, found = fitted(v, torque)
+    cov = covariance(prepared, found, make_blocks(found.residual, found.log_index).of_sample)
+    return found.beta, np.sqrt(np.diag(cov))
+
+
+def white(v, torque):
+    """Standard errors that take the residual for white noise."""
+    _, found = fitted(v, torque)
+    X = found.jacobian
+    return np.sqrt(np.mean(found.residual**2) * np.diag(np.linalg.inv(X.T @ X)))
+
+
+def trials(torque_of):
+    rng = np.random.default_rng(0)
+    errors, widths, naive = [], [], []
+    for _ in range(REPEATS):
+        v = speeds(rng)
+        torque = torque_of(rng, v)
+        value, width = stated(v, torque)
+        errors.append(value - TRUE)
+        widths.append(width)
+        naive.append(white(v, torque))
+    return np.array(errors), np.array(widths), np.array(naive)
+
+
+def exact(v):
+    return TRUE[0] * v + TRUE[1] * np.sign(v)
+
+
+def test_intervals_hold_the_truth_on_correlated_noise_and_are_not_boundless():
+    errors, widths, naive = trials(lambda rng, v: exact(v) + 0.1 * correlated(rng, SAMPLES))
+    inside = np.mean(np.abs(errors) <= 1.96 * widths, axis=0)
+    assert np.all(inside >= 0.93)
+    assert np.all(np.median(widths, axis=0) < 2.0 * errors.std(axis=0))
+    assert np.all(np.mean(np.abs(errors) <= 1.96 * naive, axis=0) < 0.8)
+
+
+def test_a_level_of_its_own_in_each_log_is_seen():
+    def torque(rng, v):
+        level = 1.0 + 0.05 * rng.standard_normal((LOGS, 1))
+        return TRUE[0] * v + level * TRUE[1] * np.sign(v) + 0.02 * correlated(rng, SAMPLES)
+
+    errors, widths, naive = trials(torque)
+    quantile = student.ppf(0.975, LOGS - 1)
+    assert np.mean(np.abs(errors[:, 1]) <= quantile * widths[:, 1]) >= 0.93
+    assert np.mean(np.abs(errors[:, 1]) <= 1.96 * naive[:, 1]) < 0.3
+
+
+def test_a_law_wrong_at_some_speeds_is_seen_however_often_it_is_recorded():
+    def torque(rng, v):
+        slow = 0.1 * np.sign(v) * np.exp(-((v / 0.3) ** 2))
+        return exact(v) + slow + 0.01 * correlated(rng, SAMPLES)
+
+    errors, widths, naive = trials(torque)
+    # a bias is not a spread: the stated error is of its size, and no more is promised
+    assert np.all(np.mean(np.abs(errors) <= 3.0 * widths, axis=0) >= 0.95)
+    assert np.all(np.mean(np.abs(errors) <= 3.0 * naive, axis=0) < 0.1)
+
+
+def test_what_the_logs_do_not_move_has_no_bound():
+    rng = np.random.default_rng(1)
+    v = speeds(rng)
+    prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
+    idle = np.column_stack([found.jacobian, np.zeros(found.residual.size)])
+    with_idle = Fit(**{**vars(found), "jacobian": idle, "bound": np.zeros(3, dtype=bool)})
+    blocks = make_blocks(found.residual, found.log_index).of_sample
+    cov = covariance(prepared, with_idle, blocks)
+    assert cov[2, 2] == np.inf
+    assert cov[:2, :2] == pytest.approx(covariance(prepared, found, blocks))
+
+
+def test_the_order_of_scales_does_not_matter():
+    rng = np.random.default_rng(2)
+    v = speeds(rng)
+    prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
+    blocks = make_blocks(found.residual, found.log_index).of_sample
+    scale = np.array([1e-6, 1e5])
+    other = Fit(**{**vars(found), "jacobian": found.jacobian * scale})
+    cov = covariance(prepared, found, blocks)
+    assert covariance(prepared, other, blocks) * np.outer(scale, scale) == pytest.approx(cov)
