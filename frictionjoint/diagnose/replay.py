@@ -2,7 +2,8 @@
 
 Every half second of the log the joint is put where it was measured, its friction memory as the
 law leaves it after the measured motion so far, and the simulation runs free until the next
-restart. Other joints of an arm follow their measured motion.
+restart. Other joints of an arm follow their measured motion. A voltage-driven joint is driven by
+the measured voltage, and its motor is let go where it was.
 """
 
 from collections.abc import Sequence
@@ -21,6 +22,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
+from frictionjoint.simulate.motor import Motor, add_motor
 
 WINDOW_S = 0.5
 # Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
@@ -42,17 +44,30 @@ class Replay:
 
 
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
-    """The fit's effects as a model carries them; an inertia error goes into the armature."""
+    """The fit's effects as a model carries them.
+
+    An inertia error goes into the armature, the back-EMF into the motor.
+    """
     found = []
     for i, term in enumerate(fitted.terms):
-        if isinstance(term, EffectTerm) and term.name != "inertia-error":
+        if isinstance(term, EffectTerm) and term.name not in ("inertia-error", "back-emf"):
             values = tuple(float(x) for x in fitted.term_coefficients(i))
             found.append(SimulatedEffect(term.effect, term.shape, values))
     return found
 
 
+def motor_of(fitted: Fit) -> Motor | None:
+    """The motor of a fit to voltages; None where the torque was measured."""
+    if "load" not in fitted.names:
+        return None
+    emf = [i for i, term in enumerate(fitted.terms) if term.name == "back-emf"]
+    return Motor(fitted.gain, float(fitted.term_coefficients(emf[0])[0]) if emf else 0.0)
+
+
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
-    """Put a fitted model into a spec: law, effects, armature; native friction leaves the joint."""
+    """Put a fitted model into a spec: law, effects, armature, and the motor of a voltage-driven
+    joint; native friction leaves the joint.
+    """
     target = spec.joint(joint)
     target.frictionloss = 0.0
     target.damping = np.zeros_like(target.damping)
@@ -61,6 +76,9 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
             # never below nothing: the rest of a negative error is beyond what armature can say
             extra = float(fitted.term_coefficients(i)[0])
             target.armature = max(0.0, float(target.armature) + extra)
+    motor = motor_of(fitted)
+    if motor:
+        add_motor(spec, joint, motor)
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
 
 
@@ -75,16 +93,18 @@ def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
     model = spec.compile()
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
+    motor = motor_of(fitted)
     with attach(model):
-        return Replay(tuple(_one_log(model, body, s, fitted.gain) for s in prepared.segments))
+        return Replay(tuple(_one_log(model, body, s, motor) for s in prepared.segments))
 
 
-def _one_log(model: mujoco.MjModel, body: RigidBody, segment: Segment, gain: float) -> Array:
+def _one_log(
+    model: mujoco.MjModel, body: RigidBody, segment: Segment, motor: Motor | None
+) -> Array:
     data = mujoco.MjData(model)
     substeps = max(1, int(np.ceil(segment.dt / _LONGEST_STEP)))
     model.opt.timestep = segment.dt / substeps
     q, v = segment.signals[:, Q], segment.signals[:, V]
-    torque = segment.drive * gain
     others = _others(model, segment)
     qpos, dof = int(model.jnt_qposadr[body.joint_id]), int(model.jnt_dofadr[body.joint_id])
     ours = _row(model, body.joint)
@@ -101,7 +121,9 @@ def _one_log(model: mujoco.MjModel, body: RigidBody, segment: Segment, gain: flo
         for k in range(begin, begin + length - 1):
             for i in range(substeps):
                 part = i / substeps
-                now = (1 - part) * torque[k] + part * torque[k + 1]
+                now = (1 - part) * segment.drive[k] + part * segment.drive[k + 1]
+                if motor:
+                    now = motor.torque(now, data.qvel[dof]) if segment.driven[k] else 0.0
                 if others:
                     _step_among_others(model, data, others, k, qpos, dof, now)
                 else:

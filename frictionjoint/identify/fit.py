@@ -4,10 +4,10 @@
     voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gain unknown)
 
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
-trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has no sigma2:
-what is linear in velocity there is the effect `back-emf`, which no log of voltages can tell from
-viscous friction. Nor has it sigma1 before that effect is in the model: on a soft transition curve
-that damping would stand in for it.
+trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has sigma2 only
+where the logs hold motion with the motor let go: elsewhere what is linear in velocity is the effect
+`back-emf`, which a log of voltages cannot tell from viscous friction. Nor has it sigma1 before that
+effect is in the model: on a soft transition curve that damping would stand in for it.
 """
 
 from collections.abc import Callable, Sequence
@@ -107,11 +107,17 @@ def _law_track(segment: Segment, shape: Shape) -> Array:
     return np.column_stack(shape.hysteresis(time, q))
 
 
-def base_names(voltage_driven: bool, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
-    """Columns of the law alone: v, or the load where the gain is unknown; H; dz/dt."""
-    linear = "load" if voltage_driven else "sigma2"
-    damped = law.damped and (not voltage_driven or any(t.name == "back-emf" for t in terms))
-    return (linear, "Fc", "sigma1") if damped else (linear, "Fc")
+def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
+    """Columns of the law alone: the load where the gain is unknown; v; H; dz/dt."""
+    voltage = prepared.voltage_driven
+    damped = law.damped and (not voltage or any(t.name == "back-emf" for t in terms))
+    used = {
+        "load": voltage,
+        "sigma2": prepared.let_go or not voltage,
+        "Fc": True,
+        "sigma1": damped,
+    }
+    return tuple(name for name, is_used in used.items() if is_used)
 
 
 class ColumnCache:
@@ -161,8 +167,9 @@ def _log_columns(
 ) -> Array:
     """Columns of one log, in the order of `base_names`, then the terms."""
     segment = prepared.segments[i]
-    linear = LOAD if prepared.voltage_driven else V
-    damped = "sigma1" in base_names(prepared.voltage_driven, shape, terms)
+    names = base_names(prepared, shape, terms)
+    linear = [signal for name, signal in (("load", LOAD), ("sigma2", V)) if name in names]
+    damped = "sigma1" in names
 
     def track() -> Array:
         return cache.get(("track", i, shape), lambda: _law_track(segment, shape))
@@ -185,7 +192,7 @@ def _log_columns(
         return term.columns(segment, signals)
 
     parts = [
-        cache.get(("linear", i), lambda: _filtered(segment, lambda: segment.signals[:, [linear]])),
+        cache.get(("linear", i), lambda: _filtered(segment, lambda: segment.signals[:, linear])),
         cache.get(("law", i, shape, damped), lambda: _filtered(segment, law)),
     ]
     for k, term in enumerate(terms):
@@ -195,11 +202,11 @@ def _log_columns(
 
 
 def coefficient_bounds(
-    voltage_driven: bool, law: Shape, terms: tuple[Term, ...]
+    prepared: Prepared, law: Shape, terms: tuple[Term, ...]
 ) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
     least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
-    low = [least[name] for name in base_names(voltage_driven, law, terms)]
+    low = [least[name] for name in base_names(prepared, law, terms)]
     high = [np.inf] * len(low)
     for term in terms:
         bounds: tuple[tuple[float, float], ...] = ()
@@ -208,8 +215,8 @@ def coefficient_bounds(
         free = ((-np.inf, np.inf),) * len(term.coefficients)
         # with an unknown gain only the sign of a bound survives
         for lo, hi in bounds or free:
-            low.append(lo if lo == 0.0 or not voltage_driven else -np.inf)
-            high.append(hi if not voltage_driven else np.inf)
+            low.append(lo if lo == 0.0 or not prepared.voltage_driven else -np.inf)
+            high.append(hi if not prepared.voltage_driven else np.inf)
     return np.array(low), np.array(high)
 
 
@@ -312,7 +319,7 @@ class _Outer:
                 high.append(x + reach)
         self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
-        self.low, self.high = coefficient_bounds(prepared.voltage_driven, law, terms)
+        self.low, self.high = coefficient_bounds(prepared, law, terms)
 
     def _reach(self, term: Term, x: float) -> float:
         if term.name == "position-periodic":
@@ -360,7 +367,7 @@ class _Outer:
     def result(self, x: Array) -> Fit:
         X, y, beta = self.solved(x)
         shape, terms = self.split(x)
-        names = base_names(self.prepared.voltage_driven, shape, terms)
+        names = base_names(self.prepared, shape, terms)
         names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
         gain = float(1.0 / beta[0]) if self.prepared.voltage_driven else 1.0
         model = X @ beta

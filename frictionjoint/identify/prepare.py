@@ -41,7 +41,10 @@ class Segment:
         step: one in `step` filtered samples is kept for the fit.
         signals: shape (n, N_SIGNALS) on the uniform grid; H and DTAU are filled by a fit.
         drive: measured torque (or voltage, or current), shape (n,), unfiltered.
-        mask: shape (n,), False where the drive does not act or a filter edge spoils the sample.
+        driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
+            neither a voltage nor the back-EMF acts.
+        rotor: inertia of the motor's side of the gear, the joint's armature, kg m^2 (kg).
+        mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
     """
 
@@ -51,6 +54,8 @@ class Segment:
     step: int
     signals: Array
     drive: Array
+    driven: NDArray[np.bool_]
+    rotor: float
     mask: NDArray[np.bool_]
     others: dict[str, Array]
 
@@ -74,6 +79,8 @@ class Prepared:
         voltage_driven: the drive is a voltage (or a current of unknown scale), so that the torque
             it makes is known only up to a gain.
         rest_speed: rad/s; slower samples are masked, see `rest`.
+        let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
+            acts without back-EMF, so that the two can be told apart.
     """
 
     segments: tuple[Segment, ...]
@@ -81,6 +88,7 @@ class Prepared:
     slide: bool
     voltage_driven: bool
     rest_speed: float = 0.0
+    let_go: bool = False
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -102,7 +110,14 @@ def _thinned(s: Segment) -> Segment:
     drive = zero_phase(s.drive, s.dt, 1.5 * s.bandwidth_hz)[:: s.step]
     others = {name: x[:: s.step] for name, x in s.others.items()}
     return replace(
-        s, dt=dt, step=1, signals=signals, drive=drive, mask=s.mask[:: s.step], others=others
+        s,
+        dt=dt,
+        step=1,
+        signals=signals,
+        drive=drive,
+        driven=s.driven[:: s.step],
+        mask=s.mask[:: s.step],
+        others=others,
     )
 
 
@@ -119,7 +134,8 @@ def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = 
     if bandwidth_hz is None:
         bandwidth_hz = float(np.median([differentiate(log).bandwidth_hz for log in logs]))
     segments = tuple(_segment(log, body, bandwidth_hz) for log in logs)
-    return Prepared(segments, body.joint, bool(body.slide), voltage[0])
+    let_go = voltage[0] and any(bool(np.any(s.mask & ~s.driven)) for s in segments)
+    return Prepared(segments, body.joint, bool(body.slide), voltage[0], let_go=let_go)
 
 
 def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
@@ -154,15 +170,24 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
     # a zero-phase filter is not to be trusted within about one period of its corner of the ends
     edge = min(n // 10, max(2, int(1.0 / (bandwidth_hz * dt))))
     mask[:edge] = mask[n - edge :] = False
+    driven = np.ones(n, dtype=bool)
     if log.torque_enabled is not None:
-        mask &= uniform(log.time, log.torque_enabled.astype(float), t) > 0.999
+        enabled = uniform(log.time, log.torque_enabled.astype(float), t)
+        driven = enabled > 0.999
+        # a motor without voltage gives no torque; of any other drive that is off nothing is known
+        mask &= _away_from_switching(enabled, edge) if log.torque is None else driven
+    measured = uniform(log.time, drive, t)
+    if log.torque is None:
+        measured = np.where(driven, measured, 0.0)
     return Segment(
         name=log.name,
         dt=dt,
         bandwidth_hz=bandwidth_hz,
         step=max(1, int(1.0 / (dt * 4.0 * bandwidth_hz))),
         signals=signals,
-        drive=uniform(log.time, drive, t),
+        drive=measured,
+        driven=driven,
+        rotor=body.armature,
         mask=mask,
         others={
             f"{name}.{kind}": track[i]
@@ -170,3 +195,11 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         },
     )
+
+
+def _away_from_switching(enabled: Array, edge: int) -> NDArray[np.bool_]:
+    """False within `edge` samples of a drive that goes on or off: a filter smears the moment."""
+    away = np.ones(len(enabled), dtype=bool)
+    for k in np.flatnonzero(np.diff(enabled)):
+        away[max(0, k - edge + 1) : k + edge + 1] = False
+    return away

@@ -56,7 +56,9 @@ class RigidBody:
             | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
         )
         self.model.opt.disableflags |= int(off)
-        self.model.dof_damping[self.model.jnt_dofadr[self.joint_id]] = 0.0
+        dof = self.model.jnt_dofadr[self.joint_id]
+        self.model.dof_damping[dof] = 0.0
+        self.armature = float(self.model.dof_armature[dof])
 
     def spec(self) -> mujoco.MjSpec:
         """A fresh spec of the MJCF, to be changed."""

@@ -1,11 +1,18 @@
-"""Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects."""
+"""Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects.
+
+The load an effect sees is what the gear transmits: the rotor, the joint's armature, is accelerated
+before the gear, so its share of the rigid-body torque is no load. The back-EMF acts only while
+the motor's circuit is closed.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects import back_emf
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
+from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.identify.prepare import Segment
 
 
@@ -79,4 +86,8 @@ class EffectTerm:
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
-        return columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
+        if LOAD in self.effect.needs:
+            signals = signals.copy()
+            signals[:, LOAD] -= segment.rotor * signals[:, A]
+        found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
+        return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found

@@ -5,4 +5,5 @@
 ``layout``   where this MuJoCo build keeps the fields the native callback touches
 ``callback`` the native and the Python callback
 ``attach``   the context manager that installs one of them
+``motor``    a motor driven by voltage, which can be let go
 """

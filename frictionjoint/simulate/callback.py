@@ -51,7 +51,8 @@ def build_native() -> Any:
     at_nv, at_nnumeric = model_at["nv"], model_at["nnumeric"]
     at_adr, at_numeric = model_at["numeric_adr"], model_at["numeric_data"]
     at_step, at_integrator = model_at["timestep"], model_at["integrator"]
-    at_weight, at_gravity = model_at["dof_invweight0"], model_at["gravity"]
+    at_weight, at_armature = model_at["dof_invweight0"], model_at["dof_armature"]
+    at_gravity = model_at["gravity"]
     at_body, at_axis = model_at["jnt_bodyid"], model_at["jnt_axis"]
     at_rowadr, at_rownnz = model_at["M_rowadr"], model_at["M_rownnz"]
     at_mass, at_xmat, at_xaxis = (data_at[k] for k in ("M", "xmat", "xaxis"))
@@ -100,7 +101,7 @@ def build_native() -> Any:
                     v,
                     F,
                     bias[dof],
-                    array(d, at_mass, real)[last],
+                    array(d, at_mass, real)[last] - array(m, at_armature, real)[dof],
                     joint,
                     array(m, at_axis, real),
                     array(d, at_xaxis, real),
@@ -181,7 +182,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 v,
                 F,
                 bias[dof],
-                data.M[last],
+                data.M[last] - model.dof_armature[dof],
                 joint,
                 model.jnt_axis.reshape(-1),
                 data.xaxis.reshape(-1),

@@ -37,6 +37,7 @@ MODEL_FIELDS = (
     "M_rowadr",
     "M_rownnz",
     "dof_invweight0",
+    "dof_armature",
 )
 DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis")
 

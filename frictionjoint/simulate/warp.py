@@ -119,6 +119,7 @@ class WarpFriction:
                 m.opt.timestep,
                 m.M_rowadr,
                 m.M_rownnz,
+                m.dof_armature,
                 m.jnt_bodyid,
                 m.jnt_axis,
                 m.opt.gravity,

@@ -89,6 +89,7 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         timestep: floats,
         rowadr: wp.array(dtype=int),
         rownnz: wp.array(dtype=int),
+        armature: wp.array2d(dtype=float),
         bodyid: wp.array(dtype=int),
         axis: vectors,
         gravity: wp.array(dtype=wp.vec3),
@@ -146,7 +147,8 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
                     0,
                 )
                 b = double(bias[world, dof])
-                F = F + effect_torque(P, law, effects, X, x + FRONT, t, q, v, F, b, J, gx, gy)
+                geared = J - double(armature[world % armature.shape[0], dof])
+                F = F + effect_torque(P, law, effects, X, x + FRONT, t, q, v, F, b, geared, gx, gy)
         torque[world, k] = float(F)
         passive[world, dof] = passive[world, dof] - float(F)
 

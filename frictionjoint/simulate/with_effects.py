@@ -30,8 +30,8 @@ def effects_torque(
 ) -> float:
     """Torque of a block's effects at one instant; the memory written is the evaluated one.
 
-    The load is the rigid body's torque at this joint: bias forces plus the joint's own inertia
-    times the acceleration since the committed point.
+    The load is what the gear transmits: bias forces plus the inertia behind the gear, that of the
+    joint without its armature, times the acceleration since the committed point.
     """
     sig = np.zeros(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]

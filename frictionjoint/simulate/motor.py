@@ -1,0 +1,73 @@
+"""A motor driven by voltage, as MuJoCo sees it.
+
+The motor is an actuator whose ``ctrl`` is the voltage at its leads:
+
+    torque = kt/R (V - kt v)
+
+At 0 V its leads are held together and the back-EMF brakes. A motor that is let go has open leads:
+no current, no torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an
+actuator group to itself.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+
+from frictionjoint.errors import ModelError
+
+# groups that `opt.disableactuator` can switch off
+_GROUPS = 31
+# the value of `opt.disableactuator` at which no actuator acts
+ALL_OFF = (1 << _GROUPS) - 1
+_SUFFIX = "_voltage"
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A DC motor seen through its gear.
+
+    Attributes:
+        gain: kt/R, N m/V (N/V for a slide).
+        back_emf: kt**2/R, N m s/rad (N s/m).
+    """
+
+    gain: float
+    back_emf: float
+
+    def torque(self, voltage: float, velocity: float) -> float:
+        """N m (N) with the circuit closed."""
+        return self.gain * voltage - self.back_emf * velocity
+
+
+def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
+    """Put a motor on a joint: the actuator ``JOINT_voltage``, driven by volts.
+
+    Raises:
+        ModelError: the model's actuators take all groups.
+    """
+    free = sorted(set(range(_GROUPS)) - {a.group for a in spec.actuators})
+    if not free:
+        raise ModelError("the model's actuators take all 31 groups: leave one for the motor")
+    actuator = spec.add_actuator(
+        name=joint + _SUFFIX, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, group=free[-1]
+    )
+    actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    actuator.gainprm[0] = motor.gain
+    actuator.biasprm[2] = -motor.back_emf
+
+
+def motor_id(model: mujoco.MjModel, joint: str) -> int:
+    """The actuator that `add_motor` put on a joint.
+
+    Raises:
+        ModelError: there is none.
+    """
+    found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, joint + _SUFFIX)
+    if found < 0:
+        raise ModelError(f"joint {joint!r} has no voltage motor: fit logs with voltage_v")
+    return found
+
+
+def alone(model: mujoco.MjModel, actuator: int) -> int:
+    """The value of ``opt.disableactuator`` at which only this actuator's group acts."""
+    return ALL_OFF & ~(1 << int(model.actuator_group[actuator]))

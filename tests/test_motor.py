@@ -1,0 +1,204 @@
+"""A voltage-driven joint: its motor in MuJoCo, let go and held, and whole logs in closed loop."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint import FrictionParameters, attach
+from frictionjoint.diagnose.servo import Servo, run_servo
+from frictionjoint.effects import back_emf, load_dependent
+from frictionjoint.errors import LogError, ModelError
+from frictionjoint.identify.fit import fit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rest import resolved
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.measured.log import JointLog
+from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.motor import Motor, add_motor, motor_id
+
+MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81
+INERTIA = MASS * LENGTH**2 + ARMATURE + 1e-6
+MOTOR = Motor(gain=0.1, back_emf=0.04)
+LAW = FrictionParameters.symmetric(
+    Fs=0.02, Fc=0.02, Vs=0.1, sigma2=0.004, n=2, knots=((1e-4, 0.04),)
+)
+XML = f"""
+<mujoco><option timestep="0.001" integrator="implicitfast" gravity="0 0 -{GRAVITY}"/>
+<worldbody><body><joint name="arm" axis="0 -1 0" armature="{ARMATURE}"/>
+<inertial pos="0 0 -{LENGTH}" mass="{MASS}" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody>
+</mujoco>"""
+N = 4000
+VISCOUS = 0.02  # of the plant
+
+
+def model(motor=MOTOR, law=LAW, effects=()):
+    spec = mujoco.MjSpec.from_string(XML)
+    if motor:
+        add_motor(spec, "arm", motor)
+    install(spec, {"arm": law}, {"arm": list(effects)})
+    return spec.compile()
+
+
+def log(target, enabled=None, position=0.0):
+    time = 1e-3 * np.arange(len(target))
+    return JointLog(
+        name="log",
+        joint="arm",
+        time=time,
+        position=np.full(len(time), position),
+        voltage=np.zeros(len(time)),
+        target=np.asarray(target, dtype=float),
+        torque_enabled=enabled,
+    )
+
+
+def swing(back_emf, start=1.0):
+    """The pendulum let fall with what it loses, by the equation of motion with flat friction."""
+    q, v, h, path = start, 0.0, 1e-5, []
+    for k in range(int(N * 1e-3 / h)):
+        if k % 100 == 0:
+            path.append(q)
+        pull = -MASS * GRAVITY * LENGTH * np.sin(q) - (0.004 + back_emf) * v
+        brake = min(0.02, abs(INERTIA * v / h + pull))
+        v += h * (pull - np.copysign(brake, INERTIA * v / h + pull)) / INERTIA
+        q += h * v
+    return np.array(path)
+
+
+@pytest.mark.parametrize(("enabled", "emf"), [(False, 0.0), (True, 0.04)])
+def test_only_a_closed_circuit_brakes(enabled, emf):
+    """Let go, the arm swings as without a motor; held at 0 V, the back-EMF brakes it."""
+    held = np.full(N, enabled)
+    found = run_servo(model(), "arm", log(np.zeros(N), held, 1.0), Servo(0.0, 7.0))
+    np.testing.assert_allclose(found, swing(emf), atol=0.01)
+
+
+def test_the_servo_holds_its_target_against_gravity():
+    """At rest the motor's torque is gravity's, to within the friction level."""
+    servo = Servo(gain=2.0, supply=7.0)
+    end = run_servo(model(), "arm", log(np.full(N, 0.8)), servo)[-1]
+    torque = MOTOR.gain * servo.voltage(0.8, end)
+    assert abs(torque - MASS * GRAVITY * LENGTH * np.sin(end)) < 0.02
+    assert 0.3 < end < 0.8
+
+
+def test_duty_is_full_beyond_its_range():
+    servo = Servo(gain=10.0, supply=7.0)
+    assert servo.voltage(1.0, 0.0) == 7.0
+    assert servo.voltage(-1.0, 0.0) == -7.0
+    assert servo.voltage(0.05, 0.0) == pytest.approx(3.5)
+
+
+def test_the_model_is_left_as_it_was():
+    m = model()
+    m.opt.disableactuator = 5
+    run_servo(m, "arm", log(np.zeros(50)), Servo(1.0, 7.0))
+    assert (m.opt.disableactuator, m.opt.timestep) == (5, 0.001)
+
+
+def test_other_actuators_keep_their_groups():
+    spec = mujoco.MjSpec.from_string(XML)
+    spec.add_actuator(name="own", target="arm", trntype=mujoco.mjtTrn.mjTRN_JOINT, group=30)
+    add_motor(spec, "arm", MOTOR)
+    m = spec.compile()
+    assert m.actuator_group[motor_id(m, "arm")] not in (0, 30)
+
+
+def test_what_is_missing_is_said():
+    with pytest.raises(ModelError, match="no voltage motor"):
+        run_servo(model(motor=None), "arm", log(np.zeros(50)), Servo(1.0, 7.0))
+    untargeted = JointLog(
+        name="plain", joint="arm", time=np.arange(3.0), position=np.zeros(3), voltage=np.zeros(3)
+    )
+    with pytest.raises(LogError, match="no target"):
+        run_servo(model(), "arm", untargeted, Servo(1.0, 7.0))
+
+
+# identification
+
+
+def plant(target, enabled, load=0.0, gain=MOTOR.gain, emf=MOTOR.back_emf):
+    """A log of a plant integrated by hand: friction grows with the torque behind the rotor."""
+    q, v, h = 0.0, 0.0, 1e-4
+    rows = []
+    aims = np.interp(np.arange(len(target) * 50) / 50, np.arange(len(target)), target)
+    for k, aim in enumerate(aims):
+        volts = min(7.0, max(-7.0, 14.0 * (aim - q))) if enabled[k // 50] else 0.0
+        if k % 50 == 0:
+            rows.append((q, volts))
+        torque = gain * volts - emf * v if enabled[k // 50] else 0.0
+        pull = torque - MASS * GRAVITY * LENGTH * np.sin(q) - VISCOUS * v
+        # the torque the gear transmits follows from the acceleration, which it changes
+        a = 0.0
+        for _ in range(4):
+            link = MASS * LENGTH**2 * a + MASS * GRAVITY * LENGTH * np.sin(q)
+            most = 0.02 + load * abs(link)
+            stop = INERTIA * v / h + pull
+            a = (pull - np.copysign(min(most, abs(stop)), stop)) / INERTIA
+        v += h * a
+        q += h * v
+    q, volts = np.array(rows).T
+    return JointLog(
+        name="plant",
+        joint="arm",
+        time=5e-3 * np.arange(len(q)),
+        position=q,
+        voltage=volts,
+        target=target,
+        torque_enabled=enabled,
+    )
+
+
+@pytest.fixture(scope="module")
+def driven_and_let_go():
+    t = 5e-3 * np.arange(1600)
+    target = 1.2 * np.sin(1.5 * t) + 0.4 * np.sin(7.0 * t)
+    enabled = (t % 4.0) < 2.5
+    return plant(target, enabled, load=0.2)
+
+
+def fitted(one, *effects):
+    terms = tuple(EffectTerm(e) for e in effects)
+    prepared = prepare([one], RigidBody(XML, "arm"))
+    return resolved(prepared, fit(prepared, terms, forms=INTEGRATED[:1]), INTEGRATED[:1])[1]
+
+
+def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
+    found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
+    assert found.gain == pytest.approx(0.1, rel=0.01)
+    assert found.term_coefficients(0)[0] == pytest.approx(0.04, rel=0.02)
+    assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)
+
+
+def test_load_is_what_the_gear_transmits(driven_and_let_go):
+    """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
+    found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
+    assert found.term_coefficients(1)[0] == pytest.approx(0.2, rel=0.02)
+
+
+def test_simulated_load_is_what_the_gear_transmits():
+    """A joint spun up by its armature alone carries no load, so no friction comes of it."""
+    effect = SimulatedEffect(load_dependent.EFFECT, (), (0.5,))
+    spec = mujoco.MjSpec.from_string(XML.replace(f'gravity="0 0 -{GRAVITY}"', 'gravity="0 0 0"'))
+    install(spec, {"arm": LAW}, {"arm": [effect]})
+    m = spec.compile()
+    m.dof_armature[:] = 0.2
+    assert final_speed(m) == pytest.approx(final_speed(model_without_gravity()), rel=0.02)
+
+
+def model_without_gravity():
+    spec = mujoco.MjSpec.from_string(XML.replace(f'gravity="0 0 -{GRAVITY}"', 'gravity="0 0 0"'))
+    install(spec, {"arm": LAW})
+    m = spec.compile()
+    m.dof_armature[:] = 0.2
+    return m
+
+
+def final_speed(m):
+    data = mujoco.MjData(m)
+    data.qfrc_applied[0] = 0.5
+    with attach(m):
+        mujoco.mj_step(m, data, nstep=300)
+    return data.qvel[0]
