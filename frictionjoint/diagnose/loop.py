@@ -26,33 +26,36 @@ from frictionjoint.diagnose.trace import (
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
-from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameters import FrictionParameters
 
 INTEGRATED_LAW = FrictionParameters.law
-# the law with memory that effects are looked for with, where its residual is clearly smaller
-_SHARPER, _CLEARLY = "maxwell_slip", 0.95
+# the laws that effects are looked for with where the residual of one is clearly smaller
+_SHARPER, _CLEARLY = (*prompt_maxwell_slip(), *forms_of("lugre")), 0.95
 
 SIGNIFICANCE = 0.05
 # Share of the residual's squares that an effect must take away: what takes less beside a residual
-# that stays is as likely a by-product of whatever else is in it. Growing stiction acts on the few
-# samples of a breakaway only.
+# that stays is as likely a by-product of whatever else is in it. Effects that bend the law's own
+# curves gain more by chance, since the law is fitted anew with them.
 SMALLEST_GAIN = 0.08
-_SMALLER_GAINS = {"dwell-time": 0.04}
+_OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.12}
 # No friction law is exact. Against plants with other laws (GMS, LuGre, elasto-plastic) the base
 # fit leaves 1 to 5% of the friction torque; effects that act on the edges of friction pick up to
 # 1.2% of it. So an effect must move the torque by a share of the friction's rms to be named.
-SMALLEST_SHARE = 0.01
+SMALLEST_SHARE = 0.008
 _OTHER_SHARES = {
-    "dwell-time": 0.004,
+    "dwell-time": 0.009,
     "measurement-delay": 0.015,
-    "nonlinear-viscous": 0.02,
-    "frictional-lag": 0.02,
+    "nonlinear-viscous": 0.006,
+    "frictional-lag": 0.011,
     "backlash": 0.02,
     "joint-elasticity": 0.025,
 }
+# Effects that the law's own parameters take for themselves: what they explain shows only when
+# both are fitted at once.
+_LAW_BOUND = frozenset(("dwell-time", "frictional-lag", "nonlinear-viscous"))
 _LARGE_GAIN = 0.5
 # Effects within this share of the best gain, and within chance of it, count as equals.
 _CLOSE = 0.05
@@ -165,12 +168,9 @@ def _sharper(
     What a law cannot copy stays in its residual and passes for an effect. Generalized Maxwell-slip
     drops as its elements let go one after the other, which no parameters of the integrated law do.
     """
-    other = forms_of(_SHARPER)
-    if forms[0].variables == other[0].variables:
-        return base, forms
-    progress("fit: a second law")
-    found = fit(prepared, forms=other)
-    return (found, other) if found.rms < _CLEARLY * base.rms else (base, forms)
+    progress("fit: other laws")
+    found = fit(prepared, forms=_SHARPER)
+    return (found, _SHARPER) if found.rms < _CLEARLY * base.rms else (base, forms)
 
 
 def _restated(
@@ -211,8 +211,10 @@ def _grown(
             return prepared, current, steps, ranking
         winner, ties = chosen
         progress(f"step {number}: adding {winner.name}")
-        # after a large change the old shape may sit in another valley: start from everywhere
-        start = current.shape if winner.held_out_gain < _LARGE_GAIN else None
+        # after a large change, and with an effect that bends the law's own curves, the old shape
+        # may sit in another valley: start from everywhere
+        near = winner.held_out_gain < _LARGE_GAIN and winner.name not in _LAW_BOUND
+        start = current.shape if near else None
         terms = (*current.terms, winner.candidate.term)
         refitted = fit(prepared, terms, start=start, forms=forms)
         prepared, current = resolved(prepared, refitted, forms)
@@ -276,20 +278,19 @@ def _rank_all(
 def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     """The ranking with the gains of the leading effects as they are after a joint refit.
 
-    Only of those worth naming by what they explain without one: the freedom of a refit lets any
-    effect take what is wrong with the law.
+    Only of those worth naming by what they explain without one, and of those bound up with the
+    law: the freedom of a refit lets any effect take what is wrong with the law.
     """
-    worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
-    named = [r for r in worth if not r.candidate.smooth][:_SHORTLIST]
-    if not named:
-        return ranking
-    least = _LEAST_OF_LEADER * named[0].held_out_gain
+    named = [r for r in ranking.ranked if not r.candidate.smooth]
+    leading = [r for r in named if _justified(r) and _large_enough(r, current)][:_SHORTLIST]
+    if leading:
+        least = _LEAST_OF_LEADER * leading[0].held_out_gain
+        leading = [r for r in leading if r.held_out_gain >= least]
+    bound = [r for r in named if r.name in _LAW_BOUND and _beyond_chance(r) and r not in leading]
     blocks = make_blocks(current.residual, current.log_index)
     base = float(ranking.base_squares.sum())
     better: dict[str, Ranked] = {}
-    for row in named:
-        if row.held_out_gain < least:
-            continue
+    for row in leading + bound:
         terms = (*current.terms, row.candidate.term)
         refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
         # both in units of the drive: where the gain is fitted, an effect may change it
@@ -303,7 +304,7 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
 
 
 def _least_gain(name: str) -> float:
-    return _SMALLER_GAINS.get(name, SMALLEST_GAIN)
+    return _OTHER_GAINS.get(name, SMALLEST_GAIN)
 
 
 def _justified(row: Ranked) -> bool:

@@ -92,6 +92,7 @@ def rank(
     folds = {False: blocks.fold, True: blocks.within}
     none = grams[:, -1, -1]
     base_squares = {w: _least(_held_out(grams, base, f), none) for w, f in folds.items()}
+    whole = grams.sum(axis=0)
     p_values = _flip_test((grams, white), base, sets, rng)
     rows = []
     for i, (candidate, own) in enumerate(zip(candidates, sets, strict=True)):
@@ -103,7 +104,7 @@ def rank(
         total = float(base_squares[within].sum())
         scale = np.linalg.norm(candidate.columns, axis=0)
         scale[scale == 0.0] = 1.0
-        beta = _solve(grams.sum(axis=0), np.concatenate([base, own]))[p:] / scale
+        beta = _solve(whole, np.concatenate([base, own]))[p:] / scale
         p_value = max(p_values[i], min(1.0, 2.0 * candidate.search_p))
         gain = 1.0 - float(squares.sum()) / total if total > 0.0 else 0.0
         rows.append(Ranked(candidate, gain, p_value, beta, _admissible(candidate, beta), squares))
@@ -150,15 +151,17 @@ def _least(a: Array, b: Array) -> Array:
 
 def _held_out(grams: Array, columns: NDArray[np.int64], folds: NDArray[np.int64]) -> Array:
     """Sum of squares of each block under coefficients fitted without its fold."""
-    total = grams.sum(axis=0)
+    with_target = np.append(columns, grams.shape[1] - 1)
+    own = grams[:, with_target[:, None], with_target]
+    total, inputs = own.sum(axis=0), np.arange(len(columns))
     squares = np.empty(len(grams))
     for fold in np.unique(folds):
         inside = folds == fold
-        beta = _solve(total - grams[inside].sum(axis=0), columns)
-        G = grams[inside]
-        cross = G[:, columns, -1] @ beta
-        own = np.einsum("i,bij,j->b", beta, G[:, columns][:, :, columns], beta)
-        squares[inside] = G[:, -1, -1] - 2.0 * cross + own
+        G = own[inside]
+        beta = _solve(total - G.sum(axis=0), inputs)
+        cross = G[:, :-1, -1] @ beta
+        quadratic = np.einsum("i,bij,j->b", beta, G[:, :-1, :-1], beta)
+        squares[inside] = G[:, -1, -1] - 2.0 * cross + quadratic
     return squares
 
 

@@ -7,40 +7,33 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c ln(1 + t_rest/tau) Fh/Fc exp(-travel/length) after a rest below the speed v0.
+    """c times the share r of the contact that has aged, reached over `reach` of motion.
 
-    X[x] time at rest that counts, X[x+1] position where it rested, X[x+2] 1 while at rest.
+    dr/dt = (1 - r)/tau - |v| r/slip: rest ages the contact, sliding renews it.
+    X[x] r, X[x+1] torque per unit of c, X[x+2] last position.
     """
-    if sig[DT] <= 0.0:
-        X[x] = 0.0
-        X[x + 1] = sig[Q]
-        X[x + 2] = 0.0
-    if abs(sig[V]) < P[e + 2] and abs(sig[Q] - X[x + 1]) < P[e + 1]:
-        if X[x + 2] == 0.0:
-            X[x] = 0.0
-            X[x + 2] = 1.0
-        X[x] += sig[DT]
-    elif abs(sig[V]) >= P[e + 2]:
-        X[x + 2] = 0.0
+    h = sig[DT]
+    if h <= 0.0:
+        X[x] = 1.0  # a joint at rest for long before the log
+        X[x + 1] = 0.0
     else:
-        X[x + 1] = sig[Q]
-    travel = abs(sig[Q] - X[x + 1])
-    if travel > 20.0 * P[e + 1] and X[x + 2] == 0.0:
-        X[x + 1] = sig[Q]
-        X[x] = 0.0
-        return 0.0
-    return P[e + 3] * math.log1p(X[x] / P[e]) * sig[H] * math.exp(-travel / P[e + 1])
+        rate = 1.0 / P[e] + abs(sig[V]) / P[e + 1]
+        steady = 1.0 / (P[e] * rate)
+        X[x] = steady + (X[x] - steady) * math.exp(-rate * h)
+        X[x + 1] = approached(X[x + 1], X[x] * sig[H], sig[Q] - X[x + 2], P[e + 2])
+    X[x + 2] = sig[Q]
+    return P[e + 3] * X[x + 1]
 
 
 def _shapes(signals: Array) -> list[Shape]:
     span = float(np.ptp(signals[:, Q]))
-    slow = 0.02 * float(np.abs(signals[:, V]).max())
-    return [(tau, part * span, slow) for tau in (0.1, 1.0) for part in (1e-3, 1e-2)]
+    return [(tau, part * span, 0.1 * part * span) for tau in (0.2, 1.0) for part in (2e-3, 8e-3)]
 
 
 EFFECT = Effect(
@@ -49,14 +42,15 @@ EFFECT = Effect(
     coefficients=("level",),
     units=("T",),
     cause="contact creep and lubricant squeezed out at rest",
-    form="c ln(1 + t_rest/tau) Fh/Fc exp(-travel/length)",
-    source="Rabinowicz (1958); Gonthier et al. (2004)",
+    form="c r Fh/Fc, reached over `reach` of motion; dr/dt = (1 - r)/tau - |v| r/slip",
+    source="Rabinowicz (1958); Dieterich (1979), ageing that saturates",
     signature="only the first breakaway after a rest, larger after longer rests",
     separating_motion="the same start after rests of 1, 10 and 100 s",
     entry="scales the friction level",
-    shape=("tau", "length", "v_rest"),
-    shape_units=("s", "x", "x/s"),
+    shape=("tau", "slip", "reach"),
+    shape_units=("s", "x", "x"),
     shapes=_shapes,
     bounds=((0.0, float("inf")),),
+    shape_bounds=((0.1, float("inf")), (0.0, float("inf")), (0.0, float("inf"))),
     memory=3,
 )

@@ -35,6 +35,7 @@ class Effect:
         needs: signal columns without which the effect cannot be tested.
         entry: how it enters. cause, form, source, signature: for people.
         bounds: of each coefficient, in units of its column; physical signs live here.
+        shape_bounds: of each shape number; none where empty.
         memory: float64 of state the kernel keeps.
         separating_motion: what to record when it cannot be told from its nearest neighbours.
     """
@@ -55,6 +56,7 @@ class Effect:
     shapes: Callable[[Array], list[Shape]] = _no_shape
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()
+    shape_bounds: tuple[tuple[float, float], ...] = ()
     memory: int = 0
 
     @property

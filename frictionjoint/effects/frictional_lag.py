@@ -7,30 +7,38 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, H, V
+from frictionjoint.effects.level import approached
+from frictionjoint.effects.signals import DT, H, Q, V
 
 _TOP = 0.99
+_REACH = 5e-4
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c H1 (E filtered with the time constant tau - E), E = exp(-(v/Vs)**2), H1 = H within +-1.
+    """c H1 (E late by the time constant tau - E), E = exp(-(v/Vs)^2), H1 = H within +-1.
 
-    The level is late, the direction is not: a reversal turns friction round at once.
+    The level is late, the direction is not: a reversal turns friction round as fast as ever.
+    X[x] late E, X[x+1] torque per unit of c, X[x+2] last position.
     """
     ratio = sig[V] / P[e + 1]
     level = math.exp(-ratio * ratio)
     if sig[DT] <= 0.0:
         X[x] = level
+        X[x + 1] = 0.0
     else:
         X[x] += (level - X[x]) * -math.expm1(-sig[DT] / P[e])
-    return P[e + 2] * min(1.0, max(-1.0, sig[H])) * (X[x] - level)
+        target = min(1.0, max(-1.0, sig[H])) * (X[x] - level)
+        X[x + 1] = approached(X[x + 1], target, sig[Q] - X[x + 2], P[e + 2])
+    X[x + 2] = sig[Q]
+    return P[e + 3] * X[x + 1]
 
 
 def _lags(signals: Array) -> list[Shape]:
     top = float(np.quantile(np.abs(signals[:, V]), _TOP))
-    taus, speeds = (0.005, 0.01, 0.02, 0.04, 0.08), (0.03, 0.08, 0.2)
-    return [(tau, share * top) for tau in taus for share in speeds if top > 0.0]
+    reach = _REACH * float(np.ptp(signals[:, Q]))
+    taus, speeds = (0.01, 0.03, 0.08), (0.03, 0.08, 0.2)
+    return [(tau, share * top, reach) for tau in taus for share in speeds if top > 0.0]
 
 
 EFFECT = Effect(
@@ -39,14 +47,16 @@ EFFECT = Effect(
     coefficients=("level",),
     units=("T",),
     cause="the lubricant film takes time to build up or collapse",
-    form="c Fh/Fc (E late by a first order with time constant tau - E), E = exp(-(v/Vs)^2)",
+    form="c Fh/Fc (E late by a first order with time constant tau - E), E = exp(-(v/Vs)^2), "
+    "reached over `reach` of motion",
     source="Hess and Soom (1990)",
     signature="a loop in the torque-velocity plane at low speed that widens with frequency",
     separating_motion="unidirectional oscillating velocity near Vs at three frequencies",
     bounds=((0.0, float("inf")),),
     entry="scales the friction level",
-    shape=("tau", "Vs"),
-    shape_units=("s", "x/s"),
+    shape=("tau", "Vs", "reach"),
+    shape_units=("s", "x/s", "x"),
     shapes=_lags,
-    memory=1,
+    shape_bounds=((0.005, 1.0), (0.0, float("inf")), (0.0, float("inf"))),
+    memory=3,
 )

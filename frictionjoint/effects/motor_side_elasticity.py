@@ -55,5 +55,7 @@ EFFECT = Effect(
     shapes=_resonances,
     needs=(A,),
     bounds=((0.0, float("inf")),),
+    # gears and shafts are lightly damped: a spring damped more is another thing, as play is
+    shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
     memory=3,
 )

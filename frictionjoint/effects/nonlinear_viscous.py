@@ -34,4 +34,6 @@ EFFECT = Effect(
     shape=("p",),
     shape_units=("1",),
     shapes=_exponents,
+    bounds=((0.0, float("inf")),),
+    shape_bounds=((0.1, 4.0),),
 )

@@ -27,7 +27,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 # share of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
 # evaluations given to each start of a search, and how many of the starts go on
-_HALVING = ((3, 3), (1, 4))
+_HALVING = ((4, 3), (1, 4))
 _MOST_STEPS = 15
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
@@ -220,6 +220,14 @@ def coefficient_bounds(
     return np.array(low), np.array(high)
 
 
+def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
+    """Physical range of each shape number that a search may move."""
+    own: tuple[tuple[float, float], ...] = ()
+    if isinstance(term, EffectTerm):
+        own = term.effect.shape_bounds if term.free_shape else ()
+    return own or ((-np.inf, np.inf),) * len(term.free_shape)
+
+
 def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     """Linear least squares, bounded only where the free solution breaks a bound."""
     scale = np.linalg.norm(X, axis=0)
@@ -313,10 +321,11 @@ class _Outer:
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
         low, high = (list(x) for x in law.bounds(self.vmax, self.span))
         for term in terms:
-            for x in term.free_shape:
+            limits = shape_limits(term)
+            for x, (least, most) in zip(term.free_shape, limits, strict=True):
                 reach = self._reach(term, x)
-                low.append(x - reach)
-                high.append(x + reach)
+                low.append(max(x - reach, least))
+                high.append(min(x + reach, most))
         self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, law, terms)
@@ -324,7 +333,7 @@ class _Outer:
     def _reach(self, term: Term, x: float) -> float:
         if term.name == "position-periodic":
             return np.pi / self.span / 2.0
-        return 0.3 * abs(x) + 1e-12
+        return 0.6 * abs(x) + 1e-12
 
     @property
     def start(self) -> Array:

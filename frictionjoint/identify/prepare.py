@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import (
     DT,
+    GEAR,
     GX,
     GY,
     JERK,
@@ -160,6 +161,7 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
     signals[:, JERK] = np.gradient(motion.acceleration, dt)
     signals[:, SNAP] = np.gradient(signals[:, JERK], dt)
     signals[:, LOAD] = rigid.load
+    signals[:, GEAR] = rigid.load - body.armature * motion.acceleration
     signals[:, GX] = rigid.gx
     signals[:, GY] = rigid.gy
     signals[:, DT] = dt

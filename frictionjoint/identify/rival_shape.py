@@ -1,6 +1,6 @@
 """Shapes of the rival laws in a fit, and the forms of every law by its name."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -33,6 +33,8 @@ _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
 # Maxwell-slip elements: equal shares of the level, slip displacements in a geometric row from
 # `length` to `reach` times it
 _ELEMENTS = 8
+# 1/s, a lag of 3 ms: below what a fit's bandwidth resolves
+_PROMPT = 300.0
 _START = {
     "excess": 0.2,
     "log Vs": 0.0,
@@ -54,10 +56,12 @@ class RivalShape:
 
     Attributes:
         law: the class of its parameters. numbers: in the order of `variables`.
+        least_rate: of the attraction to the sliding level, C over Fc, in 1/s.
     """
 
     law: Any
     numbers: tuple[float, ...]
+    least_rate: float = 0.1
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -75,7 +79,7 @@ class RivalShape:
 
     def moved(self, x: Array) -> Self:
         """See `Shape`."""
-        return type(self)(self.law, tuple(float(n) for n in x))
+        return replace(self, numbers=tuple(float(n) for n in x))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
@@ -87,7 +91,7 @@ class RivalShape:
             "i": (0.0, 4.0),
             "breakaway": (0.0, 0.95),
             "log reach": (0.0, np.log(300.0)),
-            "log C": (np.log(0.1), np.log(1e4)),
+            "log C": (np.log(self.least_rate), np.log(1e4)),
         }
         least, most = zip(*(reach[name] for name in self.variables), strict=True)
         return np.array(least), np.array(most)
@@ -106,7 +110,7 @@ class RivalShape:
                 numbers = (
                     trial.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)
                 )
-                found.append(type(self)(self.law, tuple(float(n) for n in numbers)))
+                found.append(self.moved(np.array(list(numbers))))
         return found
 
     def last_choices(self) -> list[Self]:
@@ -140,6 +144,16 @@ class RivalShape:
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
+
+
+def prompt_maxwell_slip() -> tuple[Shape, ...]:
+    """Maxwell-slip whose sliding follows the Stribeck curve within milliseconds.
+
+    Its rate of attraction is a frictional lag. A law to look for effects with must not have one,
+    or that effect never shows.
+    """
+    (form,) = forms_of("maxwell_slip")
+    return (replace(form, least_rate=_PROMPT),)
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:

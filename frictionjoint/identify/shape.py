@@ -181,8 +181,12 @@ class IntegratedShape:
         return H, rate
 
 
+# Where a search starts: bends of a rounded transition curve, and of a nearly straight one.
+_BENDS = ((0.4, 0.4), (0.95, 0.95))
+
 INTEGRATED = tuple(
-    IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), Form(n, variant, "literal"))
+    IntegratedShape(0.2, 1.0, 1.0, 1.0, bends, Form(n, variant, "literal"))
     for variant in get_args(Variant)
     for n in _EXPONENTS
+    for bends in _BENDS
 )
