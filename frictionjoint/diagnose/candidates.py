@@ -12,6 +12,7 @@ from frictionjoint.effects.signals import TIME, H, Q
 from frictionjoint.identify.fit import Fit, full_signals
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
+    TORQUE,
     VARIABLES,
     HysteresisTerm,
     LogTerm,
@@ -109,7 +110,8 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
     a third of the travel; a friction level for each log.
     """
     terms: list[SplineTerm | HysteresisTerm | LogTerm] = []
-    for variable in [*VARIABLES, *prepared.segments[0].others]:
+    measured = [] if prepared.voltage_driven else [TORQUE]
+    for variable in [*VARIABLES, *measured, *prepared.segments[0].others]:
         try:
             x = np.concatenate(
                 [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]

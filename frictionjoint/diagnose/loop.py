@@ -23,7 +23,7 @@ from frictionjoint.diagnose.trace import (
     rank,
     selection_frequency,
 )
-from frictionjoint.identify.fit import ROUGH, Fit, fit
+from frictionjoint.identify.fit import ROUGH, Fit, fit, shape_limits
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
@@ -66,8 +66,10 @@ _SAME = 0.02
 _ENOUGH = 0.9
 # How many of the leading effects are compared after a joint refit, and the share of the leader's
 # gain they need before it: an effect bound up with the law shows its whole gain only then.
-_SHORTLIST, _LEAST_OF_LEADER = 4, 0.15
+_SHORTLIST, _CURVES, _LEAST_OF_LEADER = 4, 2, 0.15
 _MOST_STEPS = 8
+# nearness to the end of a physical range, over the number itself
+_EDGE = 0.02
 
 
 @dataclass(frozen=True)
@@ -287,20 +289,33 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
         least = _LEAST_OF_LEADER * leading[0].held_out_gain
         leading = [r for r in leading if r.held_out_gain >= least]
     bound = [r for r in named if r.name in _LAW_BOUND and _beyond_chance(r) and r not in leading]
+    # an effect is held against the best curves: both as they are after a refit
+    curves = [r for r in ranking.ranked if r.candidate.smooth and not r.candidate.within_logs]
+    curves = [r for r in curves if _justified(r)][:_CURVES]
     blocks = make_blocks(current.residual, current.log_index)
     base = float(ranking.base_squares.sum())
-    better: dict[str, Ranked] = {}
-    for row in leading + bound:
+    better: dict[tuple[str, bool], Ranked] = {}
+    for row in leading + bound + curves:
         terms = (*current.terms, row.candidate.term)
         refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
         # both in units of the drive: where the gain is fitted, an effect may change it
         residual = refit.residual * (current.gain / refit.gain)
         squares = held_out_squares(refit.free_jacobian, residual, blocks)
         gain = 1.0 - float(squares.sum()) / base
+        row = replace(row, on_edge=_on_edge(refit.terms[-1]))
         if gain > row.held_out_gain:
-            better[row.name] = replace(row, held_out_gain=gain, squares=squares)
-    rows = [r if r.candidate.smooth else better.get(r.name, r) for r in ranking.ranked]
+            row = replace(row, held_out_gain=gain, squares=squares)
+        better[row.name, row.candidate.smooth] = row
+    rows = [better.get((r.name, r.candidate.smooth), r) for r in ranking.ranked]
     return replace(ranking, ranked=tuple(sorted(rows, key=lambda r: -r.held_out_gain)))
+
+
+def _on_edge(term: Term) -> bool:
+    """Whether a shape number has come to the end of its physical range."""
+    return any(
+        min(abs(x - end) for end in limits) <= _EDGE * abs(x)
+        for x, limits in zip(term.free_shape, shape_limits(term), strict=True)
+    )
 
 
 def _least_gain(name: str) -> float:
@@ -308,6 +323,9 @@ def _least_gain(name: str) -> float:
 
 
 def _justified(row: Ranked) -> bool:
+    """By chance, size and form: a law bent with no time or exponent of its own is another law."""
+    if row.on_edge and row.name in _LAW_BOUND:
+        return False
     return _beyond_chance(row) and row.held_out_gain >= _least_gain(row.name)
 
 
@@ -331,7 +349,8 @@ def _choose(
 ) -> tuple[Ranked, tuple[str, ...]] | None:
     """What to add, and the effects it is tied with.
 
-    The simplest of the effects that the logs cannot tell from the best one. Where a curve without
+    The simplest of the effects that the logs cannot tell from the best one, those last that must
+    go to the end of their physical range for it. Where a curve without
     a name explains much more than any effect, none is the cause: the curve stands in for it.
     """
     worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
@@ -348,8 +367,8 @@ def _choose(
         if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain
         and (r is best or _tied(best, r, ranking.base_squares, rng))
     ]
-    size = [len(r.coefficients) + len(r.candidate.term.shape) for r in close]
-    winner = close[int(np.argmin(size))]
+    size = [(r.on_edge, len(r.coefficients) + len(r.candidate.term.shape)) for r in close]
+    winner = close[size.index(min(size))]
     ties = tuple(
         r.name
         for r, k in zip(close, size, strict=True)

@@ -40,6 +40,7 @@ class Ranked:
         coefficients: of the one-step fit, N m per column.
         admissible: the coefficients keep the effect's physical bounds.
         squares: held-out sum of squares by block.
+        on_edge: a joint refit drove a shape number to the end of its physical range.
     """
 
     candidate: Candidate
@@ -48,6 +49,7 @@ class Ranked:
     coefficients: Array
     admissible: bool
     squares: Array = field(repr=False)
+    on_edge: bool = False
 
     @property
     def name(self) -> str:

@@ -28,7 +28,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 _ON_BOUND = 1e-4
 # evaluations given to each start of a search, and how many of the starts go on
 _HALVING = ((4, 3), (1, 4))
-_MOST_STEPS = 15
+_MOST_STEPS, _FEW_STEPS = 15, 6
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 
@@ -258,7 +258,8 @@ def fit(
     """
     if start:
         outer = _Outer(prepared, terms, start)
-        return outer.result(_refined(outer, outer.start, _MOST_STEPS, closeness)[1])
+        steps = _MOST_STEPS if closeness == CLOSE else _FEW_STEPS
+        return outer.result(_refined(outer, outer.start, steps, closeness)[1])
     coarse, cache = prepared.thinned(), ColumnCache()
     # laws of different variables ripen at different speeds: the best of each is compared when done
     laws: dict[tuple[str, ...], list[tuple[_Outer, Array]]] = {}

@@ -37,6 +37,11 @@ def quantities(name: str) -> tuple[str, ...]:
     return tuple(UNKNOWN[name].QUANTITIES)
 
 
+def also(name: str) -> frozenset[str]:
+    """Effects of the catalogue that an out-of-catalogue kind truly brings with it."""
+    return frozenset(getattr(UNKNOWN[name], "ALSO", ()))
+
+
 def _module(name: str) -> ModuleType:
     every = {**EFFECTS, **UNKNOWN}
     if name not in every:

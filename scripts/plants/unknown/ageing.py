@@ -19,4 +19,4 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     parts.level_by_log = tuple(p[f"log{i}"] for i in range(4))
 
 
-QUANTITIES = ("log", "time_s")
+QUANTITIES = ("log", "time")

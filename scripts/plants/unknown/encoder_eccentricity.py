@@ -21,4 +21,4 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     parts.eccentricity = (p["amplitude"], p["phase"])
 
 
-QUANTITIES = ("position_rad", "acceleration", "load")
+QUANTITIES = ("position", "acceleration", "load")

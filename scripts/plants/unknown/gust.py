@@ -29,4 +29,4 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     }
 
 
-QUANTITIES = ("time_s",)
+QUANTITIES = ("time",)

@@ -30,4 +30,6 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     )
 
 
-QUANTITIES = ("other.position_rad", "other.velocity_rad_s")
+QUANTITIES = ("other.position", "other.velocity")
+# a belt is a spring on its own joint too
+ALSO = ("spring",)

@@ -35,4 +35,4 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     )
 
 
-QUANTITIES = ("position_rad", "velocity")
+QUANTITIES = ("position", "velocity")
