@@ -12,7 +12,6 @@ from frictionjoint.effects.signals import TIME, H, Q
 from frictionjoint.identify.fit import Fit, full_signals
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
-    TORQUE,
     VARIABLES,
     HysteresisTerm,
     LogTerm,
@@ -54,7 +53,9 @@ class Candidate:
 
     @property
     def within_logs(self) -> bool:
-        """Whether its coefficients belong to each log."""
+        """Whether its coefficients belong to each log, or its quantity hardly moves within one."""
+        if isinstance(self.term, EffectTerm):
+            return self.term.effect.slow
         return isinstance(self.term, SmoothTerm) and self.term.within_logs
 
 
@@ -110,8 +111,7 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
     a third of the travel; a friction level for each log.
     """
     terms: list[SplineTerm | HysteresisTerm | LogTerm] = []
-    measured = [] if prepared.voltage_driven else [TORQUE]
-    for variable in [*VARIABLES, *measured, *prepared.segments[0].others]:
+    for variable in [*VARIABLES, *prepared.segments[0].others]:
         try:
             x = np.concatenate(
                 [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]

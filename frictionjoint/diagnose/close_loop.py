@@ -39,7 +39,7 @@ from frictionjoint.identify.result import (
     term_estimates,
 )
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.smooth import TORQUE, VARIABLES
+from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded
@@ -323,8 +323,6 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
         for s, m, b, a, f in rows:
             kept = s.signals[:: s.step][s.kept]
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
-            if not prepared.voltage_driven:
-                quantities[TORQUE] = m
             for name, x in s.others.items():
                 quantities[name] = x[:: s.step][s.kept]
             curves.append(

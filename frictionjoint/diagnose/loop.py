@@ -300,7 +300,8 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
         refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
         # both in units of the drive: where the gain is fitted, an effect may change it
         residual = refit.residual * (current.gain / refit.gain)
-        squares = held_out_squares(refit.free_jacobian, residual, blocks)
+        within = row.candidate.within_logs
+        squares = held_out_squares(refit.free_jacobian, residual, blocks, within)
         gain = 1.0 - float(squares.sum()) / base
         row = replace(row, on_edge=_on_edge(refit.terms[-1]))
         if gain > row.held_out_gain:

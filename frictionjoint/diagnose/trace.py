@@ -113,16 +113,20 @@ def rank(
     return Ranking(_best_of_each(rows), base_squares[False])
 
 
-def held_out_squares(jacobian: Array, residual: Array, blocks: Blocks) -> Array:
+def held_out_squares(
+    jacobian: Array, residual: Array, blocks: Blocks, within_logs: bool = False
+) -> Array:
     """Sum of squares of each block with a fit's parameters as they would be without its fold.
 
     Args:
         jacobian: of a fit at its optimum, shape (n, p); residual: of the same fit, shape (n,).
+        within_logs: folds cut every log.
     Returns:
         shape (B,); to first order in the change of the parameters.
     """
     grams = blocks.gram(np.column_stack([_scaled(jacobian), residual]))
-    moved = _held_out(grams, np.arange(jacobian.shape[1]), blocks.fold)
+    folds = blocks.within if within_logs else blocks.fold
+    moved = _held_out(grams, np.arange(jacobian.shape[1]), folds)
     return _least(moved, grams[:, -1, -1])
 
 

@@ -36,6 +36,8 @@ class Effect:
         entry: how it enters. cause, form, source, signature: for people.
         bounds: of each coefficient, in units of its column; physical signs live here.
         shape_bounds: of each shape number; none where empty.
+        slow: it changes over minutes, so that a log may hold one value of it: its gain is judged
+            on stretches of every log, not on whole logs.
         memory: float64 of state the kernel keeps.
         separating_motion: what to record when it cannot be told from its nearest neighbours.
     """
@@ -57,6 +59,7 @@ class Effect:
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()
     shape_bounds: tuple[tuple[float, float], ...] = ()
+    slow: bool = False
     memory: int = 0
 
     @property

@@ -33,6 +33,7 @@ EFFECT = Effect(
     signature="same motion, friction that follows the measured temperature",
     separating_motion="the same motion cold and warm, and warm after a pause",
     entry="scales the friction level",
+    slow=True,
     shape=("T0",),
     shape_units=("deg C",),
     shape_fixed=True,

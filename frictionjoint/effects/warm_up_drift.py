@@ -32,6 +32,7 @@ EFFECT = Effect(
     signature="same motion, friction that changes slowly with time",
     separating_motion="the same motion repeated for several time constants, with a long pause",
     entry="scales the friction level",
+    slow=True,
     shape=("tau",),
     shape_units=("s",),
     shapes=_time_constants,

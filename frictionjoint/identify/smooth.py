@@ -14,7 +14,6 @@ from sklearn.preprocessing import SplineTransformer
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.prepare import Segment
-from frictionjoint.measured.derivatives import zero_phase
 
 VARIABLES = {
     "position": Q,
@@ -26,14 +25,8 @@ VARIABLES = {
 }
 
 
-# what the drive was asked for; it gives less where it saturates
-TORQUE = "torque"
-
-
 def quantity(segment: Segment, signals: Array, variable: str) -> Array:
     """A measured quantity along a segment, shape (n,)."""
-    if variable == TORQUE:
-        return zero_phase(segment.drive, segment.dt, segment.bandwidth_hz)
     if variable in VARIABLES:
         return signals[:, VARIABLES[variable]]
     return segment.others[variable]

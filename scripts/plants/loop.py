@@ -134,6 +134,8 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
         # what the gear hands on to the link; 1 ms low pass, as teeth and shaft have
         asked = c[_GRAV] * math.sin(qpos[0]) + c[_JLINK] * qacc[0]
         load += (asked - load) * h / (1e-3 + h)
-        temp += h * (c[_HEAT] * abs(fric * v) - (temp - c[_AMBIENT]) / c[_COOL])
+        # MuJoCo's own friction is none of `fric`, and warms the joint no less
+        lost = abs(fric * v) + (level * abs(v) if c[_LAW] == PLAIN else 0.0)
+        temp += h * (c[_HEAT] * lost - (temp - c[_AMBIENT]) / c[_COOL])
         rested += h * (1.0 - rested) / c[_DWELLTAU] - abs(v) * h / c[_DWELLSLIP] * rested
         rested = max(rested, 0.0)
