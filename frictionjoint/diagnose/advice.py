@@ -19,6 +19,7 @@ _PARTED_BY = {
     "velocity": "constant velocities over the whole range of speed, both ways",
     "acceleration": "one path at two speeds: what follows acceleration grows fourfold at twice one",
     "load": "one motion with two payloads",
+    "torque": "one motion at growing payloads, up to the largest torque of the drive",
     "time": "one motion repeated for long, with temperature_c beside it",
     "temperature_c": "one motion with the joint cold and warm",
 }

@@ -13,6 +13,7 @@ from frictionjoint.identify.fit import Fit, full_signals
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,
+    ExcessTerm,
     HysteresisTerm,
     LogTerm,
     SmoothTerm,
@@ -30,6 +31,10 @@ _FEWEST_PERIODS = 1.5
 _FEWEST_WAVES = 4.0
 _REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
+# limits of the drive tried, quantiles of its torque; how near to one to one, and to all of the
+# residual, an excess must be
+_LIMITS = tuple(0.4 + 0.02 * k for k in range(30))
+_ONE_TO_ONE, _NEXT_TO_ALL = 0.3, 0.7
 
 
 @dataclass(frozen=True)
@@ -129,6 +134,30 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
     if len(names) > 1:
         terms.append(LogTerm("log", names))
     return [Candidate(term, columns_of(prepared, signals, term)) for term in terms]
+
+
+def excess_candidates(prepared: Prepared, residual: Array) -> list[Candidate]:
+    """Torque beyond the limit that explains most: asked for, logged, and never given.
+
+    The torque is on both sides of this balance, so it counts only where next to all of the
+    residual is the excess itself, one to one.
+    """
+    if prepared.voltage_driven:
+        return []
+    asked = np.concatenate([np.abs(s.lowpass(s.drive)[s.kept]) for s in prepared.segments])
+    whole = float(residual @ residual)
+    found = []
+    for limit in np.quantile(asked, _LIMITS):
+        term = ExcessTerm("torque", float(limit))
+        x = columns_of(prepared, [s.signals for s in prepared.segments], term)
+        size = float((x[:, 0] @ x[:, 0]) * whole)
+        if size == 0.0:
+            continue
+        missing = float(x[:, 0] @ residual) / float(x[:, 0] @ x[:, 0])
+        explained = float(x[:, 0] @ residual) ** 2 / size
+        if abs(missing - 1.0) < _ONE_TO_ONE and explained > _NEXT_TO_ALL:
+            found.append((explained, Candidate(term, x)))
+    return [max(found, key=lambda pair: pair[0])[1]] if found else []
 
 
 def wave_candidates(

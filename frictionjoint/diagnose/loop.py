@@ -9,6 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.candidates import (
     effect_candidates,
+    excess_candidates,
     periodic_candidates,
     signals_of,
     smooth_candidates,
@@ -273,6 +274,7 @@ def _rank_all(
         return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
     found += periodic_candidates(prepared, signals, current.residual, blocks, rng, FLIPS)
     found += smooth_candidates(prepared, signals)
+    found += excess_candidates(prepared, current.residual)
     found += wave_candidates(prepared, current.residual, current.log_index, blocks, rng, FLIPS)
     return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
 

@@ -14,6 +14,7 @@ from sklearn.preprocessing import SplineTransformer
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.prepare import Segment
+from frictionjoint.measured.derivatives import zero_phase
 
 VARIABLES = {
     "position": Q,
@@ -145,6 +146,23 @@ class WaveTerm(SmoothTerm):
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
         return np.hstack([wave * x for x in own])
+
+
+@dataclass(frozen=True)
+class ExcessTerm(SmoothTerm):
+    """What the measured torque has beyond a limit: a drive that cannot give what it was asked for.
+
+    Attributes:
+        limit: N m.
+    """
+
+    limit: float
+    coefficients: ClassVar[tuple[str, ...]] = ("missing",)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of the coefficient, shape (n, 1)."""
+        asked = zero_phase(segment.drive, segment.dt, segment.bandwidth_hz)
+        return (asked - np.clip(asked, -self.limit, self.limit))[:, None]
 
 
 @dataclass(frozen=True)

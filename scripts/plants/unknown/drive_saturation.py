@@ -22,4 +22,4 @@ def build(parts: Parts, p: dict[str, float]) -> None:
     parts.loop["actual_limit"] = p["limit"]
 
 
-QUANTITIES = ("load",)
+QUANTITIES = ("torque", "load")
