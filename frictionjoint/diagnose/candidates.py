@@ -57,6 +57,11 @@ class Candidate:
         return isinstance(self.term, SmoothTerm)
 
     @property
+    def kind(self) -> str:
+        """Which candidates of one name are shapes of one thing."""
+        return type(self.term).__name__
+
+    @property
     def within_logs(self) -> bool:
         """Whether its coefficients belong to each log, or its quantity hardly moves within one."""
         if isinstance(self.term, EffectTerm):

@@ -29,6 +29,7 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.smooth import HysteresisTerm, SmoothTerm
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameters import FrictionParameters
 
@@ -57,6 +58,8 @@ _OTHER_SHARES = {
 # Effects that the law's own parameters take for themselves: what they explain shows only when
 # both are fitted at once.
 _LAW_BOUND = frozenset(("dwell-time", "frictional-lag", "nonlinear-viscous"))
+# How much more an effect must explain beside a curve that has no name.
+_DOUBT = 2.0
 _LARGE_GAIN = 0.5
 # Effects within this share of the best gain, and within chance of it, count as equals.
 _CLOSE = 0.05
@@ -155,8 +158,8 @@ def trace(
         final = fit(prepared, tuple(s.term for s in named), start=current.shape)
     named, final = _without_idle(prepared, named, final)
     if final is not current:
-        ranking = _rank_all(prepared, final, rng)
-    unexplained = _unexplained(ranking, final)
+        ranking = _with_refits(prepared, final, _rank_all(prepared, final, rng))
+    unexplained = _unexplained(ranking, final, steps)
     traced = final
     if sharper_forms is not forms:
         named, final = _restated(prepared, base, named, traced)
@@ -291,12 +294,14 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
         least = _LEAST_OF_LEADER * leading[0].held_out_gain
         leading = [r for r in leading if r.held_out_gain >= least]
     bound = [r for r in named if r.name in _LAW_BOUND and _beyond_chance(r) and r not in leading]
-    # an effect is held against the best curves: both as they are after a refit
+    # An effect is held against the best curves: both as they are after a refit. Hysteresis beside
+    # the law's own shows only then.
     curves = [r for r in ranking.ranked if r.candidate.smooth and not r.candidate.within_logs]
-    curves = [r for r in curves if _justified(r)][:_CURVES]
+    hidden = [r for r in curves if isinstance(r.candidate.term, HysteresisTerm)]
+    curves = [r for r in curves if _justified(r) and r not in hidden][:_CURVES] + hidden
     blocks = make_blocks(current.residual, current.log_index)
     base = float(ranking.base_squares.sum())
-    better: dict[tuple[str, bool], Ranked] = {}
+    better: dict[tuple[str, str], Ranked] = {}
     for row in leading + bound + curves:
         terms = (*current.terms, row.candidate.term)
         refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
@@ -308,8 +313,8 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
         row = replace(row, on_edge=_on_edge(refit.terms[-1]))
         if gain > row.held_out_gain:
             row = replace(row, held_out_gain=gain, squares=squares)
-        better[row.name, row.candidate.smooth] = row
-    rows = [better.get((r.name, r.candidate.smooth), r) for r in ranking.ranked]
+        better[row.name, row.candidate.kind] = row
+    rows = [better.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
     return replace(ranking, ranked=tuple(sorted(rows, key=lambda r: -r.held_out_gain)))
 
 
@@ -342,9 +347,17 @@ def _beyond_chance(row: Ranked) -> bool:
 
 def _large_enough(row: Ranked, current: Fit) -> bool:
     """Whether an effect moves the torque by a share of the friction worth naming."""
-    moved = np.sqrt(row.held_out_gain) * current.rms
-    least = _OTHER_SHARES.get(row.name, SMALLEST_SHARE)
-    return bool(moved >= least * np.sqrt(np.mean(current.friction**2)))
+    return _moved(row, current) >= _least_share(row.name)
+
+
+def _least_share(name: str) -> float:
+    return _OTHER_SHARES.get(name, SMALLEST_SHARE)
+
+
+def _moved(row: Ranked, current: Fit) -> float:
+    """Torque that it explains, over the friction's rms."""
+    explained = np.sqrt(max(0.0, row.held_out_gain)) * current.rms
+    return float(explained / np.sqrt(np.mean(current.friction**2)))
 
 
 def _choose(
@@ -358,6 +371,10 @@ def _choose(
     """
     worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
     named = [r for r in worth if not r.candidate.smooth]
+    if any(isinstance(t, SmoothTerm) for t in current.terms):
+        # something without a name is at work, and its by-products look like effects
+        named = [r for r in named if r.held_out_gain >= _DOUBT * _least_gain(r.name)]
+        named = [r for r in named if _moved(r, current) >= _DOUBT * _least_share(r.name)]
     smooth = [r for r in worth if r.candidate.smooth]
     if smooth and (not named or named[0].held_out_gain < _ENOUGH * smooth[0].held_out_gain):
         return smooth[0], ()
@@ -400,9 +417,14 @@ def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[
     return steps, current
 
 
-def _unexplained(ranking: Ranking, current: Fit) -> tuple[Ranked, ...]:
+def _unexplained(ranking: Ranking, current: Fit, steps: Sequence[Step]) -> tuple[Ranked, ...]:
+    """Curves that still explain something, and those that the loop had to put in for a cause."""
+    needed = {(s.evidence.name, s.evidence.candidate.kind) for s in steps}
     return tuple(
         r
         for r in ranking.ranked
-        if r.candidate.smooth and _justified(r) and _large_enough(r, current)
+        if r.candidate.smooth
+        and (_justified(r) or (r.name, r.candidate.kind) in needed)
+        and r.held_out_gain >= SMALLEST_GAIN
+        and _large_enough(r, current)
     )

@@ -225,15 +225,15 @@ def _admissible(candidate: Candidate, beta: Array) -> bool:
 
 
 def _best_of_each(rows: list[Ranked]) -> tuple[Ranked, ...]:
-    """The best shape of each effect, with the least p-value of all its shapes.
+    """The best shape of each effect and kind of curve, with the least p-value of all its shapes.
 
     The p-values are controlled over all shapes of all effects, so one of them is enough to say
     that the effect's cause is there; which shape it has is then a matter of the fit.
     """
-    best: dict[tuple[str, bool], Ranked] = {}
-    least: dict[tuple[str, bool], float] = {}
+    best: dict[tuple[str, str], Ranked] = {}
+    least: dict[tuple[str, str], float] = {}
     for row in rows:
-        key = (row.name, row.candidate.smooth)
+        key = (row.name, row.candidate.kind)
         if not row.admissible:
             continue
         least[key] = min(least.get(key, 1.0), row.p_value)
