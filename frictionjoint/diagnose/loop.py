@@ -420,11 +420,9 @@ def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[
 def _unexplained(ranking: Ranking, current: Fit, steps: Sequence[Step]) -> tuple[Ranked, ...]:
     """Curves that still explain something, and those that the loop had to put in for a cause."""
     needed = {(s.evidence.name, s.evidence.candidate.kind) for s in steps}
-    return tuple(
-        r
-        for r in ranking.ranked
-        if r.candidate.smooth
-        and (_justified(r) or (r.name, r.candidate.kind) in needed)
-        and r.held_out_gain >= SMALLEST_GAIN
-        and _large_enough(r, current)
-    )
+    best: dict[str, Ranked] = {}
+    for r in ranking.ranked:
+        asked_for = _justified(r) or (r.name, r.candidate.kind) in needed
+        if r.candidate.smooth and asked_for and r.held_out_gain >= SMALLEST_GAIN:
+            best.setdefault(r.name, r)
+    return tuple(r for r in best.values() if _large_enough(r, current))

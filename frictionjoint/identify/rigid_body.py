@@ -60,11 +60,6 @@ class RigidBody:
         self.model.dof_damping[dof] = 0.0
         self.armature = float(self.model.dof_armature[dof])
 
-    @property
-    def armature(self) -> float:
-        """Inertia of the rotor, on the joint's side of the gear, kg m^2."""
-        return float(self.model.dof_armature[self.model.jnt_dofadr[self.joint_id]])
-
     def spec(self) -> mujoco.MjSpec:
         """A fresh spec of the MJCF, to be changed."""
         if isinstance(self.mjcf, str) and self.mjcf.lstrip().startswith("<"):

@@ -1,7 +1,7 @@
 """Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects.
 
-The load an effect sees is what the gear transmits: the rotor, the joint's armature, is accelerated
-before the gear, so its share of the rigid-body torque is no load. The back-EMF acts only while
+The load that friction follows is what the gear transmits: the rotor, the joint's armature, is
+accelerated before the gear, so its share of the rigid-body torque is no load. The back-EMF acts only while
 the motor's circuit is closed.
 """
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects import back_emf
+from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import LOAD, A
@@ -86,7 +86,7 @@ class EffectTerm:
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
-        if LOAD in self.effect.needs:
+        if self.effect is load_dependent.EFFECT:
             signals = signals.copy()
             signals[:, LOAD] -= segment.rotor * signals[:, A]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
