@@ -1,8 +1,8 @@
 """Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects.
 
 The load that friction follows is what the gear transmits: the rotor, the joint's armature, is
-accelerated before the gear, so its share of the rigid-body torque is no load. The back-EMF acts only while
-the motor's circuit is closed.
+accelerated before the gear, so its share of the rigid-body torque is no load. The back-EMF acts
+only while the motor's circuit is closed.
 """
 
 from dataclasses import dataclass, replace
