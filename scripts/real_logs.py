@@ -100,6 +100,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--only", action="append", help="a machine; may be repeated")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--docs", action="store_true", help="write docs/real_logs.md")
     asked = parser.parse_args()
     chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
@@ -108,7 +109,7 @@ def main() -> None:
         "|---|---|---|---|---|---|---|---|",
     ]
     print("\n".join(lines))
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with ProcessPoolExecutor(asked.jobs) as pool:
         for line in pool.map(row, chosen):
             print(line, flush=True)
             lines.append(line)

@@ -18,7 +18,7 @@ from frictionjoint.identify.shape import (
 from frictionjoint.law.motion import drive_rival
 from frictionjoint.laws import LAWS
 from frictionjoint.parameters import Friction, FrictionParameters
-from frictionjoint.rivals import RIVALS
+from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
 
 _LEVELS = ("excess", "log Vs", "delta")
 _VARIABLES: dict[str, tuple[str, ...]] = {
@@ -152,8 +152,7 @@ def prompt_maxwell_slip() -> tuple[Shape, ...]:
     Its rate of attraction is a frictional lag. A law to look for effects with must not have one,
     or that effect never shows.
     """
-    (form,) = forms_of("maxwell_slip")
-    return (replace(form, least_rate=_PROMPT),)
+    return (replace(_start_of(MaxwellSlipParameters), least_rate=_PROMPT),)
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:
@@ -166,5 +165,9 @@ def forms_of(law: str) -> tuple[Shape, ...]:
         return INTEGRATED
     for rival in RIVALS:
         if rival.law == law:
-            return (RivalShape(rival, tuple(_START[name] for name in _VARIABLES[law])),)
+            return (_start_of(rival),)
     raise ParameterError(f"unknown law {law!r}: known are {', '.join(LAWS)}")
+
+
+def _start_of(rival: Any) -> RivalShape:
+    return RivalShape(rival, tuple(_START[name] for name in _VARIABLES[rival.law]))
