@@ -18,6 +18,8 @@ from numba.extending import intrinsic
 
 # division by zero is as in C: the test for it would be most of a small kernel
 compiled = njit(cache=True, error_model="numpy")
+# of a function on the way of every step: its call would cost as much as its work
+in_line = njit(cache=True, error_model="numpy", forceinline=True)
 
 # without annotations of its own
 _types: Any = types

@@ -34,7 +34,7 @@ import math
 from numba import njit
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law.memory import (
     BOUND,
     CAPACITY,
@@ -52,6 +52,8 @@ from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
 from frictionjoint.law.transition import knot_torque, segment_of_torque, slope
 
 RESET_MARGIN = 1e-3
+# far more than `advance` and `distance` differ by
+SHORT = 1e-6
 
 # Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
 LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = 0, 1, 2, 3, 4
@@ -134,7 +136,7 @@ def _closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
     return -X[s + tops - 1] if tops > 1 else math.inf
 
 
-@compiled
+@in_line
 def _slide(
     P: Vector, p: int, X: Vector, h: int, s: int, direction: float, S: float, dx: float
 ) -> None:
@@ -175,9 +177,16 @@ def _slide(
             # S has fallen below Fh: the torque relaxes down to S through the knots below.
             target = b + scale * knot_torque(P, k, j - 1) if j > 0 else -math.inf
         K = slope(P, k, j)
-        reach = distance(r, (target - origin) / span, n) * span / K
+        stop = (target - origin) / span
+        end = advance(r, dx * K / span, n)
+        # where the step ends clearly short of the target its distance need not be known
+        if abs(end - r) + SHORT < abs(stop - r):
+            r = end
+            f = origin + r * span
+            break
+        reach = distance(r, stop, n) * span / K
         if dx < reach:
-            r = advance(r, dx * K / span, n)
+            r = end
             f = origin + r * span
             break
         # Rounding can put a target a bit behind f; it is then reached at once.

@@ -12,7 +12,7 @@ first in each.
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, late, link
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, link
 from frictionjoint.law import (
     armstrong,
     bristle,
@@ -24,6 +24,7 @@ from frictionjoint.law import (
     static,
 )
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, make_room
+from frictionjoint.law.relaxation import late_advance, late_distance
 from frictionjoint.law.stribeck import FC
 
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
@@ -104,7 +105,7 @@ def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: f
 _late_rival = late(_step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, REAL, REAL, REAL))
 
 
-@compiled
+@in_line
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point; leaves the committed point alone."""
     if P[p] == INTEGRATED:
@@ -112,12 +113,18 @@ def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
     return _late_rival(P, p, X, x, dq, dt, v)
 
 
-def link_law(number: float) -> None:
-    """Compile or load the step of the law with this number now, not at its first step."""
-    link(_step_integrated if number == INTEGRATED else _late_rival)
+def link_law(P: Vector, p: int) -> None:
+    """Compile or load what a step of this block's law needs now, not at its first step."""
+    if P[p] != INTEGRATED:
+        link(_late_rival)
+        return
+    link(_step_integrated)
+    if P[p + 1 + integrated.EXPONENT] not in (1.0, 2.0) or P[p + 1 + integrated.LAMPAERT] == 1.0:
+        link(late_advance)
+        link(late_distance)
 
 
-@compiled
+@in_line
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """The last evaluated point becomes the committed one."""
     if P[p] == INTEGRATED:

@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numba import njit
 
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import REAL, compiled, late
 
 # exp(-37) is below the spacing of doubles at 1: from here on r is 1 to the last bit.
 _U_SATURATED = 37.0
@@ -135,24 +135,6 @@ def _from_zero(r: float, n: float) -> float:
 
 
 @compiled
-def distance(r0: float, r1: float, n: float) -> float:
-    """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
-    if (r0 < 1.0 and r1 >= 1.0) or (r0 > 1.0 and r1 <= 1.0) or r0 == 1.0:
-        return math.inf
-    if n == 1.0:
-        return math.log((1.0 - r0) / (1.0 - r1))
-    if r0 > 1.0:
-        if n == 2.0:
-            return 0.5 * math.log(((r1 + 1.0) * (r0 - 1.0)) / ((r1 - 1.0) * (r0 + 1.0)))
-        return _between(-math.log(r0 - 1.0), r0, -math.log(r1 - 1.0), r1, n)
-    if r1 <= 0.0:
-        return _to_zero(-r0, n) - _to_zero(-r1, n)
-    if r0 < 0.0:
-        return _to_zero(-r0, n) + distance_positive(0.0, r1, n)
-    return distance_positive(r0, r1, n)
-
-
-@compiled
 def distance_positive(r0: float, r1: float, n: float) -> float:
     """`distance` for 0 <= r0 <= r1 < 1."""
     if n == 2.0:
@@ -163,6 +145,37 @@ def distance_positive(r0: float, r1: float, n: float) -> float:
     if r0 > 0.5:
         return _quadrature(0, -math.log1p(-r0), -math.log1p(-r1), n)
     return _from_zero(r1, n) - _from_zero(r0, n)
+
+
+@compiled
+def any_distance(r0: float, r1: float, n: float) -> float:
+    """`distance` for every exponent but 1, where it is finite."""
+    if r0 > 1.0:
+        return _between(-math.log(r0 - 1.0), r0, -math.log(r1 - 1.0), r1, n)
+    if r1 <= 0.0:
+        return _to_zero(-r0, n) - _to_zero(-r1, n)
+    if r0 < 0.0:
+        return _to_zero(-r0, n) + distance_positive(0.0, r1, n)
+    return distance_positive(r0, r1, n)
+
+
+# What has no closed form is behind a pointer: in line, its powers and series would be computed
+# before every step, as what does not change in the loop over events.
+late_distance = late(any_distance, REAL(REAL, REAL, REAL))
+
+
+@compiled
+def distance(r0: float, r1: float, n: float) -> float:
+    """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
+    if (r0 < 1.0 and r1 >= 1.0) or (r0 > 1.0 and r1 <= 1.0) or r0 == 1.0:
+        return math.inf
+    if n == 1.0:
+        return math.log((1.0 - r0) / (1.0 - r1))
+    if n == 2.0 and r0 > 1.0:
+        return 0.5 * math.log(((r1 + 1.0) * (r0 - 1.0)) / ((r1 - 1.0) * (r0 + 1.0)))
+    if n == 2.0 and r0 >= 0.0 and r1 > 0.0:
+        return 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
+    return late_distance(r0, r1, n)
 
 
 @compiled
@@ -261,6 +274,25 @@ def _advance_small(r: float, a: float, n: float) -> float:
 
 
 @compiled
+def any_advance(r: float, a: float, n: float) -> float:
+    """`advance` for every exponent but 1 and 2."""
+    if r < 0.0:
+        to_zero = _to_zero(-r, n)
+        if a < to_zero:
+            return -_advance_negative(-r, a, n)
+        r, a = 0.0, a - to_zero
+    if r == 1.0:
+        return 1.0
+    # r**n is not smooth at 0 for small n, and Runge-Kutta needs it to be
+    if r < 1.0 and n * a < _SMALL and (n >= 3.0 or r > 0.1):
+        return _advance_small(r, a, n)
+    return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
+
+
+late_advance = late(any_advance, REAL(REAL, REAL, REAL))
+
+
+@compiled
 def advance(r: float, a: float, n: float) -> float:
     """r after the displacement a >= 0.
 
@@ -269,22 +301,12 @@ def advance(r: float, a: float, n: float) -> float:
     """
     if n == 1.0:
         return r - (1.0 - r) * math.expm1(-a)
-    if r < 0.0:
-        if n == 2.0:
+    if n == 2.0:
+        if r < 0.0:
             to_zero = math.atan(-r)
             if a < to_zero:
                 return math.tan(a - to_zero)
-        else:
-            to_zero = _to_zero(-r, n)
-            if a < to_zero:
-                return -_advance_negative(-r, a, n)
-        r, a = 0.0, a - to_zero
-    if n == 2.0:
+            r, a = 0.0, a - to_zero
         t = math.tanh(a)
         return (r + t) / (1.0 + r * t)
-    if r == 1.0:
-        return 1.0
-    # r**n is not smooth at 0 for small n, and Runge-Kutta needs it to be
-    if r < 1.0 and n * a < _SMALL and (n >= 3.0 or r > 0.1):
-        return _advance_small(r, a, n)
-    return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
+    return late_advance(r, a, n)

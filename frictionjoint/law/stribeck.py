@@ -12,6 +12,8 @@ from numba import njit
 from frictionjoint.arrays import Vector
 
 FS, FC, VS, DELTA, SIGMA2 = range(5)
+# exp(-x) is zero to the last bit from here on, which takes the library long to find out
+ZERO = 746.0
 
 
 @njit(cache=True, inline="always")
@@ -23,9 +25,11 @@ def stribeck_level(P: Vector, d: int, speed: float) -> float:
         return Fs
     x = speed / P[d + VS]
     delta = P[d + DELTA]
-    # pow costs more than the rest of a sliding step; these two exponents are the usual ones.
+    # a power costs more than the rest of a sliding step; these two exponents are the usual ones
     if delta == 2.0:
         x = x * x
     elif delta != 1.0:
         x = x**delta
+    if x > ZERO:
+        return Fc
     return Fc + (Fs - Fc) * math.exp(-x)

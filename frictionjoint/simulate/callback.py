@@ -148,7 +148,7 @@ def link_what_acts(model: mujoco.MjModel, blocks: Iterable[int]) -> None:
     """Compile or load now what the native callback will need for these blocks of a model."""
     P, h = model.numeric_data, model.opt.timestep
     for block in blocks:
-        link_law(P[block + HEAD])
+        link_law(P, block + HEAD)
         if P[block + int(P[block + EFFECTS])] > 0.0:
             link(late_joint_effects)
         K, damping = presliding(P, block + HEAD)

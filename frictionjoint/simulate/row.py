@@ -16,7 +16,7 @@ evaluated.
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import commit, presliding, start_row, step_row
@@ -36,7 +36,7 @@ def row_size(law_row: int, n_effects: int) -> int:
     return FRONT + law_row + 2 * MEMORY * n_effects
 
 
-@compiled
+@in_line
 def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
     """The effects' evaluated memory becomes the committed one."""
     n = MEMORY * int(P[effects])
@@ -46,7 +46,7 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
             X[memory + i] = X[memory + n + i]
 
 
-@compiled
+@in_line
 def torque_now(
     P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float
 ) -> float:

@@ -11,7 +11,7 @@ already where a load is held.
 """
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import NOTHING, REAL, VECTOR, WHOLE, compiled, late
+from frictionjoint.compiled import NOTHING, REAL, VECTOR, WHOLE, compiled, in_line, late
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import presliding
 from frictionjoint.simulate.carrier import DOF, HEAD, ROW
@@ -29,7 +29,7 @@ _SWEEPS = 50
 _SETTLED = 1e-12
 
 
-@compiled
+@in_line
 def is_stiff(P: Vector, p: int, X: Vector, x: int, h: float, weight: float) -> bool:
     """Whether the explicit torque of an evaluated row would not do; weight: inverse inertia."""
     if h == 0.0 or X[x + T_EVALUATED] == X[x + T_COMMITTED]:
