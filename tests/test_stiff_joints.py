@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.row import evaluate, row_size
 
 INERTIA, STEP, FS, FC = 0.01, 1e-3, 1.5, 1.0
 RATIOS = (1.0, 3.0, 8.0)  # h sqrt(K/J)
@@ -154,3 +156,18 @@ def test_both_backends_settle_an_arm_alike():
         held(model, data, backend, 1.1)
         ends.append(data.qpos.copy())
     np.testing.assert_allclose(*ends, atol=1e-12)
+
+
+def test_a_joint_without_inertia_gets_its_torque_here_and_now():
+    # an inertia of zero once sent the search for the step's end to infinity
+    law = fj.FrictionParameters.symmetric(
+        Fs=FS, Fc=FC, Vs=0.05, n=2.0, knots=((1e-5, FS), (4e-5, 2 * FS))
+    )
+    P = np.array([*law.pack(), 0.0])
+    size = row_size(int(law_row_size(P, 0)), 0)
+    ahead, now = np.zeros(size), np.zeros(size)
+    for k in range(5):
+        t, q, v = k * STEP, 1e-6 * k**2, 2e-3 * k
+        F = evaluate(P, 0, len(P) - 1, ahead, 0, t, q, v, STEP, 0.0)
+        assert evaluate(P, 0, len(P) - 1, now, 0, t, q, v, 0.0, INERTIA) == F
+    assert F > 0.0

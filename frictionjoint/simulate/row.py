@@ -104,7 +104,8 @@ def evaluate(
     """
     F = torque_now(P, p, effects, X, x, t, q, v)
     dt = t - X[x + T_COMMITTED]
-    if F == F and dt > 0.0 and h > 0.0:
+    # a joint without inertia has no equation of motion to solve
+    if F == F and dt > 0.0 and h > 0.0 and J > 0.0:
         K, damping = presliding(P, p)
         if h * (h * K + damping) > STIFF * J:
             f = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED]
