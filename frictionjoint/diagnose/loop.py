@@ -257,6 +257,8 @@ def _reconsidered(
         chosen = _choose(ranking, without, rng)
         if chosen is None or chosen[0].name == steps[i].term.name:
             continue
+        if chosen[0].candidate.smooth and not steps[i].evidence.candidate.smooth:
+            continue  # a curve stands in where no effect was found, not for one that was
         term = chosen[0].candidate.term
         terms = (*current.terms[:i], term, *current.terms[i + 1 :])
         other = fit(prepared, terms, start=without.shape)

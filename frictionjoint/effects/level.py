@@ -15,4 +15,4 @@ from numba import njit
 @njit(cache=True)
 def approached(E: float, target: float, dq: float, reach: float) -> float:
     """E after a displacement dq on its way to `target`, over the length `reach`."""
-    return target + (E - target) * math.exp(-abs(dq) / reach)
+    return E - (target - E) * math.expm1(-abs(dq) / reach)

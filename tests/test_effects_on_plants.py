@@ -1,0 +1,55 @@
+"""Every effect is told from all others on a plant, of MuJoCo's parts, that has exactly it."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.loop import trace
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.readers import read_log
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from plants.draw import draw_trial  # noqa: E402
+from plants.plant import simulate, write  # noqa: E402
+
+# A plant each, by the seed it is drawn from, and which of its numbers the fit must find.
+PLANTS = {
+    "backlash": 1,
+    "dwell-time": 1,
+    "end-stop": 1,
+    "frictional-lag": 1,
+    "gravity-error": 1,
+    "inertia-error": 1,
+    "joint-elasticity": 1,
+    "load-dependent": 1,
+    "measurement-delay": 1,
+    "nonlinear-viscous": 1,
+    "position-periodic": 1,
+    "spring": 1,
+    "temperature-dependent": 1,
+    "torque-bias": 1,
+    "torque-gain": 1,
+    "warm-up-drift": 1,
+}
+
+
+def plant(name, seed, friction="lugre", seconds=None):
+    spec = draw_trial(np.random.default_rng(seed), f"one:{name}")
+    motions = tuple(replace(m, duration=seconds or m.duration) for m in spec.motions[:2])
+    instrument = replace(spec.instrument, rate=250.0, jitter=0.0)
+    law = replace(spec.friction, law=friction)
+    return replace(spec, motions=motions, instrument=instrument, friction=law)
+
+
+@pytest.mark.parametrize(("name", "seed"), PLANTS.items())
+def test_it_is_named_first(name, seed, tmp_path):
+    warm = name in ("temperature-dependent", "warm-up-drift")
+    trial = simulate(plant(name, seed, seconds=40.0 if warm else 12.0))
+    logs = [read_log(path, "joint") for path in write(trial, tmp_path)]
+    found = trace(prepare(logs, RigidBody(tmp_path / "joint.xml", "joint")))
+    assert [s.term.name for s in found.steps][:1] == [name]

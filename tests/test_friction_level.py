@@ -1,0 +1,84 @@
+"""A change of the friction level reaches the torque by motion: effects that change it obey."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from frictionjoint.effects import backlash, dwell_time, frictional_lag
+from frictionjoint.effects.kernel import columns
+from frictionjoint.effects.level import approached
+from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
+
+LEVELS = st.floats(-10.0, 10.0)
+REACHES = st.floats(1e-6, 1.0)
+SHAPES = {
+    dwell_time.EFFECT: (0.5, 0.01, 1e-3),
+    frictional_lag.EFFECT: (0.05, 0.2, 1e-3),
+}
+
+
+@given(LEVELS, LEVELS, REACHES)
+def test_nothing_changes_without_motion(E, target, reach):
+    assert approached(E, target, 0.0, reach) == pytest.approx(E, abs=1e-14)
+
+
+@given(LEVELS, LEVELS, st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), REACHES)
+def test_steps_of_any_size_end_alike_and_never_beyond_the_target(E, target, a, b, reach):
+    at_once = approached(E, target, abs(a) + abs(b), reach)
+    assert approached(approached(E, target, a, reach), target, b, reach) == pytest.approx(
+        at_once, abs=1e-12
+    )
+    assert min(E, target) - 1e-12 <= at_once <= max(E, target) + 1e-12
+
+
+def slid_rested_slid(rest: float) -> np.ndarray:
+    """Signals of a joint that slides at 0.5 rad/s, rests, and slides on."""
+    dt = 1e-3
+    v = np.concatenate([np.full(1000, 0.5), np.zeros(int(rest / dt)), np.full(1000, 0.5)])
+    signals = np.zeros((len(v), N_SIGNALS))
+    signals[:, TIME] = np.arange(len(v)) * dt
+    signals[1:, DT] = dt
+    signals[:, V], signals[:, Q], signals[:, H] = v, np.cumsum(v) * dt, 1.0
+    return signals
+
+
+@pytest.mark.parametrize("effect", SHAPES, ids=lambda e: e.name)
+def test_a_joint_at_rest_keeps_its_torque(effect):
+    signals = slid_rested_slid(1.0)
+    torque = columns(effect.effect_id, SHAPES[effect], 1, signals)[:, 0]
+    assert np.ptp(torque[1001:1999]) == 0.0
+    assert np.ptp(torque[2000:2100]) > 0.05
+
+
+def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
+    """Breakaway after a rest is c (1 - exp(-rest/tau)) above steady sliding, as the form says."""
+    tau, slip, reach = 0.5, 0.05, 1e-5
+    peaks = []
+    for rest in (0.1, 0.5, 3.0):
+        torque = columns(dwell_time.EFFECT.effect_id, (tau, slip, reach), 1, slid_rested_slid(rest))
+        steady = (1.0 / tau) / (1.0 / tau + 0.5 / slip)
+        after = torque[-1000:, 0]
+        peaks.append(after.max() - steady)
+        assert after[-1] == pytest.approx(steady, abs=1e-3)
+        assert peaks[-1] == pytest.approx((1.0 - steady) * -math.expm1(-rest / tau), abs=0.02)
+    assert peaks[0] < peaks[1] < peaks[2]
+
+
+def test_a_link_falls_freely_through_its_gap():
+    """Under a torque that changes sign once, the gap p is crossed in sqrt(2 p/torque)."""
+    dt, gap, pull = 1e-4, 2e-3, 1.0
+    signals = np.zeros((4000, N_SIGNALS))
+    signals[:, TIME] = np.arange(len(signals)) * dt
+    signals[1:, DT] = dt
+    signals[:, GEAR] = np.where(signals[:, TIME] < 0.1, -pull, pull)
+    shape = (gap, 200.0, 0.7)
+    transmitted = columns(backlash.EFFECT.effect_id, shape, 1, signals)[:, 0] + signals[:, GEAR]
+    assert transmitted[500] == pytest.approx(-pull, rel=1e-3)
+    turned = int(np.argmax(signals[:, GEAR] > 0.0))
+    impact = turned + int(np.argmax(transmitted[turned:] > pull))
+    assert np.all(transmitted[turned + 20 : impact - 20] == 0.0)
+    assert (impact - turned) * dt == pytest.approx(math.sqrt(2.0 * gap / pull), rel=0.05)
+    assert transmitted[-1] == pytest.approx(pull, rel=1e-2)
