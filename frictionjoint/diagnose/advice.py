@@ -45,15 +45,22 @@ def what_to_record(
     for variable, _ in unexplained:
         motion = _PARTED_BY.get(variable, "this joint alone with the others held, then the others")
         found.append(f"To find what acts through {quantity(variable)}: {motion}.")
-    for motion, names in _DETERMINED_BY.items():
-        loose = [
-            name.removesuffix("_pos") for name in names if name in law and _is_loose(law[name])
-        ]
-        if loose:
-            found.append(f"To determine {', '.join(loose)}: {motion}.")
+    for motion, names in loose_parameters(law):
+        symbols = ", ".join(name.removesuffix("_pos") for name in names)
+        found.append(f"To determine {symbols}: {motion}.")
     if not held_out:
         found.append("To know the error on unseen data: one more log, given with --held-out.")
     return tuple(found)
+
+
+def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:
+    """Numbers of the law that the logs hardly determine, by the motion that would."""
+    found = []
+    for motion, names in _DETERMINED_BY.items():
+        loose = tuple(name for name in names if name in law and _is_loose(law[name]))
+        if loose:
+            found.append((motion, loose))
+    return found
 
 
 def quantity(variable: str) -> str:

@@ -12,6 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.intervals import rms_interval
 from frictionjoint.diagnose.loop import INTEGRATED_LAW, Step, Trace, trace
+from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
 from frictionjoint.diagnose.report_data import (
     Added,
@@ -49,6 +50,8 @@ from frictionjoint.measured.readers import read_log
 
 _AT_THE_FLOOR = 1.5
 _WHITE = 3.0
+# share of an effect's gain from which on another one is worth a record that parts the two
+_NEAR = 0.95
 
 
 LogLike = JointLog | str | Path
@@ -103,6 +106,9 @@ def close_loop(
     floor = _noise_floor(moving, found.final.gain)
     cov = _covariance(moving, found.final)
     final = law_estimates(found.final, cov, body.slide)
+    open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
+    progress("what to record next")
+    computed = computed_proposals(Planner(moving, found.final, body), _rivals(found), cov, final)
     return Report(
         joint=joint,
         slide=body.slide,
@@ -126,7 +132,7 @@ def close_loop(
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
-        proposals=what_to_record(_ties(found), unexplained, final, bool(held_out)),
+        proposals=(*open_questions, *computed),
         notes=(*_notes(fitted_on, moving), *_law_note(found)),
     )
 
@@ -370,3 +376,18 @@ def _effect(step: Step) -> Effect:
     if isinstance(term, EffectTerm):
         return term.effect
     return next(e for e in CATALOGUE if e.name == term.name)
+
+
+def _rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
+    """By the number of a term in the final fit: the effects that explain nearly as much.
+
+    These are the ties, and others that were set aside only because they are less simple.
+    """
+    taken = {step.term.name for step in found.steps}
+    pairs = []
+    for i, step in enumerate(found.steps):
+        least = _NEAR * step.evidence.held_out_gain
+        rows = [r for r in step.ranking.ranked if r.name not in taken]
+        near = (r.candidate.term for r in rows if r.name in step.ties or r.held_out_gain >= least)
+        pairs += [(i, term) for term in near if isinstance(term, EffectTerm)]
+    return pairs

@@ -72,12 +72,22 @@ def truth(spec: PlantSpec, parts: Parts) -> dict[str, Any]:
 
 
 def _record(parts: Parts, number: int) -> Log:
-    """Simulate log `number` and sample it as the instrument does."""
+    """Log `number` as the instrument samples it."""
+    wish = parts.spec.motions[number]
+    return follow(parts, motion.target(wish, control_period(parts)), number)
+
+
+def control_period(parts: Parts) -> float:
+    """s between two values of a target."""
+    return float(parts.constants()[loop.INDEX["hold"]]) * parts.spec.step
+
+
+def follow(parts: Parts, target: NDArray, number: int) -> Log:
+    """The log of a target of one's own, rad, one value per control period, in place of `number`."""
     spec, wish = parts.spec, parts.spec.motions[number]
     c = parts.constants()
     hold = int(c[loop.INDEX["hold"]])
     dt = hold * spec.step
-    target = motion.target(wish, dt)
     for name in ("kp", "ki", "kd"):
         c[loop.INDEX[name]] *= wish.soft if name != "kd" else np.sqrt(wish.soft)
     if parts.level_by_log:

@@ -1,0 +1,365 @@
+"""Motions one could record next, inside what the logs and the MJCF show the joint to do."""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import (
+    DT,
+    GX,
+    GY,
+    JERK,
+    LOAD,
+    N_SIGNALS,
+    SNAP,
+    TEMP,
+    TIME,
+    A,
+    Q,
+    V,
+)
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.rigid_body import RigidBody
+
+# of the speeds and accelerations seen: single samples are noise
+_USUAL = 0.99
+# the payloads tried add these shares of what the joint carries
+_PAYLOADS = (0.5, 1.0)
+_LONGEST, _WARMING = 80.0, 320.0
+# s between samples, and samples in the shortest period
+_FINE, _PER_PERIOD = 0.02, 12.0
+_FREQUENCIES, _ROWS = 5, 12
+_SPEEDS = (1.0, 0.3, 0.05)
+_RESTS = (0.1, 1.0, 10.0)
+_EASE = 1.0
+_GRID = 257
+_SLOW, _GROWTH = 0.25, 20.0
+# share of the inertia from the centre of mass's distance below which a body counts as balanced
+_BALANCED = 0.05
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a proposed motion keeps to.
+
+    Attributes:
+        low, high: rad (m). speed: rad/s. acceleration: rad/s^2.
+        beyond: how this goes beyond the logs, for people; empty inside them.
+    """
+
+    low: float
+    high: float
+    speed: float
+    acceleration: float
+    beyond: str = ""
+
+    @property
+    def reach(self) -> float:
+        """Half the range."""
+        return 0.5 * (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion to record.
+
+    Attributes:
+        name: for people, with its figures.
+        dt: s. position: shape (n,), rad (m), from rest in the middle of the range.
+        once: s until it has done all that its name says.
+        payload: share of what the joint carries that is added to it.
+        temperature: deg C of the joint, None where no log tells it.
+        beyond: see `Limits`.
+    """
+
+    name: str
+    dt: float
+    position: Array
+    once: float
+    payload: float = 0.0
+    temperature: float | None = None
+    beyond: str = ""
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return self.dt * (len(self.position) - 1)
+
+    @property
+    def speed(self) -> float:
+        """Largest, rad/s."""
+        return float(np.abs(np.gradient(self.position, self.dt)).max())
+
+    def part(self, duration: float) -> "Motion":
+        """The beginning of it."""
+        return replace(self, position=self.position[: round(duration / self.dt) + 1])
+
+
+def seen(prepared: Prepared, body: RigidBody) -> Limits:
+    """Range, speed and acceleration of the logs, inside the MJCF's range."""
+    q, v, a = (np.concatenate([s.signals[:, k] for s in prepared.segments]) for k in (Q, V, A))
+    low, high = _model_range(body)
+    return Limits(
+        max(float(q.min()), low),
+        min(float(q.max()), high),
+        float(np.quantile(np.abs(v), _USUAL)),
+        float(np.quantile(np.abs(a), _USUAL)),
+    )
+
+
+def wider(limits: Limits, body: RigidBody) -> Limits:
+    """The MJCF's range, else twice the logs'; twice the speed, four times the acceleration."""
+    low, high = _model_range(body)
+    if not np.isfinite(low):
+        low, high = limits.low - limits.reach, limits.high + limits.reach
+    unit = "m" if body.slide else "rad"
+    # speeds are of all motions of the family: the record itself may need less
+    return Limits(
+        low,
+        high,
+        2.0 * limits.speed,
+        4.0 * limits.acceleration,
+        f"the logs went from {limits.low:.3g} to {limits.high:.3g} {unit} and up to "
+        f"{limits.speed:.3g} {unit}/s, {limits.acceleration:.3g} {unit}/s^2",
+    )
+
+
+def _model_range(body: RigidBody) -> tuple[float, float]:
+    if not body.model.jnt_limited[body.joint_id]:
+        return -np.inf, np.inf
+    low, high = body.model.jnt_range[body.joint_id]
+    return float(low), float(high)
+
+
+def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Motion]:
+    """The motions tried, each as long as may be asked for.
+
+    Args:
+        presliding: displacement over which friction builds up, rad (m); 0 for a law of none.
+    """
+    if min(limits.reach, limits.speed, limits.acceleration) <= 0.0:
+        return
+    unit = "m" if prepared.slide else "rad"
+    dt = sampling(limits, prepared) * kept_period(prepared)
+    bandwidth = prepared.segments[0].bandwidth_hz
+    temperatures = np.concatenate([s.signals[:, TEMP] for s in prepared.segments])
+    known = float(np.ptp(temperatures)) > 0.0
+
+    def motion(name: str, q: Array, once: float) -> Motion:
+        usual = float(temperatures.mean()) if known else None
+        return Motion(name, dt, q, once, temperature=usual, beyond=limits.beyond)
+
+    t = np.arange(0.0, _LONGEST + 0.5 * dt, dt)
+    natural = limits.speed / (2.0 * np.pi * limits.reach)
+    top = _top(limits)
+    for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), _FREQUENCIES):
+        yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), 1.0 / f)
+    speeds = [part * limits.speed for part in _SPEEDS]
+    for speed in speeds:
+        name = f"both ways at a constant {speed:.2g} {unit}/s"
+        yield motion(name, _sweeps(t, [speed], limits), 4.0 * limits.reach / speed)
+    slow = motion(
+        f"both ways at {', '.join(f'{x:.2g}' for x in speeds)} {unit}/s in turn",
+        _sweeps(t, speeds, limits),
+        sum(4.0 * limits.reach / x for x in speeds),
+    )
+    yield slow
+    rests = ", ".join(f"{x:g}" for x in _RESTS)
+    name = f"moves with rests of {rests} s in turn between them"
+    yield motion(name, _moves(t, limits), 2.0 * sum(_RESTS))
+    highest = min(top, bandwidth / 3.0)
+    fast = motion(
+        f"a multisine up to {highest:.2g} Hz", _multisine(t, highest, limits), 10.0 / highest
+    )
+    yield fast
+    if presliding > 0.0:
+        name = "slow reversals that grow from presliding to sliding"
+        yield motion(name, _reversals(t, presliding, limits), _GROWTH)
+    for payload in _PAYLOADS:
+        yield replace(slow, payload=payload)
+        yield replace(fast, payload=payload)
+    full = f"a sine of {natural:.2g} Hz"
+    if known:
+        for word, x in (("cold", temperatures.min()), ("warm", temperatures.max())):
+            name = f"{full}, the joint {word} from the start ({x:.3g} deg C)"
+            sine = motion(name, _sine(t, natural, limits), 1.0 / natural)
+            yield replace(sine, temperature=float(x))
+    long = np.arange(0.0, _WARMING + 0.5 * dt, dt)
+    yield motion(f"{full}, kept up to warm the joint", _sine(long, natural, limits), _LONGEST)
+
+
+def kept_period(prepared: Prepared) -> float:
+    """s between the samples a fit keeps."""
+    return min(s.dt * s.step for s in prepared.segments)
+
+
+def sampling(limits: Limits, prepared: Prepared) -> int:
+    """One in how many of the samples that a fit keeps is enough for these motions."""
+    enough = min(_FINE, 1.0 / (_PER_PERIOD * _top(limits)))
+    return max(1, int(enough / kept_period(prepared)))
+
+
+def _top(limits: Limits) -> float:
+    """Highest frequency tried, Hz: twice that at which speed and acceleration both bind."""
+    return max(limits.acceleration / limits.speed, limits.speed / limits.reach) / np.pi
+
+
+def _eased(t: Array) -> Array:
+    """From 0 to 1 in `_EASE` seconds, with no speed and acceleration at either end."""
+    s = np.clip(t / _EASE, 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
+
+
+def _middle(limits: Limits) -> float:
+    return 0.5 * (limits.low + limits.high)
+
+
+def _sine(t: Array, f: float, limits: Limits) -> Array:
+    w = 2.0 * np.pi * f
+    amplitude = min(limits.reach, limits.speed / w, limits.acceleration / w**2)
+    return np.asarray(_middle(limits) + amplitude * np.sin(w * t) * _eased(t))
+
+
+def _through(t: Array, corners: list[float], times: list[float], smooth: float) -> Array:
+    """Straight from corner to corner, speeds changed over `smooth` seconds."""
+    q = np.interp(t, times, corners)
+    size = max(1, round(smooth / float(t[1] - t[0])))
+    return np.asarray(uniform_filter1d(q, size, mode="nearest"))
+
+
+def _sweeps(t: Array, speeds: list[float], limits: Limits) -> Array:
+    """Over the whole range and back at each speed in turn."""
+    corners, times = [_middle(limits)], [_EASE]
+    ends = itertools.cycle((limits.high, limits.low))
+    for speed in itertools.cycle(speeds):
+        for to in (next(ends), next(ends)):
+            times.append(times[-1] + abs(to - corners[-1]) / speed)
+            corners.append(to)
+        if times[-1] > t[-1]:
+            break
+    return _through(t, corners, times, 2.0 * max(speeds) / limits.acceleration)
+
+
+def _moves(t: Array, limits: Limits) -> Array:
+    """Between two points a range apart by half, at rest there for a while."""
+    corners, times = [_middle(limits)], [_EASE]
+    for k, rest in enumerate(itertools.cycle(_RESTS)):
+        to = _middle(limits) + (0.5 if k % 2 else -0.5) * limits.reach
+        moving = abs(to - corners[-1]) / limits.speed
+        corners += [to, to]
+        times += [times[-1] + moving, times[-1] + moving + rest]
+        if times[-1] > t[-1]:
+            break
+    return _through(t, corners, times, limits.speed / limits.acceleration)
+
+
+def _multisine(t: Array, highest: float, limits: Limits) -> Array:
+    f = np.geomspace(0.1 * highest, highest, _ROWS)
+    phase = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, _ROWS)
+    q = (np.sin(2.0 * np.pi * np.outer(t, f) + phase) / f) @ np.ones(_ROWS) * _eased(t)
+    dt = float(t[1] - t[0])
+    v = np.gradient(q, dt)
+    ends = (limits.reach, limits.speed, limits.acceleration)
+    scale = min(x / np.abs(y).max() for x, y in zip(ends, (q, v, np.gradient(v, dt)), strict=True))
+    return np.asarray(_middle(limits) + scale * q)
+
+
+def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
+    """Slow waves whose amplitude goes from 3 times the presliding displacement to 30 times."""
+    growth = 3.0 * 10.0 ** (t % _GROWTH / _GROWTH)
+    amplitude = np.minimum(growth * presliding, limits.reach)
+    return np.asarray(_middle(limits) + amplitude * np.sin(2.0 * np.pi * _SLOW * t))
+
+
+class Carried:
+    """Torque of the rigid body while this joint alone moves: M(q) a + c(q) v^2 + g(q).
+
+    Args:
+        body: of the MJCF. like: the logs; other joints stay at the median of their positions there.
+        limits: positions are looked up between the ends of these.
+    """
+
+    def __init__(self, body: RigidBody, like: Prepared, limits: Limits) -> None:
+        self.q = np.linspace(limits.low, limits.high, _GRID)
+        none, one = np.zeros(_GRID), np.ones(_GRID)
+        others = {}
+        for name in body.joint_names:
+            key = f"{name}.position"
+            tracks = [s.others[key] for s in like.segments if key in s.others]
+            if tracks:
+                others[name] = (np.full(_GRID, np.median(np.concatenate(tracks))), none, none)
+        still = body.torque(self.q, none, none, others)
+        self.gravity, self.gx, self.gy = still.load, still.gx, still.gy
+        self.inertia = body.torque(self.q, none, one, others).load - still.load
+        self.centrifugal = body.torque(self.q, one, none, others).load - still.load
+        self.armature = float(body.model.dof_armature[body.model.jnt_dofadr[body.joint_id]])
+
+    def fill(self, signals: Array, payload: float) -> None:
+        """LOAD, GX and GY along a motion, shape (n, N_SIGNALS), with Q, V and A in it.
+
+        Args:
+            payload: share of what the joint carries that is added to it.
+        """
+        q, v, a = (signals[:, k] for k in (Q, V, A))
+
+        def at(column: Array) -> Array:
+            return np.asarray(np.interp(q, self.q, column))
+
+        load = at(self.inertia) * a + at(self.centrifugal) * v**2 + at(self.gravity)
+        signals[:, LOAD] = load + payload * (load - self.armature * a)
+        signals[:, GX], signals[:, GY] = at(self.gx), at(self.gy)
+
+
+def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepared:
+    """A motion as a log of it would be prepared; its drive is zero.
+
+    Args:
+        like: the logs. carried: for the limits the motion keeps to.
+    """
+    dt, n = motion.dt, len(motion.position)
+    bandwidth = min(like.segments[0].bandwidth_hz, 0.25 / dt)
+    signals = np.zeros((n, N_SIGNALS))
+    signals[:, TIME] = dt * np.arange(n)
+    signals[:, Q] = motion.position
+    for lower, higher in itertools.pairwise((Q, V, A, JERK, SNAP)):
+        signals[:, higher] = np.gradient(signals[:, lower], dt)
+    carried.fill(signals, motion.payload)
+    signals[1:, DT] = dt
+    if motion.temperature is not None:
+        signals[:, TEMP] = motion.temperature
+    edge = max(2, int(1.0 / (bandwidth * dt)))
+    mask = np.ones(n, dtype=bool)
+    mask[:edge] = mask[n - edge :] = False
+    mask &= np.abs(signals[:, V]) >= like.rest_speed
+    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), mask, {})
+    return replace(like, segments=(segment,))
+
+
+def payload_of(motion: Motion, body: RigidBody) -> str:
+    """The payload of a motion for people: a mass and where to put it.
+
+    A point mass that adds `motion.payload` of the first and the second moment of what the joint
+    carries at qpos0.
+    """
+    model, data = body.model, mujoco.MjData(body.model)
+    mujoco.mj_forward(model, data)
+    child = int(model.jnt_bodyid[body.joint_id])
+    mass = float(model.body_subtreemass[child])
+    if body.slide:
+        return f"payload of {motion.payload * mass:.2g} kg"
+    dof = int(model.jnt_dofadr[body.joint_id])
+    inertia = float(data.M[model.M_rowadr[dof] + model.M_rownnz[dof] - 1] - model.dof_armature[dof])
+    axis = data.xaxis[body.joint_id]
+    arm = data.subtree_com[child] - data.xanchor[body.joint_id]
+    away = float(np.linalg.norm(arm - (arm @ axis) * axis))
+    if away**2 * mass < _BALANCED * inertia:
+        return f"payload balanced about the axis, {motion.payload * inertia:.2g} kg m^2"
+    # m r and m r^2 of the point mass
+    first = motion.payload * mass * away
+    r = motion.payload * inertia / first
+    return f"payload of {first / r:.2g} kg at {r:.2g} m from the axis"

@@ -1,0 +1,299 @@
+"""Which motion to record next: the shortest one expected to settle what the logs leave open."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.advice import loose_parameters
+from frictionjoint.diagnose.candidates import columns_of, signals_of
+from frictionjoint.diagnose.motions import (
+    Carried,
+    Limits,
+    Motion,
+    family,
+    payload_of,
+    prepared_motion,
+    sampling,
+    seen,
+    wider,
+)
+from frictionjoint.diagnose.separation import (
+    Effect,
+    Moments,
+    Noise,
+    Separation,
+    moments,
+    separation,
+    with_further,
+)
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.sensitivity import sensitivities
+from frictionjoint.identify.terms import EffectTerm, Term
+
+# what counts as parted: standard deviations, and a share that no refit makes up for
+LEVEL, UNLIKE = 3.0, 0.04
+# share below which nothing is left
+_NOTHING = 1e-4
+_DURATIONS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
+_FOR_PARAMETERS = 40.0
+# a standard error worth a record: at most this share of what it was
+_SHARPER = 0.7
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A record to make.
+
+    Attributes:
+        motion: cut to the duration proposed.
+        expected: with the record beside the logs, with the first effect true and with the second.
+        now: in the logs alone.
+    """
+
+    motion: Motion
+    expected: tuple[Separation, Separation]
+    now: tuple[Separation, Separation]
+
+    @property
+    def parts(self) -> bool:
+        """Whether it is expected to settle the tie, whichever effect is true."""
+        return all(x.deviations >= LEVEL and x.share >= UNLIKE for x in self.expected)
+
+    @property
+    def nested(self) -> bool:
+        """Whether the second effect holds the first one as a special case."""
+        first, second = self.expected
+        return first.share < _NOTHING <= second.share
+
+
+class Planner:
+    """The logs and what was fitted to them, asked what to record next.
+
+    Args:
+        prepared: the logs the fit is of. fitted: with all effects found.
+        body: of the MJCF the logs were prepared with.
+    """
+
+    def __init__(self, prepared: Prepared, fitted: Fit, body: RigidBody) -> None:
+        self.prepared = prepared
+        self.fitted = fitted
+        self.body = body
+        self.limits = seen(prepared, body)
+        self.noise = Noise(fitted.residual, fitted.log_index)
+        law = law_parameters(fitted)
+        self.presliding = fitted.coefficient("Fc") / law.stiffness if law.stiffness else 0.0
+        self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
+
+    def parting(self, i: int, other: Term) -> Proposal | None:
+        """The shortest record expected to tell term i of the fit from another term.
+
+        Inside what the logs show where that is enough. Where nothing is, the one that comes
+        nearest (`Proposal.parts` tells); None where the joint never moved.
+        """
+        J, own = self.fitted.jacobian, self._own(i)
+        effect = Effect(self.fitted.terms[i], self.fitted.term_coefficients(i))
+        law = np.flatnonzero(~self.fitted.bound & ~np.isin(np.arange(J.shape[1]), own))
+        rival = self._rival(effect, other, J[:, law])
+        here = np.column_stack([J[:, law], *self._columns(effect, rival, self.prepared)])
+        old = self._over_logs(here)
+        sizes = (len(law), effect.size, rival.size)
+        now = separation(old, *sizes)
+        best: Proposal | None = None
+        beyond = wider(self.limits, self.body)
+        # what is least trouble first
+        for limits, loaded in itertools.product((self.limits, beyond), (False, True)):
+            noise = self._noise(limits)
+            for motion, prepared, sensitive in self._motions(limits):
+                if loaded != (motion.payload > 0.0):
+                    continue
+                both = self._columns(effect, rival, prepared)
+                U = np.column_stack([sensitive[:, law], *both])
+                for duration in _durations(motion):
+                    if best is not None and best.parts and duration > best.motion.duration:
+                        break
+                    rows = round(duration / motion.duration * len(U))
+                    expected = separation(old + moments(U[:rows], noise), *sizes)
+                    trial = Proposal(motion.part(duration), expected, now)
+                    best = trial if best is None else max(best, trial, key=_worth)
+                    if trial.parts:
+                        break
+            if best is not None and (best.parts or best.nested):
+                break
+        return best
+
+    def sharpening(
+        self, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
+    ) -> tuple[Motion, dict[str, Estimate]] | None:
+        """The record that most lowers the standard errors of some parameters.
+
+        Args:
+            cov: of all parameters of the fit. names: of the law's numbers to determine.
+            law: their estimates now.
+        Returns:
+            the motion, and the law's estimates expected with it; None where none lowers all.
+        """
+        best, least = None, _SHARPER
+        noise = self._noise(self.limits)
+        for motion, _, sensitive in self._motions(self.limits):
+            enough = [x for x in _durations(motion) if x >= _FOR_PARAMETERS]
+            part = motion.part(enough[0] if enough else motion.duration)
+            rows = round(part.duration / motion.duration * len(sensitive))
+            further = moments(sensitive[:rows], noise)
+            expected = with_further(cov, self.fitted.jacobian, further)
+            found = law_estimates(self.fitted, expected, self.body.slide)
+            ratio = max(_ratio(found[name], law[name]) for name in names)
+            if ratio < least:
+                best, least = (part, found), ratio
+        return best
+
+    def _own(self, i: int) -> NDArray[np.int64]:
+        """Columns of the jacobian that belong to term i, its coefficients first."""
+        terms, names = self.fitted.terms, len(self.fitted.names)
+        first = names - sum(len(t.coefficients) for t in terms[i:])
+        shape = names + len(self.fitted.shape.variables)
+        shape += sum(len(t.free_shape) for t in terms[:i])
+        own = first + np.arange(len(terms[i].coefficients))
+        return np.concatenate([own, shape + np.arange(len(terms[i].free_shape))])
+
+    def _rival(self, effect: Effect, other: Term, law: Array) -> Effect:
+        """The other effect with the coefficients it takes in place of the first one."""
+        signals = signals_of(self.prepared, self.fitted)
+        target = self.fitted.residual
+        target = target + effect.columns(self.prepared, self.fitted)[:, -1]
+        X = columns_of(self.prepared, signals, other)
+        both = np.column_stack([law, X])
+        solved = np.linalg.lstsq(both, target, rcond=1e-10)[0]
+        return Effect(other, np.asarray(solved[law.shape[1] :]))
+
+    def _columns(self, effect: Effect, rival: Effect, prepared: Prepared) -> tuple[Array, Array]:
+        return effect.columns(prepared, self.fitted), rival.columns(prepared, self.fitted)
+
+    def _over_logs(self, U: Array) -> Moments:
+        logs = [self.fitted.log_index == i for i in np.unique(self.fitted.log_index)]
+        return sum(
+            (moments(U[one], self.noise) for one in logs[1:]), moments(U[logs[0]], self.noise)
+        )
+
+    def _noise(self, limits: Limits) -> Noise:
+        every = sampling(limits, self.prepared)
+        return Noise(self.fitted.residual, self.fitted.log_index, every)
+
+    def _motions(self, limits: Limits) -> list[tuple[Motion, Prepared, Array]]:
+        """The family inside some limits, with the sensitivities of the fit along each motion."""
+        if limits not in self._tried:
+            found = []
+            carried = Carried(self.body, self.prepared, limits)
+            for motion in family(limits, self.prepared, self.presliding):
+                prepared = prepared_motion(motion, self.prepared, carried)
+                if prepared.segments[0].kept.any():
+                    found.append((motion, prepared, sensitivities(prepared, self.fitted)))
+            self._tried[limits] = found
+        return self._tried[limits]
+
+
+def _durations(motion: Motion) -> list[float]:
+    """To be tried, s: all of the motion at least once, where there is time for that."""
+    tried = [x for x in _DURATIONS if motion.once <= x <= motion.duration]
+    return tried or [motion.duration]
+
+
+def _worth(x: Proposal) -> tuple[bool, float, float, float]:
+    """What parts beats what does not; then the shorter, or the one that comes nearer."""
+    near = min(min(y.deviations / LEVEL, y.share / UNLIKE) for y in x.expected)
+    either = max(y.share for y in x.expected)
+    return x.parts, -x.motion.duration if x.parts else 0.0, near, either
+
+
+def _ratio(new: Estimate, old: Estimate) -> float:
+    """Of two standard errors; 0 where only the old one is unknown."""
+    if new.stderr is None:
+        return float("inf")
+    return 0.0 if old.stderr is None else new.stderr / old.stderr if old.stderr else float("inf")
+
+
+def computed_proposals(
+    planner: Planner,
+    ties: Sequence[tuple[int, EffectTerm]],
+    cov: Array,
+    law: Mapping[str, Estimate],
+) -> tuple[str, ...]:
+    """One sentence for each tie, and for each group of parameters that is loosely determined.
+
+    Args:
+        ties: the number of a term of the fit, and an effect that the logs cannot tell from it.
+        cov: of all parameters of the fit. law: its numbers.
+    """
+    sentences = [to_part(planner, i, other) for i, other in ties]
+    loose = loose_parameters(law)
+    sentences += [to_sharpen(planner, cov, names, law) for _, names in loose]
+    return tuple(text for text in sentences if text)
+
+
+def to_part(planner: Planner, i: int, other: EffectTerm) -> str | None:
+    """What to record to tell term i of the fit from another effect, in one sentence.
+
+    None where the other effect holds this one as a special case, which no record can rule out.
+    """
+    term = planner.fitted.terms[i]
+    found = planner.parting(i, other)
+    if found is not None and found.nested:
+        return None
+    names = f"{term.name} from {other.name}"
+    if found is None or not found.parts:
+        said = "" if found is None else f" (at best {_strength(found.expected)})"
+        words = [t.effect.separating_motion for t in (term, other) if isinstance(t, EffectTerm)]
+        return (
+            f"No motion tried, up to twice the speed of these logs, is expected to tell {names}"
+            f"{said}. What would: {'; or '.join(dict.fromkeys(words))}."
+        )
+    return (
+        f"Computed, to tell {names}: {described(found.motion, planner)}. Expected difference: "
+        f"{_strength(found.expected)}; in these logs {_strength(found.now)}."
+    )
+
+
+def to_sharpen(
+    planner: Planner, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
+) -> str | None:
+    """What to record to determine some of the law's parameters; None where no motion helps."""
+    found = planner.sharpening(cov, names, law)
+    if found is None:
+        return None
+    motion, expected = found
+    errors = []
+    for name in names:
+        before, after = law[name].stderr, expected[name].stderr
+        was = "unknown" if before is None else f"{before:.2g}"
+        errors.append(f"{name.removesuffix('_pos')} {was} to {after:.2g} {law[name].unit}")
+    return (
+        f"Computed: {described(motion, planner)} takes the standard error of {', '.join(errors)}."
+    )
+
+
+def described(motion: Motion, planner: Planner) -> str:
+    """A motion for people: joint, path, range, speed, load and duration."""
+    unit = "m" if planner.body.slide else "rad"
+    q = motion.position
+    text = (
+        f"joint {planner.body.joint!r}, {motion.name}, {q.min():.3g} to {q.max():.3g} {unit}, "
+        f"up to {motion.speed:.2g} {unit}/s, "
+    )
+    load = "loaded as in the logs"
+    if motion.payload:
+        payload = payload_of(motion, planner.body)
+        # the loop takes one MJCF for all logs
+        load = f"with a further {payload} (in the MJCF of a run of its own: what is true stays)"
+    text += f"{load}, for {motion.duration:.0f} s"
+    return text + (f" (beyond what was logged: {motion.beyond})" if motion.beyond else "")
+
+
+def _strength(both: tuple[Separation, Separation]) -> str:
+    share, deviations = min(x.share for x in both), min(x.deviations for x in both)
+    return f"{share:.1%} of the one that the other cannot copy, {deviations:.1f} sigma"

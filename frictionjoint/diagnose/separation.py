@@ -1,0 +1,171 @@
+"""How well a further record would part two effects, and how sharply it would tell parameters.
+
+Of two rival models each is taken for the truth in turn; what it predicts on the logs and on the
+further record is fitted by the other one, with the law and everything else in the model refitted
+beside it (to first order). What that fit leaves is the distance of the two: Hunter and Reiner
+(1965), Atkinson and Fedorov (1975, T-optimality). The noise is the residual of the logs with its
+autocorrelation, as far as a block of `blocks.make_blocks` reaches; a law that is wrong in the same
+way in every record is not noise and not seen.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.candidates import columns_of, signals_of
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import Term
+
+_RCOND = 1e-9
+
+
+class Noise:
+    """Autocovariance of a fit's residual with Bartlett's weights (Newey and West 1987).
+
+    Args:
+        residual: of the fit, shape (n,); log_index: which log each sample belongs to.
+        every: records are sampled at one in so many of the logs' samples and stand for all of
+            them: their noise is the mean over that many.
+    """
+
+    def __init__(self, residual: Array, log_index: NDArray[np.int64], every: int = 1) -> None:
+        self.every = every
+        lag = max(1, len(residual) // make_blocks(residual, log_index).count // every)
+        self.autocovariance = np.zeros(lag)
+        count = 0
+        for i in np.unique(log_index):
+            e = residual[log_index == i]
+            e = e[: len(e) // every * every].reshape(-1, every).mean(axis=1)
+            count += len(e)
+            power = np.abs(np.fft.rfft(e, 2 * len(e))) ** 2
+            own = np.fft.irfft(power)[: min(lag, len(e))]
+            self.autocovariance[: len(own)] += own
+        self.autocovariance *= (1.0 - np.arange(lag) / lag) / count
+
+    def coloured(self, U: Array) -> Array:
+        """W with W'W = U' Sigma U, for columns U of one record, shape (n, k)."""
+        n, lag = len(U), len(self.autocovariance)
+        size = 2 ** int(np.ceil(np.log2(n + lag)))
+        wrapped = np.zeros(size)
+        wrapped[:lag] = self.autocovariance
+        wrapped[size - lag + 1 :] = self.autocovariance[:0:-1]
+        # non-negative by Bartlett's weights, but for rounding
+        spectrum = np.maximum(np.fft.rfft(wrapped).real, 0.0)
+        return np.asarray(np.fft.irfft(np.fft.rfft(U, size, axis=0).T * np.sqrt(spectrum)).T)
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Sums over records: U'U, and the covariance of U'e under the noise; each of shape (k, k)."""
+
+    gram: Array
+    noise: Array
+
+    def __add__(self, other: "Moments") -> "Moments":
+        return Moments(self.gram + other.gram, self.noise + other.noise)
+
+
+def moments(U: Array, noise: Noise) -> Moments:
+    """Of one record's columns, shape (n, k), sampled as `noise` says."""
+    W = noise.every * noise.coloured(U)
+    return Moments(noise.every * (U.T @ U), W.T @ W)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One of two rival effects.
+
+    Attributes:
+        term: at its fitted shape. coefficients: N m per unit of its columns.
+    """
+
+    term: Term
+    coefficients: Array
+
+    @property
+    def size(self) -> int:
+        """How many columns it has, its torque among them."""
+        return len(self.coefficients) + len(self.term.free_shape) + 1
+
+    def columns(self, prepared: Prepared, fitted: Fit) -> Array:
+        """Its columns, then the slopes by its free shape numbers, then its torque."""
+        signals = signals_of(prepared, fitted)
+        X = columns_of(prepared, signals, self.term)
+        torque = X @ self.coefficients
+        slopes = []
+        shape = self.term.free_shape
+        for k, x in enumerate(shape):
+            h = 1e-3 * abs(x) or 1e-9
+            moved = self.term.with_shape(tuple(y + h * (j == k) for j, y in enumerate(shape)))
+            other = columns_of(prepared, signals, moved) @ self.coefficients
+            slopes.append((other - torque) / h)
+        return np.column_stack([X, *slopes, torque])
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How far two effects part.
+
+    Attributes:
+        deviations: difference of the two models' squared errors over its standard deviation.
+        share: of what the true effect explains, that the other one cannot copy.
+    """
+
+    deviations: float
+    share: float
+
+
+def separation(sums: Moments, base: int, first: int, second: int) -> tuple[Separation, Separation]:
+    """With the first effect true, and with the second.
+
+    Args:
+        sums: over all records, of the columns [base | first effect | second effect], each effect
+            as `Effect.columns` has it; base, first, second: how many columns each has.
+    """
+    law = np.arange(base, dtype=np.int64)
+    pairs = ((base, first, base + first, second), (base + first, second, base, first))
+    found = []
+    for at, size, rival, others in pairs:
+        truth = at + size - 1
+        left, error = _left(sums, truth, np.concatenate([law, rival + np.arange(others - 1)]))
+        whole, _ = _left(sums, truth, law)
+        deviations = 0.5 * left / np.sqrt(error) if error > 0.0 else 0.0
+        found.append(Separation(deviations, left / whole if whole > 0.0 else 0.0))
+    return found[0], found[1]
+
+
+def _left(sums: Moments, target: int, on: NDArray[np.int64]) -> tuple[float, float]:
+    """Square of a column's distance d from the span of others, and d' Sigma d."""
+    scale = np.sqrt(np.diag(sums.gram))
+    scale[scale == 0.0] = 1.0
+    G, S = (x / np.outer(scale, scale) for x in (sums.gram, sums.noise))
+    w = np.zeros(len(G))
+    w[target] = 1.0
+    w[on] = -np.linalg.pinv(G[np.ix_(on, on)], rcond=_RCOND, hermitian=True) @ G[on, target]
+    square = scale[target] ** 2
+    return max(0.0, float(w @ G @ w)) * square, max(0.0, float(w @ S @ w)) * square
+
+
+def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
+    """Covariance of a fit's parameters with a further record beside the logs, shape (p, p).
+
+    Args:
+        covariance: of the parameters from the logs; what it is infinite for stays unknown unless
+            the record tells it. jacobian: of the fit on the logs, shape (n, p).
+        further: of the sensitivities along the record.
+    """
+    old = jacobian.T @ jacobian
+    known = np.where(np.isfinite(covariance), covariance, 0.0)
+    total = old + further.gram
+    scale = np.sqrt(np.diag(total))
+    dead = scale <= 0.0
+    scale[dead] = 1.0
+    both = np.outer(scale, scale)
+    bread = np.linalg.pinv(total / both, rcond=_RCOND, hermitian=True) / both
+    found = np.asarray(bread @ (old @ known @ old + further.noise) @ bread)
+    found[dead, dead] = np.inf
+    return found

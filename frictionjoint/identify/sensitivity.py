@@ -1,0 +1,38 @@
+"""How a fitted model's torque moves with each of its parameters, along any motion."""
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.fit import Fit, design
+from frictionjoint.identify.prepare import Prepared
+
+_STEP = 1e-3
+
+
+def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
+    """Jacobian of a fit's torque on other motions than those it was fitted to.
+
+    Args:
+        prepared: the motions; their drive is not looked at.
+    Returns:
+        shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
+    """
+    X, _ = design(prepared, fitted.shape, fitted.terms)
+    model = X @ fitted.beta
+    columns = []
+    for name, x in zip(fitted.shape.variables, fitted.shape.vector(), strict=True):
+        # the logarithm of a ratio of slopes must not rise above 0, nothing else below it
+        h = -_STEP if name.startswith("log ") else _STEP
+        at = fitted.shape.variables.index(name)
+        moved = fitted.shape.vector()
+        moved[at] = x + h
+        other, _ = design(prepared, fitted.shape.moved(moved), fitted.terms)
+        columns.append((other @ fitted.beta - model) / h)
+    for i, term in enumerate(fitted.terms):
+        for k, x in enumerate(term.free_shape):
+            h = _STEP * abs(x) or 1e-9
+            shape = tuple(y + h * (j == k) for j, y in enumerate(term.free_shape))
+            terms = (*fitted.terms[:i], term.with_shape(shape), *fitted.terms[i + 1 :])
+            other, _ = design(prepared, fitted.shape, terms)
+            columns.append((other @ fitted.beta - model) / h)
+    return np.column_stack([X, *columns]) * fitted.gain
