@@ -14,8 +14,8 @@ from frictionjoint.measured.readers import read_log
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
-from plants.draw import draw_trial  # noqa: E402
-from plants.plant import simulate, write  # noqa: E402
+from plants.draw import draw_trial
+from plants.plant import simulate, write
 
 # A plant each, by the seed it is drawn from, and which of its numbers the fit must find.
 PLANTS = {

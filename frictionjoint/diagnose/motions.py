@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import (
     DT,
+    GEAR,
     GX,
     GY,
     JERK,
@@ -336,7 +337,10 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
     mask = np.ones(n, dtype=bool)
     mask[:edge] = mask[n - edge :] = False
     mask &= np.abs(signals[:, V]) >= like.rest_speed
-    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), mask, {})
+    rotor = like.segments[0].rotor
+    signals[:, GEAR] = signals[:, LOAD] - rotor * signals[:, A]
+    driven = np.ones(n, dtype=bool)
+    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), driven, rotor, mask, {})
     return replace(like, segments=(segment,))
 
 
