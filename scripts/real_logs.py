@@ -21,9 +21,11 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Measured logs
 
-Written by `python scripts/real_logs.py --data DIR --docs`, one process a core on a machine of two.
+Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores.
 Errors are rms of the torque (force) on held-out data over its rms, with 95% intervals;
 replay is the rms position error of free runs of half a second, driven by the measured torque.
+A row whose error is larger after than before is a failure of the loop: what it added held on the
+data it was given, and not on the rest.
 
 """
 
