@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from llvmlite import binding, ir
-from numba import cfunc, njit, types
+from numba import cfunc, config, njit, types
 from numba.extending import intrinsic
 
 # division by zero is as in C: the test for it would be most of a small kernel
@@ -23,6 +23,7 @@ in_line = njit(cache=True, error_model="numpy", forceinline=True)
 
 # without annotations of its own
 _types: Any = types
+_config: Any = config
 REAL, WHOLE, NOTHING = types.float64, types.int64, types.void
 VECTOR = _types.CPointer(REAL)
 _C: dict[Any, Any] = {
@@ -45,6 +46,8 @@ def late(function: _Function, signature: Any) -> _Function:
         function: compiled by numba, defined in a module.
         signature: of REAL, WHOLE and, for arrays and pointers alike, VECTOR.
     """
+    if _config.DISABLE_JIT:
+        return function
     plain = cast("Any", function).py_func
     symbol = f"{plain.__module__}.{plain.__name__}".replace(".", "_")
     prototype = ctypes.CFUNCTYPE(*(_C[kind] for kind in (signature.return_type, *signature.args)))
@@ -95,5 +98,6 @@ def late(function: _Function, signature: Any) -> _Function:
 
 
 def link(function: Any) -> None:
-    """Compile or load a `late` function now."""
-    _links[function]()
+    """Compile or load a `late` function now; nothing to do where numba does not compile."""
+    if not _config.DISABLE_JIT:
+        _links[function]()

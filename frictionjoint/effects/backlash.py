@@ -27,7 +27,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     rigid = sig[GEAR]
     h = sig[DT]
     if h <= 0.0:
-        X[x] = -math.copysign(half, rigid) - rigid / (w * w)
+        X[x] = (-half if rigid >= 0.0 else half) - rigid / (w * w)
         X[x + 1] = 0.0
         X[x + 2] = rigid
         return 0.0
@@ -38,7 +38,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     for i in range(pieces):
         T = 0.0
         if abs(p) > half:
-            T = -w * w * (p - math.copysign(half, p)) - 2.0 * zeta * w * rate
+            flank = half if p > 0.0 else -half
+            T = -w * w * (p - flank) - 2.0 * zeta * w * rate
             if T * p > 0.0:  # flanks push, they do not hold
                 T = 0.0
         asked = last + (rigid - last) * (i + 0.5) / pieces
