@@ -33,7 +33,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
         return 0.0
     p, rate, last = X[x], X[x + 1], X[x + 2]
     pieces = 1 + int(h * w / _FINE)
-    dt = h / pieces
+    dt = h / float(pieces)
     impulse = 0.0
     for i in range(pieces):
         T = 0.0
@@ -42,7 +42,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
             T = -w * w * (p - flank) - 2.0 * zeta * w * rate
             if T * p > 0.0:  # flanks push, they do not hold
                 T = 0.0
-        asked = last + (rigid - last) * (i + 0.5) / pieces
+        asked = last + (rigid - last) * (float(i) + 0.5) / float(pieces)
         rate += dt * (T - asked)
         p += dt * rate
         impulse += dt * T
