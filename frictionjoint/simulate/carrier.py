@@ -35,6 +35,8 @@ RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = 9
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 TAG = "frictionjoint:"
+# MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
+LARGEST = 1e11
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,8 @@ def install(
         friction: parameters by joint name.
         effects: effects beyond the law by joint name.
     Raises:
-        ModelError: unknown joint, not a hinge or slide, or friction there already.
+        ModelError: unknown joint, not a hinge or slide, friction there already, or a number
+            too large for an MJCF.
     """
     joints = {joint.name: joint for joint in spec.joints}
     taken = {numeric.name for numeric in spec.numerics}
@@ -90,8 +93,19 @@ def install(
             raise ModelError(f"joint {name!r} has effects but no friction law: give both")
         if TAG + name in taken:
             raise ModelError(f"joint {name!r} carries friction already: delete its numeric first")
+    made = {
+        name: _encode(parameters.pack(), list((effects or {}).get(name, ())))
+        for name, parameters in friction.items()
+    }
+    for name, block in made.items():
+        largest = float(np.abs(block).max())
+        if largest > LARGEST:
+            raise ModelError(
+                f"joint {name!r} has a friction number of {largest:g}: an MJCF loses small "
+                f"numbers beside it, stay below {LARGEST:g}"
+            )
     for name, parameters in friction.items():
-        block = _encode(parameters.pack(), list((effects or {}).get(name, ())))
+        block = made[name]
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len((effects or {}).get(name, ()))
