@@ -39,9 +39,7 @@ def fitted(v, torque):
         signals = np.zeros((SAMPLES, N_SIGNALS))
         signals[:, V] = one
         mask = np.ones(SAMPLES, dtype=bool)
-        segments.append(
-            Segment("log", DT, 10.0, 1, signals, np.zeros(SAMPLES), mask, 0.0, mask, {})
-        )
+        segments.append(Segment("log", DT, 10.0, 1, signals, np.zeros(SAMPLES), mask, mask, {}))
     residual = torque.ravel() - X @ beta
     found = Fit(
         shape=INTEGRATED[0], terms=(), beta=beta, gain=1.0, names=("sigma2", "Fc"),

@@ -155,11 +155,10 @@ def excess_candidates(prepared: Prepared, residual: Array) -> list[Candidate]:
     for limit in np.quantile(asked, _LIMITS):
         term = ExcessTerm("torque", float(limit))
         x = columns_of(prepared, [s.signals for s in prepared.segments], term)
-        size = float((x[:, 0] @ x[:, 0]) * whole)
-        if size == 0.0:
+        size, common = float(x[:, 0] @ x[:, 0]), float(x[:, 0] @ residual)
+        if size * whole == 0.0:
             continue
-        missing = float(x[:, 0] @ residual) / float(x[:, 0] @ x[:, 0])
-        explained = float(x[:, 0] @ residual) ** 2 / size
+        missing, explained = common / size, common**2 / (size * whole)
         if abs(missing - 1.0) < _ONE_TO_ONE and explained > _NEXT_TO_ALL:
             found.append((explained, Candidate(term, x)))
     return [max(found, key=lambda pair: pair[0])[1]] if found else []

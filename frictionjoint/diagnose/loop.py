@@ -368,8 +368,8 @@ def _choose(
     """What to add, and the effects it is tied with.
 
     The simplest of the effects that the logs cannot tell from the best one, those last that must
-    go to the end of their physical range for it. Where a curve without
-    a name explains much more than any effect, none is the cause: the curve stands in for it.
+    go to the end of their physical range for it. Where a curve without a name explains much more
+    than any effect, none is the cause: the curve stands in for it.
     """
     worth = [r for r in ranking.ranked if _justified(r) and _large_enough(r, current)]
     named = [r for r in worth if not r.candidate.smooth]

@@ -298,10 +298,10 @@ class Carried:
         self.gravity, self.gx, self.gy = still.load, still.gx, still.gy
         self.inertia = body.torque(self.q, none, one, others).load - still.load
         self.centrifugal = body.torque(self.q, one, none, others).load - still.load
-        self.armature = float(body.model.dof_armature[body.model.jnt_dofadr[body.joint_id]])
+        self.armature = body.armature
 
     def fill(self, signals: Array, payload: float) -> None:
-        """LOAD, GX and GY along a motion, shape (n, N_SIGNALS), with Q, V and A in it.
+        """LOAD, GEAR, GX and GY along a motion, shape (n, N_SIGNALS), with Q, V and A in it.
 
         Args:
             payload: share of what the joint carries that is added to it.
@@ -312,7 +312,9 @@ class Carried:
             return np.asarray(np.interp(q, self.q, column))
 
         load = at(self.inertia) * a + at(self.centrifugal) * v**2 + at(self.gravity)
-        signals[:, LOAD] = load + payload * (load - self.armature * a)
+        gear = load - self.armature * a
+        signals[:, LOAD] = load + payload * gear
+        signals[:, GEAR] = gear + payload * gear
         signals[:, GX], signals[:, GY] = at(self.gx), at(self.gy)
 
 
@@ -337,10 +339,8 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
     mask = np.ones(n, dtype=bool)
     mask[:edge] = mask[n - edge :] = False
     mask &= np.abs(signals[:, V]) >= like.rest_speed
-    rotor = like.segments[0].rotor
-    signals[:, GEAR] = signals[:, LOAD] - rotor * signals[:, A]
     driven = np.ones(n, dtype=bool)
-    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), driven, rotor, mask, {})
+    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), driven, mask, {})
     return replace(like, segments=(segment,))
 
 

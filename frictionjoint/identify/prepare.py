@@ -44,7 +44,6 @@ class Segment:
         drive: measured torque (or voltage, or current), shape (n,), unfiltered.
         driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
             neither a voltage nor the back-EMF acts.
-        rotor: inertia of the motor's side of the gear, the joint's armature, kg m^2 (kg).
         mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
     """
@@ -56,7 +55,6 @@ class Segment:
     signals: Array
     drive: Array
     driven: NDArray[np.bool_]
-    rotor: float
     mask: NDArray[np.bool_]
     others: dict[str, Array]
 
@@ -189,7 +187,6 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
         signals=signals,
         drive=measured,
         driven=driven,
-        rotor=body.armature,
         mask=mask,
         others={
             f"{name}.{kind}": track[i]

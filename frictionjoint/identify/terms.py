@@ -12,7 +12,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import LOAD, A
+from frictionjoint.effects.signals import GEAR, LOAD
 from frictionjoint.identify.prepare import Segment
 
 
@@ -88,6 +88,6 @@ class EffectTerm:
         """See `Term`; the kernel is the one a simulation runs."""
         if self.effect is load_dependent.EFFECT:
             signals = signals.copy()
-            signals[:, LOAD] -= segment.rotor * signals[:, A]
+            signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
         return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found
