@@ -84,7 +84,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     noise = trial.spec.instrument.torque_noise
     floor = noise * float(np.sqrt(min(1.0, 2.0 * segment.bandwidth_hz * segment.dt)))
     return result | {
-        "voltage_driven": fitted_on.voltage_driven,
+        "gain_unknown": fitted_on.gain_unknown,
         "floor": floor,
         "sharper": errors[2],
         "estimates": {
@@ -119,7 +119,7 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
             quantities = catalogue.quantities(true[0])
             tally["unknown: not misnamed"].append(set(said) <= catalogue.also(true[0]))
             tally["unknown: right quantity"].append(bool(set(quantities) & set(r["unexplained"])))
-    answered = [r for r in results if "error" not in r and not r["voltage_driven"]]
+    answered = [r for r in results if "error" not in r and not r["gain_unknown"]]
     return {
         "confusion": {k: dict(v) for k, v in sorted(table.items())},
         "shares": {k: [float(np.mean(v)), len(v)] for k, v in tally.items()},

@@ -76,7 +76,7 @@ def judged(prepared: Prepared, fitted: Fit, truth: Mapping[str, Any]) -> dict[st
         law = law_estimates(fitted, cov, prepared.slide)
         for name, (true, x) in _compared(fitted, law, cov, prepared, truth).items():
             rows.setdefault(name, [true, x.value]).append(x.stderr or float("nan"))
-    return {"named": said, "voltage_driven": prepared.voltage_driven, "estimates": rows}
+    return {"named": said, "gain_unknown": prepared.gain_unknown, "estimates": rows}
 
 
 def _compared(
@@ -117,7 +117,7 @@ def table(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
     kept: dict[str, list[list[float]]] = defaultdict(list)
     for row in rows:
         true = {e["name"] for e in row["truth"]["effects"]}
-        if "error" in row or row["voltage_driven"] or not true <= set(row["named"]):
+        if "error" in row or row["gain_unknown"] or not true <= set(row["named"]):
             continue
         for name, numbers in row["estimates"].items():
             if np.all(np.isfinite(numbers)):

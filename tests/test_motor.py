@@ -1,10 +1,14 @@
 """A voltage-driven joint: its motor in MuJoCo, let go and held, and whole logs in closed loop."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from frictionjoint import FrictionParameters, attach
+from frictionjoint.diagnose.candidates import effect_candidates, signals_of
+from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError, ModelError
@@ -170,6 +174,32 @@ def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
     assert found.gain == pytest.approx(0.1, rel=0.01)
     assert found.term_coefficients(0)[0] == pytest.approx(0.04, rel=0.02)
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)
+
+
+def test_a_current_is_a_torque_up_to_a_gain():
+    """Nothing brakes a motor driven by its current: what grows with speed is viscous friction."""
+    t = 5e-3 * np.arange(1600)
+    target = 1.2 * np.sin(1.5 * t) + 0.4 * np.sin(7.0 * t)
+    one = plant(target, np.ones(len(t), dtype=bool), emf=0.0)
+    one = replace(one, voltage=None, current=one.voltage, torque_enabled=None)
+    found = fitted(one)
+    assert found.gain == pytest.approx(MOTOR.gain, rel=0.01)
+    assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.05)
+    prepared = prepare([one], RigidBody(XML, "arm"))
+    names = {c.term.name for c in effect_candidates(prepared, signals_of(prepared, found), ())}
+    assert not names & {"back-emf", "torque-gain"}
+    spec = RigidBody(XML, "arm").spec()
+    friction_spec(spec, "arm", found)
+    (actuator,) = spec.actuators
+    assert actuator.name == "arm_current"
+    assert actuator.gainprm[0] == found.gain
+    assert not actuator.biasprm.any()
+
+
+def test_logs_of_a_voltage_and_of_a_current_do_not_go_together(driven_and_let_go):
+    other = replace(driven_and_let_go, name="amps", voltage=None, current=driven_and_let_go.voltage)
+    with pytest.raises(LogError, match="plant has a voltage and amps a current: give logs of one"):
+        prepare([driven_and_let_go, other], RigidBody(XML, "arm"))
 
 
 def test_load_is_what_the_gear_transmits(driven_and_let_go):

@@ -84,7 +84,7 @@ def test_a_slide_and_a_current(tmp_path: Path) -> None:
     log = read_log(path)
     assert log.slide
     assert log.torque is None
-    np.testing.assert_array_equal(log.voltage, TABLE["tau"])
+    np.testing.assert_array_equal(log.current, TABLE["tau"])
 
 
 def write_bag(path: Path, plugin: str, effort: bool = True, stamped: bool = True) -> Path:

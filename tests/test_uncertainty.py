@@ -42,11 +42,11 @@ def fitted(v, torque):
         segments.append(Segment("log", DT, 10.0, 1, signals, np.zeros(SAMPLES), mask, mask, {}))
     residual = torque.ravel() - X @ beta
     found = Fit(
-        shape=INTEGRATED[0], terms=(), beta=beta, gain=1.0, names=("sigma2", "Fc"),
+        shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0, names=("sigma2", "Fc"),
         residual=residual, jacobian=X, bound=np.zeros(2, dtype=bool),
         log_index=np.repeat(np.arange(LOGS), SAMPLES), target_rms=1.0,
     )  # fmt: skip
-    return Prepared(tuple(segments), "joint", False, False), found
+    return Prepared(tuple(segments), "joint", False, "torque"), found
 
 
 def stated(v, torque):

@@ -71,7 +71,7 @@ class Candidate:
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
     """Signals of each log under the fitted law."""
-    sigma2 = 0.0 if prepared.voltage_driven else fitted.coefficient("sigma2")
+    sigma2 = fitted.coefficient("sigma2") if "sigma2" in fitted.names else 0.0
     level = (fitted.coefficient("Fc"), sigma2)
     return [full_signals(s, fitted.shape, *level) for s in prepared.segments]
 
@@ -96,8 +96,8 @@ def effect_candidates(
         if effect.effect_id in _PERIODIC or effect.name in names:
             continue
         if effect.effect_id == _BACK_EMF and not prepared.voltage_driven:
-            continue  # with the torque measured, sigma2 has taken what is linear in velocity
-        if prepared.voltage_driven and effect.name == "torque-gain":
+            continue  # sigma2 has taken what is linear in velocity
+        if prepared.gain_unknown and effect.name == "torque-gain":
             continue  # the gain is a parameter of the fit already
         if not all(_varies(everything[:, c]) for c in effect.needs):
             continue
@@ -147,7 +147,7 @@ def excess_candidates(prepared: Prepared, residual: Array) -> list[Candidate]:
     The torque is on both sides of this balance, so it counts only where next to all of the
     residual is the excess itself, one to one.
     """
-    if prepared.voltage_driven:
+    if prepared.gain_unknown:
         return []
     asked = np.concatenate([np.abs(s.lowpass(s.drive)[s.kept]) for s in prepared.segments])
     whole = float(residual @ residual)

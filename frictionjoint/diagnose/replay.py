@@ -57,11 +57,12 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
 
 
 def motor_of(fitted: Fit) -> Motor | None:
-    """The motor of a fit to voltages; None where the torque was measured."""
-    if "load" not in fitted.names:
+    """The motor of a fit to voltages or currents; None where the torque was measured."""
+    if fitted.drive == "torque":
         return None
     emf = [i for i, term in enumerate(fitted.terms) if term.name == "back-emf"]
-    return Motor(fitted.gain, float(fitted.term_coefficients(emf[0])[0]) if emf else 0.0)
+    back_emf = float(fitted.term_coefficients(emf[0])[0]) if emf else 0.0
+    return Motor(fitted.gain, back_emf, fitted.drive)
 
 
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:

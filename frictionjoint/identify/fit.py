@@ -1,7 +1,8 @@
 """Least squares of the torque balance: friction law plus terms, on one or several logs.
 
     torque  = load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms       (torque known)
-    voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gain unknown)
+    current = (load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms) / g
+    voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gains unknown)
 
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
 trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has sigma2 only
@@ -13,6 +14,7 @@ effect is in the model: on a soft transition curve that damping would stand in f
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +22,19 @@ from scipy.optimize import least_squares, lsq_linear
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DTAU, LOAD, RATE, TIME, H, Q, V
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.prepare import Drive, Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
 
 # share of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
-# evaluations given to each start of a search, and how many of the starts go on
-_HALVING = ((4, 3), (1, 4))
+# samples that a search among many starts looks at
+_COARSE = 6000
+# how many of the starts of a search go on, after how many steps of each
+_HALVING = ((6, 3), (3, 8))
+# steps of those on all samples before the best goes on alone, and the share of the best one's cost
+# up to which they are tried there
+_FINAL_STEPS, _NEAR_BEST = 3, 1.5
 _MOST_STEPS, _FEW_STEPS = 15, 6
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
@@ -38,7 +45,7 @@ class Fit:
     """A fitted model.
 
     Attributes:
-        shape: of the law; terms: beside it.
+        shape: of the law; terms: beside it. drive: what the logs hold of the motor.
         beta: linear coefficients, one a column, in the drive's units (see `gain`).
         gain: torque per unit of drive; 1 where the torque is measured.
         names: of the columns, those of `base_names` first.
@@ -51,6 +58,7 @@ class Fit:
 
     shape: Shape
     terms: tuple[Term, ...]
+    drive: Drive
     beta: Array
     gain: float
     names: tuple[str, ...]
@@ -112,7 +120,7 @@ def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple
     voltage = prepared.voltage_driven
     damped = law.damped and (not voltage or any(t.name == "back-emf" for t in terms))
     used = {
-        "load": voltage,
+        "load": prepared.gain_unknown,
         "sigma2": prepared.let_go or not voltage,
         "Fc": True,
         "sigma1": damped,
@@ -149,12 +157,12 @@ def design(
     X, y = [], []
     for i, segment in enumerate(prepared.segments):
         X.append(_log_columns(prepared, i, shape, terms, cache))
-        y.append(cache.get(("target", i), partial(_target, segment, prepared.voltage_driven)))
+        y.append(cache.get(("target", i), partial(_target, segment, prepared.gain_unknown)))
     return np.concatenate(X), np.concatenate(y)
 
 
-def _target(segment: Segment, voltage_driven: bool) -> Array:
-    load = 0.0 if voltage_driven else segment.signals[:, LOAD]
+def _target(segment: Segment, gain_unknown: bool) -> Array:
+    load = 0.0 if gain_unknown else segment.signals[:, LOAD]
     return _filtered(segment, lambda: segment.drive - load)
 
 
@@ -215,8 +223,8 @@ def coefficient_bounds(
         free = ((-np.inf, np.inf),) * len(term.coefficients)
         # with an unknown gain only the sign of a bound survives
         for lo, hi in bounds or free:
-            low.append(lo if lo == 0.0 or not prepared.voltage_driven else -np.inf)
-            high.append(hi if not prepared.voltage_driven else np.inf)
+            low.append(lo if lo == 0.0 or not prepared.gain_unknown else -np.inf)
+            high.append(hi if not prepared.gain_unknown else np.inf)
     return np.array(low), np.array(high)
 
 
@@ -259,48 +267,63 @@ def fit(
     if start:
         outer = _Outer(prepared, terms, start)
         steps = _MOST_STEPS if closeness == CLOSE else _FEW_STEPS
-        return outer.result(_refined(outer, outer.start, steps, closeness)[1])
-    coarse, cache = prepared.thinned(), ColumnCache()
+        return outer.result(_refined(outer, outer.start, steps, closeness).x)
+    coarse, cache = prepared.thinned(_COARSE), ColumnCache()
     # laws of different variables ripen at different speeds: the best of each is compared when done
     laws: dict[tuple[str, ...], list[tuple[_Outer, Array]]] = {}
     for i, form in enumerate(forms):
         progress(f"fit: form {i + 1} of {len(forms)}")
         outer = _Outer(coarse, terms, form, cache)
         laws.setdefault(form.variables, []).append((outer, outer.best_of_grid()))
-    ripe = []
+    ripe: list[_Place] = []
     for i, places in enumerate(laws.values()):
-        for keep, evaluations in _HALVING:
+        for keep, steps in _HALVING:
             progress(f"fit: law {i + 1} of {len(laws)}, the better of {len(places)} starts")
-            found = [(*_refined(outer, x, evaluations, ROUGH), outer) for outer, x in places]
-            found.sort(key=lambda place: place[0])
-            places = [(outer, x) for _, x, outer in found[:keep]]
-        outer, x = places[0]
-        cost = 0.0
+            found = [_refined(outer, x, steps, ROUGH) for outer, x in places]
+            found.sort(key=lambda place: place.cost)
+            places = [(place.outer, place.x) for place in found[:keep]]
         if len(laws) > 1:
-            cost, x = _refined(outer, x, _MOST_STEPS, ROUGH)
-        ripe.append((cost, i, outer, x))
-    _, _, outer, x = min(ripe)
-    shape, terms = outer.split(x)
+            found = [_refined(*places[0], _MOST_STEPS, ROUGH)]
+        ripe += found[: len(places)]
+    best = min(place.cost for place in ripe)
+    ripe = [place for place in ripe if place.cost <= _NEAR_BEST * best]
+    final = []
+    for i, place in enumerate(ripe):
+        progress(f"fit: all samples, start {i + 1} of {len(ripe)}")
+        shape, terms = place.outer.split(place.x)
+        outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]
+        outer = min(outers, key=lambda o: float(np.sum(o.residual(o.start) ** 2)))
+        steps = _FINAL_STEPS if len(ripe) > 1 else 0
+        final.append(_refined(outer, outer.start, steps, ROUGH))
     progress("fit: refining")
-    outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]
-    outer = min(outers, key=lambda o: float(np.sum(o.residual(o.start) ** 2)))
-    _, x = _refined(outer, outer.start, _MOST_STEPS, closeness)
-    return outer.result(x)
+    place = min(final, key=lambda place: place.cost)
+    place = _refined(place.outer, place.x, _MOST_STEPS, closeness)
+    return place.outer.result(place.x)
 
 
-def _refined(outer: "_Outer", x: Array, evaluations: int, closeness: float) -> tuple[float, Array]:
-    """Half the sum of squares and the place after some steps of a search from x."""
+class _Place(NamedTuple):
+    """Where a search has come to: half the sum of squares there, its search, the numbers."""
+
+    cost: float
+    outer: "_Outer"
+    x: Array
+
+
+def _refined(outer: "_Outer", x: Array, steps: int, closeness: float) -> _Place:
+    """Where some steps of a search from x lead."""
+    if not steps:
+        return _Place(0.0, outer, x)
     found = least_squares(
         outer.residual,
         x,
         bounds=outer.bounds,
         diff_step=1e-3,
         x_scale=outer.scale,
-        max_nfev=evaluations,
+        max_nfev=steps,
         xtol=1e-4,
         ftol=closeness,
     )
-    return float(found.cost), found.x
+    return _Place(float(found.cost), outer, found.x)
 
 
 class _Outer:
@@ -379,7 +402,7 @@ class _Outer:
         shape, terms = self.split(x)
         names = base_names(self.prepared, shape, terms)
         names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
-        gain = float(1.0 / beta[0]) if self.prepared.voltage_driven else 1.0
+        gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
         model = X @ beta
         shape_columns = []
         for i in range(len(x)):
@@ -393,10 +416,11 @@ class _Outer:
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )
-        total = y + (0.0 if self.prepared.voltage_driven else self._load())
+        total = y + (0.0 if self.prepared.gain_unknown else self._load())
         return Fit(
             shape=shape,
             terms=terms,
+            drive=self.prepared.drive,
             beta=beta,
             gain=gain,
             names=names,
@@ -426,7 +450,7 @@ def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
         X, y = design(one, fitted.shape, fitted.terms)
         model = X @ fitted.beta * fitted.gain
         load = segment.lowpass(segment.signals[:, LOAD])[segment.kept]
-        known = 0.0 if prepared.voltage_driven else load
+        known = 0.0 if prepared.gain_unknown else load
         measured.append(y * fitted.gain + known)
         predicted.append(model + known)
     return measured, predicted

@@ -5,6 +5,7 @@ decimation, so that what the filter removes is missing on both sides.
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,11 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate, uniform, zero_phase
 from frictionjoint.measured.log import JointLog
 
+# the motion and what follows from it
+_SMOOTH = [Q, V, A, JERK, SNAP, LOAD, GEAR, GX, GY]
+# what a log holds of the motor, the one to be preferred first
+Drive = Literal["torque", "voltage", "current"]
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -41,7 +47,7 @@ class Segment:
         bandwidth_hz: of the filter on both sides of the balance.
         step: one in `step` filtered samples is kept for the fit.
         signals: shape (n, N_SIGNALS) on the uniform grid; H and DTAU are filled by a fit.
-        drive: measured torque (or voltage, or current), shape (n,), unfiltered.
+        drive: measured torque, voltage or current, shape (n,), unfiltered.
         driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
             neither a voltage nor the back-EMF acts.
         mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
@@ -75,8 +81,8 @@ class Prepared:
     Attributes:
         segments: one a log.
         joint: name; slide: True for a slide joint.
-        voltage_driven: the drive is a voltage (or a current of unknown scale), so that the torque
-            it makes is known only up to a gain.
+        drive: what the logs hold of the motor. The torque that a voltage or a current makes is
+            known only up to a gain.
         rest_speed: rad/s; slower samples are masked, see `rest`.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
             acts without back-EMF, so that the two can be told apart.
@@ -85,38 +91,56 @@ class Prepared:
     segments: tuple[Segment, ...]
     joint: str
     slide: bool
-    voltage_driven: bool
+    drive: Drive
     rest_speed: float = 0.0
     let_go: bool = False
 
     def __len__(self) -> int:
         return len(self.segments)
 
-    def thinned(self) -> "Prepared":
-        """The logs at the rate a fit keeps, for a coarse search; finer motion is lost."""
-        return replace(self, segments=tuple(_thinned(s) for s in self.segments))
+    @property
+    def gain_unknown(self) -> bool:
+        """Whether the drive is a torque up to a gain, which the load then tells."""
+        return self.drive != "torque"
+
+    @property
+    def voltage_driven(self) -> bool:
+        """Whether a back-EMF works against the drive."""
+        return self.drive == "voltage"
+
+    def thinned(self, most: int) -> "Prepared":
+        """The logs for a coarse search: at the rate a fit keeps, and in a narrower band where that
+        is more than about `most` samples in all; finer motion is lost.
+        """
+        samples = sum(int(s.kept.sum()) for s in self.segments)
+        factor = max(1, round(samples / most))
+        return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
 
     def subset(self, indices: list[int]) -> "Prepared":
         """Some of the logs."""
         return replace(self, segments=tuple(self.segments[i] for i in indices))
 
 
-def _thinned(s: Segment) -> Segment:
-    dt = s.dt * s.step
-    signals = s.signals[:: s.step].copy()
-    signals[1:, DT] = dt
+def _thinned(s: Segment, factor: int) -> Segment:
+    step = s.step * factor
+    dt, bandwidth_hz = s.dt * step, s.bandwidth_hz / factor
     # half an octave of grace, so that the fit's own filter still decides
-    drive = zero_phase(s.drive, s.dt, 1.5 * s.bandwidth_hz)[:: s.step]
-    others = {name: x[:: s.step] for name, x in s.others.items()}
+    grace_hz = 1.5 * bandwidth_hz
+    signals = s.signals.copy()
+    if factor > 1:
+        signals[:, _SMOOTH] = zero_phase(s.signals[:, _SMOOTH], s.dt, grace_hz)
+    signals = signals[::step]
+    signals[1:, DT] = dt
     return replace(
         s,
         dt=dt,
+        bandwidth_hz=bandwidth_hz,
         step=1,
         signals=signals,
-        drive=drive,
-        driven=s.driven[:: s.step],
-        mask=s.mask[:: s.step],
-        others=others,
+        drive=zero_phase(s.drive, s.dt, grace_hz)[::step],
+        driven=s.driven[::step],
+        mask=s.mask[::step],
+        others={name: x[::step] for name, x in s.others.items()},
     )
 
 
@@ -124,26 +148,35 @@ def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = 
     """Prepare logs of one joint; the median of the logs' bandwidths serves all.
 
     Raises:
-        LogError: neither torque nor voltage, or not the same in all logs.
+        LogError: not the same drive in all logs.
     """
-    voltage = [log.torque is None for log in logs]
-    if any(voltage) and not all(voltage):
-        a, b = logs[voltage.index(True)].name, logs[voltage.index(False)].name
-        raise LogError(f"{a} has a voltage and {b} a torque: give logs of one kind")
+    drives = [_drive(log)[0] for log in logs]
+    for log, drive in zip(logs, drives, strict=True):
+        if drive != drives[0]:
+            what = f"{logs[0].name} has a {drives[0]} and {log.name} a {drive}"
+            raise LogError(f"{what}: give logs of one kind")
     if bandwidth_hz is None:
         bandwidth_hz = float(np.median([differentiate(log).bandwidth_hz for log in logs]))
     segments = tuple(_segment(log, body, bandwidth_hz) for log in logs)
-    let_go = voltage[0] and any(bool(np.any(s.mask & ~s.driven)) for s in segments)
-    return Prepared(segments, body.joint, bool(body.slide), voltage[0], let_go=let_go)
+    free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
+    let_go = free and drives[0] == "voltage"
+    return Prepared(segments, body.joint, bool(body.slide), drives[0], let_go=let_go)
+
+
+def _drive(log: JointLog) -> tuple[Drive, Array]:
+    """What a log holds of the motor; `JointLog` sees to it that there is something."""
+    for name in get_args(Drive):
+        values = getattr(log, name)
+        if values is not None:
+            return name, values
+    raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
 
 
 def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
     motion = differentiate(log, bandwidth_hz)
     t = motion.time
     n, dt = len(t), float(t[1] - t[0])
-    drive = log.torque if log.torque is not None else log.voltage
-    if drive is None:
-        raise LogError(f"{log.name}: no torque and no voltage, add torque_nm or voltage_v")
+    kind, drive = _drive(log)
     others = {}
     for name, position in log.other_positions.items():
         q = zero_phase(uniform(log.time, position, t), dt, bandwidth_hz)
@@ -175,9 +208,9 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
         enabled = uniform(log.time, log.torque_enabled.astype(float), t)
         driven = enabled > 0.999
         # a motor without voltage gives no torque; of any other drive that is off nothing is known
-        mask &= _away_from_switching(enabled, edge) if log.torque is None else driven
+        mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
     measured = uniform(log.time, drive, t)
-    if log.torque is None:
+    if kind == "voltage":
         measured = np.where(driven, measured, 0.0)
     return Segment(
         name=log.name,

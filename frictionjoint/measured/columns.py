@@ -2,7 +2,8 @@
 
 ``time_s``, ``position_rad``, ``velocity_rad_s``, ``torque_nm`` or ``voltage_v``, ``temperature_c``,
 ``target_rad``; ``<joint>.position_rad`` and so on for several joints; slides ``position_m``,
-``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` stands for a drive of unknown scale.
+``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` is a motor's current: a torque up to an
+unknown gain.
 """
 
 from collections import Counter
@@ -96,9 +97,8 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
         raise LogError(f"{source}: {prefix}{alien[0]} does not go with {prefix}{kind}: drop one")
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
-        raise LogError(
-            f"{source}: no column '{prefix}{drive}' or '{prefix}voltage_v', it has {_list(table)}"
-        )
+        wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
+        raise LogError(f"{source}: no column {wanted}, it has {_list(table)}")
 
 
 def _list(names: Iterable[object]) -> str:

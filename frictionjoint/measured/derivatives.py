@@ -5,6 +5,7 @@ and backwards, so it shifts nothing in time; derivatives are central differences
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt, welch
@@ -54,10 +55,16 @@ def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
         raise LogError(f"bandwidth {bandwidth_hz} Hz at a step of {dt} s: give positive numbers")
     if bandwidth_hz >= _HIGHEST / dt:
         return x
-    sos = butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos")
+    sos = _sections(bandwidth_hz, dt)
     pad = min(len(x) - 1, max(15, int(1.5 / (bandwidth_hz * dt))))
     out: Array = sosfiltfilt(sos, x, axis=0, padlen=pad)
     return out
+
+
+@lru_cache(maxsize=256)
+def _sections(bandwidth_hz: float, dt: float) -> Array:
+    """Of the filter of one pass; a search filters with the same few many thousand times."""
+    return np.asarray(butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos"))
 
 
 def motion_bandwidth(position: Array, dt: float) -> float:

@@ -17,8 +17,8 @@ class JointLog:
     Attributes:
         name: of the log, as the report shows it. joint: of the joint.
         time: s, increasing. position: rad (m for a slide).
-        velocity: rad/s, or None. torque: N m (N), or None. voltage: V, or None; a drive current of
-            unknown scale may stand here too.
+        velocity: rad/s, or None. torque: N m (N), or None. voltage: V at the motor, or None.
+        current: of the motor, or None: a torque up to an unknown gain, in whatever unit.
         temperature: deg C, or None. target: commanded position, or None.
         motor_position: second encoder, rad at the motor, or None.
         torque_enabled: False where the drive is off, or None where it is always on.
@@ -35,6 +35,7 @@ class JointLog:
     velocity: Array | None = None
     torque: Array | None = None
     voltage: Array | None = None
+    current: Array | None = None
     temperature: Array | None = None
     target: Array | None = None
     motor_position: Array | None = None
@@ -56,13 +57,15 @@ class JointLog:
                 raise LogError(f"{self.name}, sample {i}, {name}: {x[i]}, give a number")
         if n[0] < 2 or np.diff(self.time).min() <= 0.0:
             raise LogError(f"{self.name}: time must increase over two samples or more")
-        if self.torque is None and self.voltage is None:
-            raise LogError(f"{self.name}: neither torque nor voltage, add one of them")
+        if all(x is None for x in (self.torque, self.voltage, self.current)):
+            raise LogError(f"{self.name}: no torque, voltage or current, add one of them")
 
     def columns(self) -> dict[str, Array]:
         """This joint's arrays that are there, by field name."""
-        names = ("time", "position", "velocity", "torque", "voltage", "temperature", "target")
-        found = {name: getattr(self, name) for name in (*names, "motor_position", "torque_enabled")}
+        drives = ("torque", "voltage", "current")
+        more = ("temperature", "target", "motor_position", "torque_enabled")
+        names = ("time", "position", "velocity", *drives, *more)
+        found = {name: getattr(self, name) for name in names}
         return {name: x for name, x in found.items() if x is not None}
 
     def arrays(self) -> dict[str, Array]:

@@ -1,4 +1,4 @@
-"""A motor driven by voltage, as MuJoCo sees it.
+"""A motor driven by a voltage or a current, as MuJoCo sees it.
 
 The motor is an actuator whose ``ctrl`` is the voltage at its leads:
 
@@ -6,10 +6,11 @@ The motor is an actuator whose ``ctrl`` is the voltage at its leads:
 
 At 0 V its leads are held together and the back-EMF brakes. A motor that is let go has open leads:
 no current, no torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an
-actuator group to itself.
+actuator group to itself. Driven by a current, its ``ctrl`` is that current and nothing brakes.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 
@@ -19,7 +20,6 @@ from frictionjoint.errors import ModelError
 _GROUPS = 31
 # the value of `opt.disableactuator` at which no actuator acts
 ALL_OFF = (1 << _GROUPS) - 1
-_SUFFIX = "_voltage"
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,14 @@ class Motor:
     """A DC motor seen through its gear.
 
     Attributes:
-        gain: kt/R, N m/V (N/V for a slide).
-        back_emf: kt**2/R, N m s/rad (N s/m).
+        gain: kt/R, N m/V (N/V for a slide); kt, N m/A, of a motor driven by its current.
+        back_emf: kt**2/R, N m s/rad (N s/m); 0 for a current.
+        drive: what its ``ctrl`` is.
     """
 
     gain: float
     back_emf: float
+    drive: Literal["voltage", "current"] = "voltage"
 
     def torque(self, voltage: float, velocity: float) -> float:
         """N m (N) with the circuit closed."""
@@ -40,7 +42,7 @@ class Motor:
 
 
 def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
-    """Put a motor on a joint: the actuator ``JOINT_voltage``, driven by volts.
+    """Put a motor on a joint: the actuator ``JOINT_voltage`` or ``JOINT_current``.
 
     Raises:
         ModelError: the model's actuators take all groups.
@@ -49,7 +51,10 @@ def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
     if not free:
         raise ModelError("the model's actuators take all 31 groups: leave one for the motor")
     actuator = spec.add_actuator(
-        name=joint + _SUFFIX, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, group=free[-1]
+        name=f"{joint}_{motor.drive}",
+        target=joint,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        group=free[-1],
     )
     actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     actuator.gainprm[0] = motor.gain
@@ -57,12 +62,12 @@ def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
 
 
 def motor_id(model: mujoco.MjModel, joint: str) -> int:
-    """The actuator that `add_motor` put on a joint.
+    """The actuator driven by a voltage that `add_motor` put on a joint.
 
     Raises:
         ModelError: there is none.
     """
-    found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, joint + _SUFFIX)
+    found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, f"{joint}_voltage")
     if found < 0:
         raise ModelError(f"joint {joint!r} has no voltage motor: fit logs with voltage_v")
     return found
