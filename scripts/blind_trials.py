@@ -29,6 +29,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from plants import catalogue
 from plants.draw import draw_trial
 from plants.plant import simulate, write
+from plants.spec import PlantSpec
+
+from frictionjoint.identify.prepare import Segment
+from frictionjoint.measured.derivatives import zero_phase
 
 KINDS = ("none", "one", "two", "unknown")
 SHARES = (0.2, 0.4, 0.2, 0.2)
@@ -79,13 +83,9 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
             estimates = law_estimates(found.traced, cov, body.slide)
     except FrictionJointError as error:
         return result | {"error": str(error)}
-    # white noise of the torque sensor as it is behind the filter of the fit
-    segment = fitted_on.segments[0]
-    noise = trial.spec.instrument.torque_noise
-    floor = noise * float(np.sqrt(min(1.0, 2.0 * segment.bandwidth_hz * segment.dt)))
     return result | {
         "gain_unknown": fitted_on.gain_unknown,
-        "floor": floor,
+        "floor": noise_floor(trial.spec, fitted_on.segments[0]),
         "sharper": errors[2],
         "estimates": {
             name: [x.value, x.stderr] for name, x in estimates.items() if name in _ESTIMATED
@@ -97,6 +97,22 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
         "after": errors[1],
         "seconds": time.perf_counter() - begin,
     }
+
+
+def noise_floor(spec: PlantSpec, segment: Segment) -> float:
+    """What the instruments alone leave of a perfect model, N m, behind the filters of the fit.
+
+    The torque sensor's noise, and the encoder's quantum as white noise that the true inertia turns
+    into torque.
+    """
+    rng = np.random.default_rng(0)
+    sensor, encoder = rng.standard_normal((2, len(segment.drive)))
+    torque = spec.instrument.torque_noise * segment.lowpass(sensor)
+    quantum = 2.0 * np.pi / spec.instrument.counts
+    position = zero_phase(quantum / np.sqrt(12.0) * encoder, segment.dt, segment.bandwidth_hz)
+    acceleration = np.gradient(np.gradient(position, segment.dt), segment.dt)
+    inertial = (spec.inertia + spec.armature) * segment.lowpass(acceleration, differenced=True)
+    return float(np.hypot(torque.std(), inertial.std()))
 
 
 def judge(results: list[dict[str, Any]]) -> dict[str, Any]:

@@ -114,6 +114,6 @@ def test_odrive_array_and_table_agree(measured_data: Path) -> None:
     folder = measured_data / "odrive_cogging"
     array, table = (read_log(folder / f"slow2__nocomp_1.{kind}") for kind in ("npy", "csv"))
     np.testing.assert_allclose(array.position, table.position, rtol=1e-6)
-    np.testing.assert_allclose(array.voltage, table.voltage, rtol=1e-6)
+    np.testing.assert_allclose(array.current, table.current, rtol=1e-6)
     with pytest.raises(LogError, match="row 13595, time_s: a gap"):
         read_log(folder / "pull_tests__uncomp_slow_0.npy")

@@ -79,7 +79,7 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     """A term's columns on the kept samples of all logs."""
     parts = [
-        s.lowpass(term.columns(s, x))[s.kept]
+        s.lowpass(term.columns(s, x), term.differenced)[s.kept]
         for s, x in zip(prepared.segments, signals, strict=True)
     ]
     return np.concatenate(parts)

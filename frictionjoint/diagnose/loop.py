@@ -32,10 +32,12 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import HysteresisTerm, SmoothTerm
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameters import FrictionParameters
+from frictionjoint.threads import one_thread
 
 INTEGRATED_LAW = FrictionParameters.law
 # the laws that effects are looked for with where the residual of one is clearly smaller
-_SHARPER, _CLEARLY = (*prompt_maxwell_slip(), *forms_of("lugre")), 0.95
+_SHARPER = (*prompt_maxwell_slip(), *forms_of("lugre"), *forms_of("elastoplastic"))
+_CLEARLY = 0.95
 
 SIGNIFICANCE = 0.05
 # Share of the residual's squares that an effect must take away: what takes less beside a residual
@@ -120,6 +122,7 @@ class Trace:
     traced: Fit
 
 
+@one_thread
 def trace(
     prepared: Prepared,
     seed: int = 0,

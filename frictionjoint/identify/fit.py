@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DTAU, LOAD, RATE, TIME, H, Q, V
+from frictionjoint.effects.signals import DTAU, LOAD, RATE, H, Q, V
 from frictionjoint.identify.prepare import Drive, Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.threads import one_thread
 
 # share of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
@@ -111,8 +112,7 @@ def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Ar
 
 def _law_track(segment: Segment, shape: Shape) -> Array:
     """H and dz/dq along a log, shape (n, 2)."""
-    time, q = (np.ascontiguousarray(segment.signals[:, k]) for k in (TIME, Q))
-    return np.column_stack(shape.hysteresis(time, q))
+    return np.column_stack([x[:: segment.refine] for x in shape.hysteresis(*segment.path)])
 
 
 def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
@@ -162,12 +162,16 @@ def design(
 
 
 def _target(segment: Segment, gain_unknown: bool) -> Array:
-    load = 0.0 if gain_unknown else segment.signals[:, LOAD]
-    return _filtered(segment, lambda: segment.drive - load)
+    drive = _filtered(segment, lambda: segment.drive)
+    return drive if gain_unknown else drive - _load(segment)
 
 
-def _filtered(segment: Segment, make: Callable[[], Array]) -> Array:
-    return segment.lowpass(make())[segment.kept]
+def _load(segment: Segment) -> Array:
+    return _filtered(segment, lambda: segment.signals[:, LOAD], differenced=True)
+
+
+def _filtered(segment: Segment, make: Callable[[], Array], differenced: bool = False) -> Array:
+    return segment.lowpass(make(), differenced)[segment.kept]
 
 
 def _log_columns(
@@ -200,12 +204,17 @@ def _log_columns(
         return term.columns(segment, signals)
 
     parts = [
-        cache.get(("linear", i), lambda: _filtered(segment, lambda: segment.signals[:, linear])),
+        cache.get(
+            ("linear", i),
+            lambda: _filtered(segment, lambda: segment.signals[:, linear], differenced=True),
+        ),
         cache.get(("law", i, shape, damped), lambda: _filtered(segment, law)),
     ]
     for k, term in enumerate(terms):
         key = (k, i, term.shape, shape if term.follows_law else None)
-        parts.append(cache.get(key, partial(_filtered, segment, partial(columns, term))))
+        parts.append(
+            cache.get(key, partial(_filtered, segment, partial(columns, term), term.differenced))
+        )
     return np.column_stack(parts)
 
 
@@ -248,6 +257,7 @@ def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     return np.asarray(found.x / scale)
 
 
+@one_thread
 def fit(
     prepared: Prepared,
     terms: tuple[Term, ...] = (),
@@ -436,9 +446,7 @@ class _Outer:
         return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)
 
     def _load(self) -> Array:
-        return np.concatenate(
-            [s.lowpass(s.signals[:, LOAD])[s.kept] for s in self.prepared.segments]
-        )
+        return np.concatenate([_load(s) for s in self.prepared.segments])
 
 
 def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
@@ -449,8 +457,7 @@ def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
         segment = one.segments[0]
         X, y = design(one, fitted.shape, fitted.terms)
         model = X @ fitted.beta * fitted.gain
-        load = segment.lowpass(segment.signals[:, LOAD])[segment.kept]
-        known = 0.0 if prepared.gain_unknown else load
+        known = 0.0 if prepared.gain_unknown else _load(segment)
         measured.append(y * fitted.gain + known)
         predicted.append(model + known)
     return measured, predicted

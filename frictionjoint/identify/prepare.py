@@ -5,10 +5,12 @@ decimation, so that what the filter removes is missing on both sides.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import (
@@ -28,9 +30,11 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.errors import LogError
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.derivatives import differentiate, uniform, zero_phase
+from frictionjoint.measured.derivatives import as_differenced, differentiate, uniform, zero_phase
 from frictionjoint.measured.log import JointLog
 
+# s, about what a simulation steps with; a slow log is not refined at any cost
+_LAW_STEP, _MOST_REFINED = 1e-3, 8
 # the motion and what follows from it
 _SMOOTH = [Q, V, A, JERK, SNAP, LOAD, GEAR, GX, GY]
 # what a log holds of the motor, the one to be preferred first
@@ -52,6 +56,8 @@ class Segment:
             neither a voltage nor the back-EMF acts.
         mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
+        refine: steps of the law from one sample to the next, see `path`.
+        averages: whether the derivatives were taken on this grid, see `lowpass`.
     """
 
     name: str
@@ -63,9 +69,31 @@ class Segment:
     driven: NDArray[np.bool_]
     mask: NDArray[np.bool_]
     others: dict[str, Array]
+    refine: int = 1
+    averages: bool = False
 
-    def lowpass(self, x: Array) -> Array:
-        """Filter along axis 0 and decimate."""
+    @cached_property
+    def path(self) -> tuple[Array, Array]:
+        """Time and position that the law is driven along, `refine` steps a sample.
+
+        A law's level belongs to the velocity at an instant; over an interval of a slow log that
+        changes too much for its mean to stand in for it.
+        """
+        time, q = (np.ascontiguousarray(self.signals[:, k]) for k in (TIME, Q))
+        if self.refine == 1:
+            return time, q
+        fine = np.linspace(time[0], time[-1], (len(time) - 1) * self.refine + 1)
+        return fine, np.ascontiguousarray(CubicSpline(time, q)(fine))
+
+    def lowpass(self, x: Array, differenced: bool = False) -> Array:
+        """Filter along axis 0 and decimate.
+
+        Args:
+            differenced: x is made of derivatives, which are averages over neighbouring samples
+                already; all else is averaged alike, see `derivatives`.
+        """
+        if self.averages and not differenced:
+            x = as_differenced(x)
         return zero_phase(x, self.dt, self.bandwidth_hz)[:: self.step]
 
     @property
@@ -126,6 +154,7 @@ def _thinned(s: Segment, factor: int) -> Segment:
     dt, bandwidth_hz = s.dt * step, s.bandwidth_hz / factor
     # half an octave of grace, so that the fit's own filter still decides
     grace_hz = 1.5 * bandwidth_hz
+    averages = step == 1
     signals = s.signals.copy()
     if factor > 1:
         signals[:, _SMOOTH] = zero_phase(s.signals[:, _SMOOTH], s.dt, grace_hz)
@@ -137,10 +166,12 @@ def _thinned(s: Segment, factor: int) -> Segment:
         bandwidth_hz=bandwidth_hz,
         step=1,
         signals=signals,
-        drive=zero_phase(s.drive, s.dt, grace_hz)[::step],
+        drive=zero_phase(s.drive if averages else as_differenced(s.drive), s.dt, grace_hz)[::step],
         driven=s.driven[::step],
         mask=s.mask[::step],
         others={name: x[::step] for name, x in s.others.items()},
+        refine=1,
+        averages=averages,
     )
 
 
@@ -226,6 +257,8 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
             for name, track in others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         },
+        refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
+        averages=True,
     )
 
 

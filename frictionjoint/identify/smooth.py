@@ -56,6 +56,11 @@ class SmoothTerm:
         """Most columns do not change with the law."""
         return False
 
+    @property
+    def differenced(self) -> bool:
+        """Few quantities are derivatives."""
+        return False
+
     def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The same: there are no shape numbers."""
         return self
@@ -79,6 +84,11 @@ class SplineTerm(SmoothTerm):
     def follows_law(self) -> bool:
         """Only times the direction of friction."""
         return self.odd
+
+    @property
+    def differenced(self) -> bool:
+        """A curve in the acceleration or in the load that it makes."""
+        return not self.odd and self.variable in ("acceleration", "load")
 
     @property
     def coefficients(self) -> tuple[str, ...]:

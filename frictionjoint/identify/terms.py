@@ -12,8 +12,11 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import GEAR, LOAD
+from frictionjoint.effects.signals import GEAR, JERK, LOAD, SNAP, A
 from frictionjoint.identify.prepare import Segment
+
+# signals that hold the acceleration or more
+_DERIVED = (A, JERK, SNAP, LOAD, GEAR)
 
 
 class Term(Protocol):
@@ -46,6 +49,11 @@ class Term(Protocol):
     @property
     def follows_law(self) -> bool:
         """Whether the columns change with the law's shape."""
+        ...
+
+    @property
+    def differenced(self) -> bool:
+        """Whether the columns are made of derivatives, see `Segment.lowpass`."""
         ...
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -83,6 +91,11 @@ class EffectTerm:
     def follows_law(self) -> bool:
         """Effects on the friction level see Fh."""
         return self.effect.entry == "scales the friction level"
+
+    @property
+    def differenced(self) -> bool:
+        """Effects that look at a derivative, unless they set the friction level with it."""
+        return not self.follows_law and any(c in _DERIVED for c in self.effect.needs)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""

@@ -11,8 +11,9 @@ drift. Here sigma0 zba = breakaway * Fc, with 0 < breakaway < 1: it lies below S
 Per step there are at most three pieces in displacement: the elastic one (exact), the transition,
 and the relaxation from above after S has fallen (exact). In the transition u = -ln(1 - f/S) is the
 variable: du/da = (1 - alpha r) / (1 - r) stays between 1 and 1 / (1 - r_ba), so that the equation
-that is stiff near r = 1 is not stiff in u, and explicit Runge-Kutta steps of fixed size in u solve
-it to about 1e-8.
+that is stiff near r = 1 is not stiff in u, and explicit Runge-Kutta steps solve it to about 1e-8.
+Their size in u grows as exp(u / 5): the slope tends to 1 as exp(-u), and the error of a step of
+fourth order goes with the fifth power of its size.
 """
 
 import math
@@ -56,7 +57,7 @@ def _transition(r: float, r_ba: float, a: float) -> float:
         if u + a >= _U_SATURATED:  # du/da >= 1
             return 1.0
         k1 = _slope(u, r_ba)
-        d = min(a, _STEP / k1)
+        d = min(a, _STEP * math.exp(0.2 * u) / k1)
         k2 = _slope(u + 0.5 * d * k1, r_ba)
         k3 = _slope(u + 0.5 * d * k2, r_ba)
         k4 = _slope(u + d * k3, r_ba)

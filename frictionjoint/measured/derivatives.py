@@ -2,12 +2,17 @@
 
 A jittered log is first laid on a uniform grid. The filter is a Butterworth low-pass run forwards
 and backwards, so it shifts nothing in time; derivatives are central differences of its output.
+
+These average too: the acceleration of a sample is the mean over two samples on either side,
+weighted as a triangle. Near the top of a slow log's band it is half gone, so whatever is balanced
+against it has to be averaged alike (`as_differenced`).
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.ndimage import convolve1d
 from scipy.signal import butter, sosfiltfilt, welch
 
 from frictionjoint.arrays import Array
@@ -19,6 +24,8 @@ _ORDER = 2  # run twice: fourth order in all
 _HIGHEST = 0.4
 # Bands an octave in which the spectrum is averaged.
 _BANDS = 6
+# (1, 16, 26, 16, 1) / 60: variance 2/3 and fourth moment 16/15, in samples
+_TRIANGLE = np.array([1.0, 16.0, 26.0, 16.0, 1.0]) / 60.0
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,16 @@ def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
     pad = min(len(x) - 1, max(15, int(1.5 / (bandwidth_hz * dt))))
     out: Array = sosfiltfilt(sos, x, axis=0, padlen=pad)
     return out
+
+
+def as_differenced(x: Array) -> Array:
+    """Average along axis 0 with the weights that central differences give an acceleration.
+
+    The weights have the second and the fourth moment of the triangle, and so its response up to
+    two thirds of the Nyquist frequency.
+    """
+    averaged: Array = convolve1d(x, _TRIANGLE, axis=0, mode="nearest")
+    return averaged
 
 
 @lru_cache(maxsize=256)
