@@ -21,7 +21,7 @@ from plants.plant import simulate, write
 # two short logs. Concave or quadratic viscosity mostly looks like the law's own curve there.
 PLANTS = {
     "backlash": 1,
-    "dwell-time": 1,
+    "dwell-time": 2,
     "end-stop": 1,
     "frictional-lag": 1,
     "gravity-error": 1,

@@ -50,9 +50,9 @@ _OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.12}
 # 1.2% of it. So an effect must move the torque by a share of the friction's rms to be named.
 SMALLEST_SHARE = 0.008
 _OTHER_SHARES = {
-    "dwell-time": 0.009,
+    "dwell-time": 0.005,
     "measurement-delay": 0.015,
-    "nonlinear-viscous": 0.006,
+    "nonlinear-viscous": 0.003,
     "frictional-lag": 0.011,
     "backlash": 0.02,
     "joint-elasticity": 0.025,
