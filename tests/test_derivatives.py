@@ -5,6 +5,7 @@ import pytest
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog, differentiate, zero_phase
+from frictionjoint.measured.derivatives import as_differenced
 
 
 def sine(n: int = 6000, dt: float = 0.001, jitter: float = 0.0, noise: float = 0.0) -> JointLog:
@@ -61,6 +62,19 @@ def test_both_sides_of_the_balance_are_filtered_alike() -> None:
     inner = slice(500, -500)
     error = torque[inner] - 0.3 * d.acceleration[inner]
     assert np.std(error) < 2e-3 * np.std(torque[inner])
+
+
+@pytest.mark.parametrize("per_sample", [0.1, 0.5, 1.0, 1.5])
+def test_a_torque_is_averaged_as_an_acceleration_is(per_sample: float) -> None:
+    """A wave of so many radians a sample loses as much by the average as by two differences."""
+    phase = per_sample * np.arange(4000)
+    differenced = np.gradient(np.gradient(np.sin(phase)))
+    averaged = as_differenced(-(per_sample**2) * np.sin(phase))
+    inner = slice(10, -10)
+    lost = np.std(differenced[inner]) / (per_sample**2 * np.std(np.sin(phase)))
+    kept = np.std(averaged[inner]) / (per_sample**2 * np.std(np.sin(phase)))
+    assert kept == pytest.approx(lost, abs=0.006)
+    assert kept == pytest.approx((np.sin(per_sample) / per_sample) ** 2, abs=0.006)
 
 
 def test_columns_are_filtered_along_time() -> None:

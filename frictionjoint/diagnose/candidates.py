@@ -132,7 +132,8 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
             continue
         low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
         if high > low:
-            terms += [SplineTerm(variable, low, high, odd) for odd in (False, True)]
+            pair = [SplineTerm(variable, low, high, odd) for odd in (False, True)]
+            terms += [curve.centred(prepared.segments, signals) for curve in pair]
     span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
     terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
     names = tuple(s.name for s in prepared.segments)

@@ -70,6 +70,8 @@ _SAME = 0.02
 # An effect that explains less than this share of what a curve explains is not the cause: in trials
 # the true effect reached 0.93 and more.
 _ENOUGH = 0.9
+# An effect that explains less than this beside nothing else is of no use.
+_USELESS = 0.02
 # How many of the leading effects are compared after a joint refit, and the share of the leader's
 # gain they need before it: an effect bound up with the law shows its whole gain only then.
 _SHORTLIST, _CURVES, _LEAST_OF_LEADER = 4, 2, 0.15
@@ -158,7 +160,10 @@ def trace(
     named = [s for s in steps if not s.evidence.candidate.smooth]
     final = current
     if len(named) < len(steps):
-        final = fit(prepared, tuple(s.term for s in named), start=current.shape)
+        # where the curves bent the law, it may now lie in a poor valley
+        start = base if sharper_forms is forms else sharper
+        final = _better(prepared, tuple(s.term for s in named), (current, start))
+        named, final = _without_useless(prepared, named, final)
     named, final = _without_idle(prepared, named, final)
     if final is not current:
         ranking = _with_refits(prepared, final, _rank_all(prepared, final, rng))
@@ -405,6 +410,21 @@ def _choose(
 def _tied(winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator) -> bool:
     gap, chance = margin(winner, other, base, rng)
     return chance or gap < _SAME * winner.held_out_gain
+
+
+def _better(prepared: Prepared, terms: tuple[Term, ...], starts: Sequence[Fit]) -> Fit:
+    """The better of the fits from some places."""
+    return min((fit(prepared, terms, start=s.shape) for s in starts), key=lambda f: f.drive_rms)
+
+
+def _without_useless(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[list[Step], Fit]:
+    """Drop additions that explained something beside a curve and explain nothing without it."""
+    for step in steps:
+        kept = [s for s in steps if s is not step]
+        without = _better(prepared, tuple(s.term for s in kept), (current,))
+        if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < _USELESS:
+            return _without_useless(prepared, kept, without)
+    return steps, current
 
 
 def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[list[Step], Fit]:

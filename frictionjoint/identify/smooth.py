@@ -4,7 +4,8 @@ Each names the measured quantity it is a curve in. They have no shape numbers th
 and no place in a simulation.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -73,11 +74,14 @@ class SplineTerm(SmoothTerm):
     Attributes:
         low, high: range the knots span; the curve goes on as a constant outside.
         odd: multiplied by H, the direction of friction.
+        means: of the columns over the logs, taken off: what is constant is a bias, which has a
+            name, and a curve that held it would outdo every effect beside a bias.
     """
 
     low: float
     high: float
     odd: bool = False
+    means: tuple[float, ...] = ()
     pieces: int = 5
 
     @property
@@ -102,7 +106,16 @@ class SplineTerm(SmoothTerm):
         spline = SplineTransformer(3, knots=knots, extrapolation="constant", include_bias=False)
         spline.fit(knots)
         out: Array = spline.transform(np.clip(x, self.low, self.high)[:, None])
+        if self.means:
+            out = out - np.array(self.means)
         return out * signals[:, [H]] if self.odd else out
+
+    def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
+        """The same curve without its mean over what is kept of the logs; an odd one has none."""
+        if self.odd:
+            return self
+        columns = [self.columns(s, x)[s.mask] for s, x in zip(segments, signals, strict=True)]
+        return replace(self, means=tuple(float(m) for m in np.concatenate(columns).mean(axis=0)))
 
 
 @dataclass(frozen=True)
