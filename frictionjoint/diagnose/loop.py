@@ -164,6 +164,8 @@ def trace(
         start = base if sharper_forms is forms else sharper
         final = _better(prepared, tuple(s.term for s in named), (current, start))
         named, final = _without_useless(prepared, named, final)
+        if not named and sharper_forms is forms:
+            final = base
     named, final = _without_idle(prepared, named, final)
     if final is not current:
         ranking = _with_refits(prepared, final, _rank_all(prepared, final, rng))
