@@ -423,7 +423,7 @@ def _without_useless(prepared: Prepared, steps: list[Step], current: Fit) -> tup
     """Drop additions that explained something beside a curve and explain nothing without it."""
     for step in steps:
         kept = [s for s in steps if s is not step]
-        without = _better(prepared, tuple(s.term for s in kept), (current,))
+        without = fit(prepared, tuple(s.term for s in kept), start=current.shape)
         if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < _USELESS:
             return _without_useless(prepared, kept, without)
     return steps, current
