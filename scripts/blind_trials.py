@@ -55,7 +55,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     from frictionjoint.identify.fit import predict
     from frictionjoint.identify.prepare import prepare
     from frictionjoint.identify.rest import without_rest
-    from frictionjoint.identify.result import law_estimates
+    from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.readers import read_log
@@ -74,19 +74,20 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
             if found.prepared.rest_speed > 0.0:  # a rest whose torque no position tells
                 kept = without_rest(kept, found.prepared.rest_speed)
             errors = []
-            for fitted in (found.base, found.final, found.traced):
+            for fitted in (found.base, found.final, found.other or found.final):
                 measured, predicted = predict(kept, fitted)
                 e = np.concatenate(measured) - np.concatenate(predicted)
                 errors.append(float(np.sqrt(np.mean(e**2))))
-            blocks = make_blocks(found.traced.residual, found.traced.log_index)
-            cov = covariance(found.prepared, found.traced, blocks.of_sample)
-            estimates = law_estimates(found.traced, cov, body.slide)
+            blocks = make_blocks(found.final.residual, found.final.log_index)
+            cov = covariance(found.prepared, found.final, blocks.of_sample)
+            estimates = law_estimates(found.final, cov, body.slide)
     except FrictionJointError as error:
         return result | {"error": str(error)}
     return result | {
         "gain_unknown": fitted_on.gain_unknown,
         "floor": noise_floor(trial.spec, fitted_on.segments[0]),
-        "sharper": errors[2],
+        "law": law_parameters(found.final).law,
+        "other_law": errors[2],
         "estimates": {
             name: [x.value, x.stderr] for name, x in estimates.items() if name in _ESTIMATED
         },
@@ -142,7 +143,9 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
         "error after over noise floor, median": _median(
             [r["after"] / r["floor"] for r in answered]
         ),
-        "the same with the law traced with": _median([r["sharper"] / r["floor"] for r in answered]),
+        "the same with the integrated law": _median(
+            [r["other_law"] / r["floor"] for r in answered]
+        ),
         "parameters": {name: _estimated(name, answered) for name in _ESTIMATED},
         "refused": [r["error"] for r in results if "error" in r],
     }

@@ -64,7 +64,7 @@ def one_plant(seed: int, kind: str) -> dict[str, Any]:
             found = trace(prepare([read_log(path, "joint") for path in paths[:-1]], body), seed)
     except FrictionJointError as error:
         return row | {"error": str(error)}
-    return row | judged(found.prepared, found.traced, trial.truth)
+    return row | judged(found.prepared, found.final, trial.truth)
 
 
 def judged(prepared: Prepared, fitted: Fit, truth: Mapping[str, Any]) -> dict[str, Any]:

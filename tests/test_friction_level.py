@@ -7,16 +7,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionjoint.effects import backlash, dwell_time, frictional_lag
+from frictionjoint.effects import (
+    backlash,
+    dwell_time,
+    frictional_lag,
+    load_dependent,
+    warm_up_drift,
+)
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.level import approached
-from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
+from frictionjoint.effects.signals import DT, GEAR, LOAD, N_SIGNALS, TIME, H, Q, V
 
 LEVELS = st.floats(-10.0, 10.0)
 REACHES = st.floats(1e-6, 1.0)
 SHAPES = {
     dwell_time.EFFECT: (0.5, 0.01, 1e-3),
     frictional_lag.EFFECT: (0.05, 0.2, 1e-3),
+    load_dependent.EFFECT: (1e-3,),
 }
 
 
@@ -42,6 +49,7 @@ def slid_rested_slid(rest: float) -> np.ndarray:
     signals[:, TIME] = np.arange(len(v)) * dt
     signals[1:, DT] = dt
     signals[:, V], signals[:, Q], signals[:, H] = v, np.cumsum(v) * dt, 1.0
+    signals[:, LOAD] = np.where(np.arange(len(v)) < 1000, 1.0, 3.0)  # loaded at rest
     return signals
 
 
@@ -65,6 +73,26 @@ def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
         assert after[-1] == pytest.approx(steady, abs=1e-3)
         assert peaks[-1] == pytest.approx((1.0 - steady) * -math.expm1(-rest / tau), abs=0.02)
     assert peaks[0] < peaks[1] < peaks[2]
+
+
+def test_friction_of_a_load_is_proportional_to_it_in_sliding():
+    signals = slid_rested_slid(1.0)
+    torque = columns(load_dependent.EFFECT.effect_id, (1e-3,), 1, signals)[:, 0]
+    assert torque[[999, -1]] == pytest.approx([1.0, 3.0], rel=1e-9)
+
+
+def test_rubbing_warms_and_rest_cools():
+    """w = tau |v| (1 - exp(-t/tau)) while it slides, then it falls by exp(-rest/tau)."""
+    tau, scale, rest = 0.8, 0.3, 1.5
+    signals = slid_rested_slid(rest)
+    shape = (tau, scale)
+    level = columns(warm_up_drift.BY_LOSS.effect_id, shape, 2, signals)[:, 0]
+    warmth = -scale * np.log(level)
+    warmest = 0.5 * tau * (1.0 - math.exp(-1.0 / tau))
+    assert warmth[[999, 2499]] == pytest.approx(
+        [warmest, warmest * math.exp(-rest / tau)], rel=5e-3
+    )
+    assert warmth[-1] > warmth[2499]
 
 
 def test_a_link_falls_freely_through_its_gap():

@@ -152,7 +152,8 @@ def test_a_slide_has_newtons_and_metres(found):
 def test_several_effects_are_listed_without_their_causes(found):
     two = replace(found, added=(found.added[0], replace(found.added[0], effect="spring")))
     text = sentence(two)
-    assert "lacked position-periodic and spring: with them the error falls" in text
+    law = "and the friction law maxwell_slip in place of integrated"
+    assert f"lacked position-periodic and spring: with them, {law}, the error falls" in text
 
 
 def test_every_look_at_the_candidates_is_drawn(found):

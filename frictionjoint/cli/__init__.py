@@ -65,7 +65,14 @@ Columns = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Law = Annotated[str, typer.Option("--law", help="Friction law to fit: " + ", ".join(LAWS) + ".")]
+_LAW = "Friction law to fit: " + ", ".join(LAWS) + "."
+Law = Annotated[str, typer.Option("--law", help=_LAW)]
+LawOrBest = Annotated[
+    str | None,
+    typer.Option(
+        "--law", help=_LAW + f" Default: {LAWS[0]}, in the result another where clearly better."
+    ),
+]
 Seed = Annotated[int, typer.Option(help="Of the random tests; equal seeds, equal reports.")]
 
 
@@ -128,7 +135,7 @@ def close_loop_command(
             help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
         ),
     ] = None,
-    law: Law = LAWS[0],
+    law: LawOrBest = None,
     column: Columns = None,
     seed: Seed = 0,
     as_json: Json = False,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.signals import TIME, H, Q
+from frictionjoint.effects.signals import DTAU, TIME, H, Q
 from frictionjoint.identify.fit import Fit, full_signals
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
@@ -77,9 +77,14 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
 
 
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
-    """A term's columns on the kept samples of all logs."""
+    """A term's columns on the kept samples of all logs.
+
+    A delay, which moves the drive, has none; its first order is the rate of the torque.
+    """
     parts = [
-        s.lowpass(term.columns(s, x), term.differenced)[s.kept]
+        s.lowpass(term.columns(s, x) if term.coefficients else x[:, [DTAU]], term.differenced)[
+            s.kept
+        ]
         for s, x in zip(prepared.segments, signals, strict=True)
     ]
     return np.concatenate(parts)

@@ -10,8 +10,9 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
+from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.intervals import rms_interval
-from frictionjoint.diagnose.loop import INTEGRATED_LAW, Step, Trace, trace
+from frictionjoint.diagnose.loop import Step, Trace, trace
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
 from frictionjoint.diagnose.report_data import (
@@ -44,12 +45,10 @@ from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded
-from frictionjoint.measured.derivatives import zero_phase
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.threads import one_thread
 
-_AT_THE_FLOOR = 1.5
 _WHITE = 3.0
 # share of an effect's gain from which on another one is worth a record that parts the two
 _NEAR = 0.95
@@ -66,7 +65,7 @@ def close_loop(
     held_out: Sequence[LogLike] | float = 0.25,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-    law: str = INTEGRATED_LAW,
+    law: str | None = None,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -76,7 +75,8 @@ def close_loop(
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: told what is being done.
-        law: name of the friction law, see `laws.LAWS`.
+        law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
+            in the result where that is clearly better.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -105,7 +105,7 @@ def close_loop(
     torque = [_torque_rms(moving, kept_moving, f) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
-    floor = _noise_floor(moving, found.final.gain)
+    floor = noise_floor(moving, found.final.gain)
     cov = _covariance(moving, found.final)
     final = law_estimates(found.final, cov, body.slide)
     open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
@@ -140,15 +140,20 @@ def close_loop(
 
 
 def _law_note(found: Trace) -> tuple[str, ...]:
-    """Which law the effects were chosen with, where it is not the one reported."""
-    if found.traced is found.final:
+    """Which friction law is better and what that means, where it is not the one of the base fit."""
+    if not found.other:
         return ()
-    name = law_parameters(found.traced).law
-    share = found.traced.rms / found.final.rms
+    own, final = (law_parameters(f).law for f in (found.base, found.final))
+    if own != final:
+        return (
+            f"The friction law {final} is taken in place of {own}: with the same effects it leaves "
+            f"{found.final.rms / found.other.rms:.0%} of the residual. --law {own} keeps {own}.",
+        )
+    better = law_parameters(found.other).law
     return (
-        f"The effects were looked for with the law {name}, which leaves {share:.0%} of the "
-        f"residual that {law_parameters(found.final).law} leaves, and then added to the latter. "
-        f"--law {name} reports and simulates that law.",
+        f"The effects were looked for with the law {better}, which leaves "
+        f"{found.other.rms / found.final.rms:.0%} of the residual that {own} leaves, and then "
+        f"added to the latter. --law {better} reports and simulates that law.",
     )
 
 
@@ -269,31 +274,6 @@ def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
     return tuple(shares.items())
 
 
-def _noise_floor(prepared: Prepared, gain: float) -> float:
-    """Torque noise behind the filters of the fit, N m: what a perfect model would leave.
-
-    Noise is taken as white: its power above the bandwidth, where neither motion nor friction
-    reaches, tells its power below. Where the bandwidth leaves too little above, the fourth
-    differences of the torque tell it: the median passes over the edges of friction.
-    """
-    white = np.random.default_rng(0)
-    powers = []
-    for s in prepared.segments:
-        nyquist = 0.5 / s.dt
-        corner = min(s.bandwidth_hz, nyquist)
-        if corner > 0.75 * nyquist:
-            d = np.abs(np.diff(s.drive, 4))
-            power = float(np.median(d) / 0.6745) ** 2 / 70.0
-        else:
-            # well above the corner, where the filter's skirt has ended
-            end = min(0.78 * nyquist, 1.3 * corner)
-            above = (s.drive - zero_phase(s.drive, s.dt, end))[s.mask]
-            power = float(np.mean(above**2)) * nyquist / (nyquist - end)
-        passed = float(np.mean(s.lowpass(white.standard_normal(len(s.drive))) ** 2))
-        powers.append(power * passed)
-    return gain * float(np.sqrt(np.mean(powers)))
-
-
 def _verdict(
     found: Trace,
     unexplained: tuple[tuple[str, float], ...],
@@ -303,7 +283,7 @@ def _verdict(
     """Explained is said only of a residual down to the torque's noise, or as white as noise."""
     if not found.steps and not unexplained:
         return "no-effect-found"
-    at_floor = found.final.rms <= _AT_THE_FLOOR * floor
+    at_floor = found.final.rms <= AT_THE_FLOOR * floor
     done = found.steps and not unexplained and (at_floor or _is_white(found.final, prepared))
     return "explained" if done else "partly-explained"
 

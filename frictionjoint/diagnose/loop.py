@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from frictionjoint.diagnose.candidates import (
     smooth_candidates,
     wave_candidates,
 )
+from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.trace import (
     FLIPS,
     Ranked,
@@ -27,6 +29,7 @@ from frictionjoint.diagnose.trace import (
 from frictionjoint.identify.fit import ROUGH, Fit, fit, shape_limits
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
+from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import HysteresisTerm, SmoothTerm
@@ -35,8 +38,8 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread
 
 INTEGRATED_LAW = FrictionParameters.law
-# the laws that effects are looked for with where the residual of one is clearly smaller
-_SHARPER = (*prompt_maxwell_slip(), *forms_of("lugre"), *forms_of("elastoplastic"))
+# the laws that take the integrated one's place where the residual of one is clearly smaller
+_OTHERS = (*prompt_maxwell_slip(), *forms_of("lugre"), *forms_of("elastoplastic"))
 _CLEARLY = 0.95
 
 SIGNIFICANCE = 0.05
@@ -44,14 +47,14 @@ SIGNIFICANCE = 0.05
 # that stays is as likely a by-product of whatever else is in it. Effects that bend the law's own
 # curves gain more by chance, since the law is fitted anew with them.
 SMALLEST_GAIN = 0.08
-_OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.12}
+_OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.15}
 # No friction law is exact. Against plants with other laws (GMS, LuGre, elasto-plastic) the base
 # fit leaves 1 to 5% of the friction torque; effects that act on the edges of friction pick up to
 # 1.2% of it. So an effect must move the torque by a share of the friction's rms to be named.
 SMALLEST_SHARE = 0.008
 _OTHER_SHARES = {
     "dwell-time": 0.005,
-    "measurement-delay": 0.015,
+    "measurement-delay": 0.009,
     "nonlinear-viscous": 0.003,
     "frictional-lag": 0.011,
     "backlash": 0.02,
@@ -111,8 +114,8 @@ class Trace:
         base: fit of the law alone. steps: additions in order. final: the last fit.
         unexplained: smooth curves that still explain something, best first.
         last_ranking: candidates against the final residual.
-        traced: the last fit of the law that the effects were chosen with; `final` where that is
-            the law asked for.
+        other: the same additions to the law that is not reported: the better one where a law was
+            asked for, else the one of the base fit; None where these are the same.
     """
 
     prepared: Prepared
@@ -121,7 +124,7 @@ class Trace:
     final: Fit
     unexplained: tuple[Ranked, ...]
     last_ranking: Ranking
-    traced: Fit
+    other: Fit | None
 
 
 @one_thread
@@ -129,75 +132,128 @@ def trace(
     prepared: Prepared,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-    law: str = INTEGRATED_LAW,
+    law: str | None = None,
 ) -> Trace:
     """Run the loop on prepared logs; uses these logs only, split into folds.
+
+    Effects are looked for with a better law where there is one, so that what the first law cannot
+    copy does not pass for them. Which law is better is asked before the first effect, after every
+    large one, and once no other is found.
 
     Args:
         seed: of flips and resampling; equal seeds give equal results.
         progress: told what is being done.
-        law: name of the friction law to fit and to add to. Effects are looked for with a sharper
-            law where there is one, so that what this law cannot copy does not pass for them.
+        law: name of the friction law of the result; None for the integrated law, or a better one
+            where there is one.
     Raises:
         ParameterError: no law has this name.
     """
     rng = np.random.default_rng(seed)
     progress("base fit")
-    forms = forms_of(law)
+    forms = forms_of(law or INTEGRATED_LAW)
     base = fit(prepared, progress=progress, forms=forms)
     progress("rest")
     prepared, base = resolved(prepared, base, forms)
-    sharper, sharper_forms = _sharper(prepared, base, forms, progress)
-    prepared, current, steps, ranking = _grown(prepared, sharper, [], rng, progress, sharper_forms)
-    if len(steps) > 1:
-        progress("looking again at what was added first")
-        current, steps = _reconsidered(prepared, current, steps, rng)
-        prepared, current, steps, ranking = _grown(
-            prepared, current, steps, rng, progress, sharper_forms
-        )
+    others = _fit_others(prepared, base, progress)
+    alone, forms_alone = (others, _OTHERS) if _clearly_better(others, base) else (base, forms)
+    grown = _traced(prepared, alone, forms_alone, rng, progress)
+    if grown.forms is forms and _in_doubt(grown):
+        # an effect that hides behind one law may show behind another
+        second = _traced(prepared, others, _OTHERS, rng, progress)
+        alike = second.fit.residual.size == grown.fit.residual.size
+        if alike and _clearly_better(second.fit, grown.fit):
+            alone, forms_alone, grown = others, _OTHERS, second
+    prepared, current, steps, ranking = grown.prepared, grown.fit, grown.steps, grown.ranking
     if base.residual.size != current.residual.size:
         base = fit(prepared, forms=forms)
     named = [s for s in steps if not s.evidence.candidate.smooth]
     final = current
     if len(named) < len(steps):
         # where the curves bent the law, it may now lie in a poor valley
-        start = base if sharper_forms is forms else sharper
-        final = _better(prepared, tuple(s.term for s in named), (current, start))
+        final = _better(prepared, tuple(s.term for s in named), (current, alone))
         named, final = _without_useless(prepared, named, final)
-        if not named and sharper_forms is forms:
-            final = base
+        if not named:
+            final = base if forms_alone is forms else fit(prepared, start=alone.shape)
     named, final = _without_idle(prepared, named, final)
     if final is not current:
         ranking = _with_refits(prepared, final, _rank_all(prepared, final, rng))
     unexplained = _unexplained(ranking, final, steps)
-    traced = final
-    if sharper_forms is not forms:
-        named, final = _restated(prepared, base, named, traced)
-    return Trace(prepared, base, tuple(named), final, unexplained, ranking, traced)
+    other = None
+    if law_parameters(final).law != law_parameters(base).law:
+        restated, other = _restated(prepared, base, named, final)
+        if law:
+            named, final, other = restated, other, final
+    return Trace(prepared, base, tuple(named), final, unexplained, ranking, other)
 
 
-def _sharper(
-    prepared: Prepared, base: Fit, forms: Sequence[Shape], progress: Callable[[str], None]
-) -> tuple[Fit, Sequence[Shape]]:
-    """What to look for effects with: the fit of the sharper law where that is clearly better.
+def _fit_others(prepared: Prepared, own: Fit, progress: Callable[[str], None]) -> Fit:
+    """The terms of a fit with the best of the other laws.
 
     What a law cannot copy stays in its residual and passes for an effect. Generalized Maxwell-slip
     drops as its elements let go one after the other, which no parameters of the integrated law do.
     """
     progress("fit: other laws")
-    found = fit(prepared, forms=_SHARPER)
-    return (found, _SHARPER) if found.rms < _CLEARLY * base.rms else (base, forms)
+    return fit(prepared, own.terms, forms=_OTHERS)
+
+
+def _clearly_better(other: Fit, own: Fit) -> bool:
+    return other.drive_rms < _CLEARLY * own.drive_rms
+
+
+def _with_better_law(
+    prepared: Prepared, own: Fit, forms: Sequence[Shape], progress: Callable[[str], None]
+) -> tuple[Fit, Sequence[Shape]]:
+    """A fit of the same terms with another law, and what that tries, where it is clearly better."""
+    if forms is _OTHERS:
+        return own, forms
+    other = _fit_others(prepared, own, progress)
+    return (other, _OTHERS) if _clearly_better(other, own) else (own, forms)
 
 
 def _restated(
     prepared: Prepared, base: Fit, steps: list[Step], traced: Fit
 ) -> tuple[list[Step], Fit]:
-    """The same additions, one after the other, to the law that was asked for."""
+    """The same additions, one after the other, to the law of the base fit."""
     found, current = [], base
     for step, term in zip(steps, traced.terms, strict=True):
         current = fit(prepared, (*current.terms, term), start=current.shape)
         found.append(replace(step, fit=current))
     return found, current
+
+
+class _Grown(NamedTuple):
+    """Where adding effects has come to; the ranking is that of the last residual."""
+
+    prepared: Prepared
+    fit: Fit
+    steps: list[Step]
+    ranking: Ranking
+    forms: Sequence[Shape]
+
+
+def _traced(
+    prepared: Prepared,
+    alone: Fit,
+    forms: Sequence[Shape],
+    rng: np.random.Generator,
+    progress: Callable[[str], None],
+) -> _Grown:
+    """Effects added to the fit of a law alone, the first of them looked at once more."""
+    grown = _grown(prepared, alone, [], rng, progress, forms)
+    # the last effect was chosen beside all others, but not with a law found better after it
+    again = grown.steps if grown.forms is not forms else grown.steps[:-1]
+    if not again:
+        return grown
+    progress("looking again at what was added first")
+    current, steps = _reconsidered(grown.prepared, grown.fit, grown.steps, len(again), rng)
+    return _grown(grown.prepared, current, steps, rng, progress, grown.forms)
+
+
+def _in_doubt(grown: _Grown) -> bool:
+    """Whether more than noise is left, and nothing that the loop has seen without naming it."""
+    if any(s.evidence.candidate.smooth for s in grown.steps):
+        return False
+    return grown.fit.rms > AT_THE_FLOOR * noise_floor(grown.prepared, grown.fit.gain)
 
 
 def _grown(
@@ -207,8 +263,8 @@ def _grown(
     rng: np.random.Generator,
     progress: Callable[[str], None],
     forms: Sequence[Shape],
-) -> tuple[Prepared, Fit, list[Step], Ranking]:
-    """Add effects until none is justified; the last ranking is that of the final residual."""
+) -> _Grown:
+    """Add effects until none is justified with any law."""
     steps = list(steps)
     while True:
         number = len(steps) + 1
@@ -224,7 +280,12 @@ def _grown(
             ranking = _with_refits(prepared, current, ranking)
             chosen = _choose(ranking, current, rng) if number <= _MOST_STEPS else None
         if chosen is None:
-            return prepared, current, steps, ranking
+            own = forms
+            if steps:
+                current, forms = _with_better_law(prepared, current, forms, progress)
+            if forms is own:
+                return _Grown(prepared, current, steps, ranking, forms)
+            continue
         winner, ties = chosen
         progress(f"step {number}: adding {winner.name}")
         # after a large change, and with an effect that bends the law's own curves, the old shape
@@ -233,6 +294,8 @@ def _grown(
         start = current.shape if near else None
         terms = (*current.terms, winner.candidate.term)
         refitted = fit(prepared, terms, start=start, forms=forms)
+        if not near:
+            refitted, forms = _with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(prepared, refitted, forms)
         steps.append(_step(winner, ties, current, ranking, rng))
 
@@ -257,10 +320,10 @@ def _step(
 
 
 def _reconsidered(
-    prepared: Prepared, current: Fit, steps: list[Step], rng: np.random.Generator
+    prepared: Prepared, current: Fit, steps: list[Step], first: int, rng: np.random.Generator
 ) -> tuple[Fit, list[Step]]:
-    """Each early choice once more, beside the ones that came after it: a better one replaces it."""
-    for i in range(len(steps) - 1):
+    """The first choices once more, beside those that came after: a better one replaces each."""
+    for i in range(first):
         rest = tuple(t for k, t in enumerate(current.terms) if k != i)
         without = fit(prepared, rest, start=current.shape, closeness=ROUGH)
         ranking = _rank_all(prepared, without, rng)
@@ -399,7 +462,9 @@ def _choose(
         if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain
         and (r is best or _tied(best, r, ranking.base_squares, rng))
     ]
-    size = [(r.on_edge, len(r.coefficients) + len(r.candidate.term.shape)) for r in close]
+    terms = [r.candidate.term for r in close]
+    sizes = [len(t.coefficients) + len(t.shape) for t in terms]
+    size = [(r.on_edge, k) for r, k in zip(close, sizes, strict=True)]
     winner = close[size.index(min(size))]
     ties = tuple(
         r.name

@@ -98,7 +98,9 @@ class Planner:
         nearest (`Proposal.parts` tells); None where the joint never moved.
         """
         J, own = self.fitted.jacobian, self._own(i)
-        effect = Effect(self.fitted.terms[i], self.fitted.term_coefficients(i))
+        term = self.fitted.terms[i]
+        of_delay = np.array(term.shape)
+        effect = Effect(term, self.fitted.term_coefficients(i) if term.coefficients else of_delay)
         law = np.flatnonzero(~self.fitted.bound & ~np.isin(np.arange(J.shape[1]), own))
         rival = self._rival(effect, other, J[:, law])
         here = np.column_stack([J[:, law], *self._columns(effect, rival, self.prepared)])

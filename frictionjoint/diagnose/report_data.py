@@ -157,6 +157,11 @@ class Report:
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
+    @property
+    def changed(self) -> bool:
+        """Whether the result is another model than the base fit: effects added, or another law."""
+        return bool(self.added) or self.laws[0].law != self.laws[1].law
+
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
         return {
@@ -173,6 +178,8 @@ class Report:
             },
             "added": [effect.to_dict() for effect in self.added],
             "after": {
+                "law": self.laws[1].law,
+                "parameters": {name: x.to_dict() for name, x in self.final.items()},
                 "torque_rms": self.after_torque.to_dict(),
                 "replay_rms": self.after_replay.to_dict(),
             },

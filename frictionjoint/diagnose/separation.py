@@ -80,7 +80,7 @@ class Effect:
     """One of two rival effects.
 
     Attributes:
-        term: at its fitted shape. coefficients: N m per unit of its columns.
+        term: at its fitted shape. coefficients: N m per unit of its columns, see `columns_of`.
     """
 
     term: Term
@@ -89,7 +89,12 @@ class Effect:
     @property
     def size(self) -> int:
         """How many columns it has, its torque among them."""
-        return len(self.coefficients) + len(self.term.free_shape) + 1
+        return len(self.coefficients) + len(self._slopes) + 1
+
+    @property
+    def _slopes(self) -> tuple[float, ...]:
+        """The shape numbers but a delay's, whose column is the slope by it already."""
+        return self.term.free_shape if self.term.coefficients else ()
 
     def columns(self, prepared: Prepared, fitted: Fit) -> Array:
         """Its columns, then the slopes by its free shape numbers, then its torque."""
@@ -97,7 +102,7 @@ class Effect:
         X = columns_of(prepared, signals, self.term)
         torque = X @ self.coefficients
         slopes = []
-        shape = self.term.free_shape
+        shape = self._slopes
         for k, x in enumerate(shape):
             h = 1e-3 * abs(x) or 1e-9
             moved = self.term.with_shape(tuple(y + h * (j == k) for j, y in enumerate(shape)))

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whiten, whitener
@@ -195,7 +195,7 @@ def _flip_test(
             s = signs @ score
             statistic = np.einsum("fi,ij,fj->f", s, inverse, s)
             freedom = max(1, int(np.linalg.matrix_rank(spread, hermitian=True)))
-            largest[i] = np.maximum(largest[i], -chi2.logsf(statistic, freedom))
+            largest[i] = np.maximum(largest[i], -np.log(chdtrc(freedom, statistic)))
     null = largest[:, 1:].max(axis=0)
     return np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in largest[:, 0]])
 

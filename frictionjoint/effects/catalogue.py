@@ -36,6 +36,7 @@ CATALOGUE: tuple[Effect, ...] = (
     direction_asymmetry.EFFECT,
     temperature_dependent.EFFECT,
     warm_up_drift.EFFECT,
+    warm_up_drift.BY_LOSS,
     measurement_delay.EFFECT,
     joint_elasticity.EFFECT,
     motor_side_elasticity.EFFECT,

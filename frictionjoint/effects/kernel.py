@@ -41,6 +41,7 @@ _viscous = nonlinear_viscous.torque
 _load = load_dependent.torque
 _temperature = temperature_dependent.torque
 _warm_up = warm_up_drift.torque
+_warmed = warm_up_drift.warmed_torque
 _emf = back_emf.torque
 _periodic = position_periodic.torque
 _periodic_level = position_periodic.level_torque
@@ -97,6 +98,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _backlash(P, e, sig, X, x)
     if effect_id == 20:
         return _motor_side(P, e, sig, X, x)
+    if effect_id == 21:
+        return _warmed(P, e, sig, X, x)
     return np.nan
 
 

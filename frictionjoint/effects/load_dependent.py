@@ -1,16 +1,34 @@
 """load-dependent: the friction level grows with the transmitted torque."""
 
+import numpy as np
 from numba import njit
 
-from frictionjoint.arrays import Vector
-from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import LOAD, H
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.level import approached
+from frictionjoint.effects.signals import DT, LOAD, H, Q
+
+_REACHES = (1e-4, 1e-3)
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c |load| Fh/Fc."""
-    return P[e] * abs(sig[LOAD]) * sig[H]
+    """c |load| H1, reached over a length of motion; H1 = H within +-1.
+
+    X[x] torque per unit of c, X[x+1] last position.
+    """
+    target = abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+    if sig[DT] <= 0.0:
+        X[x] = target
+    else:
+        X[x] = approached(X[x], target, sig[Q] - X[x + 1], P[e])
+    X[x + 1] = sig[Q]
+    return P[e + 1] * X[x]
+
+
+def _reaches(signals: Array) -> list[Shape]:
+    span = float(np.ptp(signals[:, Q]))
+    return [(part * span,) for part in _REACHES if span > 0.0]
 
 
 EFFECT = Effect(
@@ -19,11 +37,16 @@ EFFECT = Effect(
     coefficients=("c",),
     units=("1",),
     cause="tooth and bearing friction proportional to the normal force of the transmitted torque",
-    form="c |tau_load| Fh/Fc",
+    form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
     source="Bittencourt and Gunnarsson (2012); Duclusaud et al. (2024)",
     signature="odd in velocity, even in load",
     separating_motion="the same motion at two loads, or at two poses of different gravity torque",
     entry="scales the friction level",
+    shape=("reach",),
+    shape_units=("x",),
+    shapes=_reaches,
     needs=(LOAD,),
     bounds=((0.0, 2.0),),
+    shape_bounds=((0.0, float("inf")),),
+    memory=2,
 )

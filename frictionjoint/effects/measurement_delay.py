@@ -1,9 +1,13 @@
-"""measurement-delay: torque and position sampled at different times."""
+"""measurement-delay: torque and position sampled at different times.
+
+A fit compares the drive of an earlier time with the motion as logged: the whole model is then late
+by T, edges of friction and all. The kernel is the first order of that.
+"""
 
 from numba import njit
 
-from frictionjoint.arrays import Vector
-from frictionjoint.effects.effect import Effect
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DTAU
 
 
@@ -13,16 +17,25 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return P[e] * sig[DTAU]
 
 
+def _none_yet(signals: Array) -> list[Shape]:
+    return [(0.0,)]
+
+
 EFFECT = Effect(
     name="measurement-delay",
     effect_id=14,
-    coefficients=("delay",),
-    units=("s",),
+    coefficients=(),
+    units=(),
     cause="filters and buses that delay one channel against the other",
-    form="T d(tau)/dt",
-    source="first-order expansion of the delayed torque",
+    form="tau(t + T), T the time by which the position is logged late",
+    source="pure delay between two channels",
     signature="proportional to the rate of the whole torque; one T explains all speeds",
     separating_motion="two motions of the same shape at different speeds",
     entry="acts on the measurement",
     needs=(DTAU,),
+    shape=("delay",),
+    shape_units=("s",),
+    shapes=_none_yet,
+    # beyond this a log is two logs
+    shape_bounds=((-0.1, 0.1),),
 )

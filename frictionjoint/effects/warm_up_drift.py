@@ -7,7 +7,11 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import TIME, H, V
+from frictionjoint.effects.signals import DT, TIME, H, V
+
+# grids: time constants over a log's duration, and the warmth that a first-order change is told
+# from one that levels off by, over the most that the log reaches
+_TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
 
 
 @njit(cache=True)
@@ -16,9 +20,42 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return math.exp(-sig[TIME] / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 
 
+@njit(cache=True)
+def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
+    """What rubbing has left of its heat: dw/dt = |h v| - w/tau."""
+    steady = abs(h * v) * tau
+    return steady + (before - steady) * math.exp(-dt / tau)
+
+
+@njit(cache=True)
+def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w, 0 at the start."""
+    if sig[DT] <= 0.0:
+        X[x] = 0.0
+    else:
+        X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e])
+    return math.exp(-X[x] / P[e + 1]) * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
+
+
 def _time_constants(signals: Array) -> list[Shape]:
     duration = float(np.ptp(signals[:, TIME]))
-    return [(duration * part,) for part in (0.1, 0.3, 1.0, 3.0)]
+    return [(duration * part,) for part in _TIMES]
+
+
+@njit(cache=True)
+def _warmest(signals: Array, tau: float) -> float:
+    """The most that w of `warmed_torque` reaches."""
+    w, most = 0.0, 0.0
+    for row in signals:
+        w = warmth(w, row[H], row[V], row[DT], tau) if row[DT] > 0.0 else 0.0
+        most = max(most, w)
+    return most
+
+
+def _time_constants_and_warmths(signals: Array) -> list[Shape]:
+    taus = [tau for (tau,) in _time_constants(signals)]
+    most = [_warmest(signals, tau) for tau in taus]
+    return [(t, part * w) for t, w in zip(taus, most, strict=True) for part in _WARMTHS if w > 0.0]
 
 
 EFFECT = Effect(
@@ -36,4 +73,23 @@ EFFECT = Effect(
     shape=("tau",),
     shape_units=("s",),
     shapes=_time_constants,
+)
+
+BY_LOSS = Effect(
+    name="warm-up-drift",
+    effect_id=21,
+    coefficients=("level", "viscous"),
+    units=("T", "T s/x"),
+    cause="losses warm the lubricant while the joint works",
+    form="exp(-w/scale) (a Fh/Fc + b v), dw/dt = |v Fh|/Fc - w/tau, cold at the start of the log",
+    source="Bittencourt and Gunnarsson (2012), heated by the friction's own loss",
+    signature="same motion, friction that changes slowly with the work done before",
+    separating_motion="the same motion repeated for several time constants, with a long pause",
+    entry="scales the friction level",
+    slow=True,
+    shape=("tau", "scale"),
+    shape_units=("s", "x"),
+    shapes=_time_constants_and_warmths,
+    shape_bounds=((0.0, float("inf")), (0.0, float("inf"))),
+    memory=1,
 )

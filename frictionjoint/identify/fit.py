@@ -24,7 +24,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DTAU, LOAD, RATE, H, Q, V
 from frictionjoint.identify.prepare import Drive, Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import EffectTerm, Term, delay_of
 from frictionjoint.threads import one_thread
 
 # share of a range within which a search has arrived at the range's end
@@ -154,15 +154,17 @@ def design(
 ) -> tuple[Array, Array]:
     """Columns and target on the kept samples of all logs, filtered and decimated."""
     cache = cache or ColumnCache()
+    delay = delay_of(terms)
     X, y = [], []
     for i, segment in enumerate(prepared.segments):
         X.append(_log_columns(prepared, i, shape, terms, cache))
-        y.append(cache.get(("target", i), partial(_target, segment, prepared.gain_unknown)))
+        target = partial(_target, segment, delay, prepared.gain_unknown)
+        y.append(cache.get(("target", i, delay), target))
     return np.concatenate(X), np.concatenate(y)
 
 
-def _target(segment: Segment, gain_unknown: bool) -> Array:
-    drive = _filtered(segment, lambda: segment.drive)
+def _target(segment: Segment, delay: float, gain_unknown: bool) -> Array:
+    drive = _filtered(segment, lambda: segment.drive_before(delay))
     return drive if gain_unknown else drive - _load(segment)
 
 
@@ -211,6 +213,8 @@ def _log_columns(
         cache.get(("law", i, shape, damped), lambda: _filtered(segment, law)),
     ]
     for k, term in enumerate(terms):
+        if not term.coefficients:
+            continue  # it moves the drive
         key = (k, i, term.shape, shape if term.follows_law else None)
         parts.append(
             cache.get(key, partial(_filtered, segment, partial(columns, term), term.differenced))
@@ -367,6 +371,8 @@ class _Outer:
     def _reach(self, term: Term, x: float) -> float:
         if term.name == "position-periodic":
             return np.pi / self.span / 2.0
+        if x == 0.0:
+            return np.inf  # not sought yet: the physical range decides
         return 0.6 * abs(x) + 1e-12
 
     @property
@@ -421,8 +427,9 @@ class _Outer:
             moved = x.copy()
             moved[i] += inward
             other_shape, other_terms = self.split(moved)
-            X2, _ = design(self.prepared, other_shape, other_terms, self.cache)
-            shape_columns.append((X2 @ beta - model) / inward)
+            X2, y2 = design(self.prepared, other_shape, other_terms, self.cache)
+            # a delay moves the drive
+            shape_columns.append(((X2 @ beta - y2) - (model - y)) / inward)
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )

@@ -85,6 +85,14 @@ class Segment:
         fine = np.linspace(time[0], time[-1], (len(time) - 1) * self.refine + 1)
         return fine, np.ascontiguousarray(CubicSpline(time, q)(fine))
 
+    def drive_before(self, delay: float) -> Array:
+        """The drive as it was `delay` seconds before each sample, shape (n,)."""
+        if delay == 0.0:
+            return self.drive
+        time = self.signals[:, TIME]
+        earlier = np.clip(time - delay, time[0], time[-1])
+        return np.asarray(CubicSpline(time, self.drive)(earlier))
+
     def lowpass(self, x: Array, differenced: bool = False) -> Array:
         """Filter along axis 0 and decimate.
 

@@ -17,7 +17,7 @@ def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
     Returns:
         shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
     """
-    X, _ = design(prepared, fitted.shape, fitted.terms)
+    X, y = design(prepared, fitted.shape, fitted.terms)
     model = X @ fitted.beta
     columns = []
     for name, x in zip(fitted.shape.variables, fitted.shape.vector(), strict=True):
@@ -33,6 +33,6 @@ def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
             h = _STEP * abs(x) or 1e-9
             shape = tuple(y + h * (j == k) for j, y in enumerate(term.free_shape))
             terms = (*fitted.terms[:i], term.with_shape(shape), *fitted.terms[i + 1 :])
-            other, _ = design(prepared, fitted.shape, terms)
-            columns.append((other @ fitted.beta - model) / h)
+            other, later = design(prepared, fitted.shape, terms)
+            columns.append(((other @ fitted.beta - later) - (model - y)) / h)
     return np.column_stack([X, *columns]) * fitted.gain

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects import back_emf, load_dependent
+from frictionjoint.effects import back_emf, load_dependent, measurement_delay
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, JERK, LOAD, SNAP, A
@@ -104,3 +104,8 @@ class EffectTerm:
             signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
         return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found
+
+
+def delay_of(terms: tuple[Term, ...]) -> float:
+    """Time by which the position is logged later than the drive, s."""
+    return sum(t.shape[0] for t in terms if t.name == measurement_delay.EFFECT.name)

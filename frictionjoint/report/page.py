@@ -52,6 +52,11 @@ def _parameters(report: Report) -> list[dict[str, Any]]:
         {"name": n, "meaning": wording.meaning(n), "before": report.base.get(n), "after": x}
         for n, x in report.final.items()
     ]
+    rows += [
+        {"name": n, "meaning": wording.meaning(n), "before": x, "after": None}
+        for n, x in report.base.items()
+        if n not in report.final
+    ]
     for added in report.added:
         rows += [
             {"name": f"{added.effect}: {n}", "meaning": "", "before": None, "after": x}

@@ -34,23 +34,22 @@ def sentence(report: Report) -> str:
     where = "held-out" if report.after_torque.held_out is not None else "fitted"
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
+    alone = f"{_law(report)} leaves {after:.3g} {unit} on {where} data"
     if report.verdict == "no-effect-found":
         if _ratio(report, after) <= _NOISE_ALONE:
             return (
-                f"Nothing is missing that these logs can show: the law alone leaves {before:.3g} "
-                f"{unit} on {where} data, hardly more than the torque's own noise."
+                f"Nothing is missing that these logs can show: {alone}, hardly more than the "
+                "torque's own noise."
             )
         return (
-            f"No effect was found: the law alone leaves {before:.3g} {unit} on {where} data"
-            f"{_times_noise(report, after)}, and neither a known effect nor a measured quantity "
-            "takes a justified share of it."
+            f"No effect was found: {alone}{_times_noise(report, after)}, and neither a known "
+            "effect nor a measured quantity takes a justified share of it."
         )
     left = ", ".join(quantity(v) for v, _ in report.unexplained)
     rest = f" What is left depends on {left}." if left else ""
     if not report.added:
         return (
-            f"No known effect explains what is missing: the law alone leaves {before:.3g} {unit} "
-            f"on {where} data{_times_noise(report, after)}.{rest}"
+            f"No known effect explains what is missing: {alone}{_times_noise(report, after)}.{rest}"
         )
     names = _listed([_with_ties(report, i) for i in range(len(report.added))])
     change = f"the error goes from {before:.3g} to {after:.3g} {unit} on {where} data"
@@ -64,7 +63,19 @@ def sentence(report: Report) -> str:
     if report.verdict == "partly-explained" and not rest:
         rest = f" What is left is not noise alone{_times_noise(report, after)}."
     it = "it" if len(report.added) == 1 else "them"
+    own, law = (law.law for law in report.laws)
+    if own != law:
+        it += f", and the friction law {law} in place of {own},"
     return f"The model lacked {names}: with {it} {change}.{rest}"
+
+
+def _law(report: Report) -> str:
+    """The law of a result without effects."""
+    own, law = (law.law for law in report.laws)
+    if own == law:
+        return "the law alone"
+    before = report.before_torque.held_out or report.before_torque.fit or 0.0
+    return f"the friction law {law}, in place of {own} which leaves {before:.3g},"
 
 
 def _listed(names: list[str]) -> str:

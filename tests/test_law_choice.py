@@ -1,0 +1,64 @@
+"""The law itself is asked about: another one takes its place where it is clearly better."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.measured.readers import read_log
+from frictionjoint.report.wording import sentence
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from plants.draw import draw_trial
+from plants.plant import simulate, write
+
+# a Maxwell-slip joint without any effect
+SEED = 6
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("maxwell")
+    trial = simulate(draw_trial(np.random.default_rng(SEED), "none"))
+    assert trial.truth["friction"]["law"] == "gms"
+    logs = [read_log(path, "joint") for path in write(trial, folder)]
+    return logs, folder / "joint.xml"
+
+
+@pytest.fixture(scope="module")
+def chosen(plant):
+    logs, model = plant
+    return close_loop(logs[:2], model, "joint", logs[2:3])
+
+
+@pytest.fixture(scope="module")
+def kept(plant):
+    logs, model = plant
+    return close_loop(logs[:2], model, "joint", logs[2:3], law="integrated")
+
+
+def test_a_clearly_better_law_takes_the_place_of_the_integrated_one(chosen):
+    found = chosen.to_dict()
+    assert found["base"]["law"] == "integrated"
+    assert found["after"]["law"] == "maxwell_slip"
+    assert found["added"] == []
+    assert (
+        found["after"]["torque_rms"]["held_out"] < 0.9 * found["before"]["torque_rms"]["held_out"]
+    )
+
+
+def test_the_page_says_so(chosen):
+    assert chosen.changed
+    assert "the friction law maxwell_slip, in place of integrated" in sentence(chosen)
+    assert any("--law integrated keeps integrated" in note for note in chosen.notes)
+
+
+def test_a_law_asked_for_stays(kept, chosen):
+    found = kept.to_dict()
+    assert found["after"]["law"] == "integrated"
+    assert not kept.changed
+    assert found["after"]["torque_rms"] == pytest.approx(chosen.to_dict()["before"]["torque_rms"])
+    assert any("--law maxwell_slip" in note for note in kept.notes)

@@ -1,0 +1,73 @@
+"""A delay between the channels: the whole model is late, edges of friction and all."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from plants.draw import draw_trial
+from plants.plant import simulate, write
+
+from frictionjoint.effects.measurement_delay import EFFECT
+from frictionjoint.effects.signals import TIME
+from frictionjoint.identify.fit import fit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.sensitivity import sensitivities
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.measured.readers import read_log
+
+DELAY = 8e-3
+
+
+@pytest.fixture(scope="module")
+def late(tmp_path_factory):
+    """A LuGre joint whose position is logged 8 ms late."""
+    folder = tmp_path_factory.mktemp("late")
+    spec = draw_trial(np.random.default_rng(31), "one:measurement-delay")
+    effect = replace(spec.effects[0], parameters={"delay": DELAY})
+    spec = replace(spec, friction=replace(spec.friction, law="lugre"), effects=(effect,))
+    trial = simulate(spec)
+    logs = [read_log(path, "joint") for path in write(trial, folder)]
+    return prepare(logs[:2], RigidBody(folder / "joint.xml", "joint")), spec
+
+
+def test_the_drive_of_an_earlier_time(late):
+    segment = late[0].segments[0]
+    t = segment.signals[:, TIME]
+    wave = replace(segment, drive=np.sin(2.0 * t))
+    inside = t > t[0] + DELAY
+    assert wave.drive_before(DELAY)[inside] == pytest.approx(
+        np.sin(2.0 * (t - DELAY))[inside], abs=1e-7
+    )
+    assert np.all(wave.drive_before(0.0) == wave.drive)
+
+
+def test_a_delay_and_the_law_are_found_together(late):
+    prepared, spec = late
+    found = fit(prepared, (EffectTerm(EFFECT, (0.0,)),), forms=forms_of("lugre"))
+    assert found.terms[0].shape[0] == pytest.approx(DELAY, abs=1.0 / spec.instrument.rate)
+    assert found.coefficient("Fc") == pytest.approx(spec.friction.Fc, rel=0.03)
+    assert found.coefficient("sigma2") == pytest.approx(spec.friction.sigma2, rel=0.1)
+    without = fit(prepared, forms=forms_of("lugre"))
+    assert found.rms < 0.5 * without.rms
+
+
+def test_the_slope_by_a_delay_is_the_rate_of_the_torque(late):
+    """u(t - T) falls by u'(t - T) for every second more, so the model late by T rises by it."""
+    prepared, _ = late
+    found = fit(prepared, (EffectTerm(EFFECT, (0.0,)),), forms=forms_of("lugre"))
+    slope = found.jacobian[:, -1]
+    segment = prepared.segments[0]
+    drive = segment.lowpass(segment.drive_before(found.terms[0].shape[0]))
+    rate = np.gradient(drive, segment.dt * segment.step)[segment.kept]
+    own = slope[found.log_index == 0]
+    assert np.corrcoef(own, rate)[0, 1] > 0.99
+    assert sensitivities(prepared, found)[:, -1] == pytest.approx(
+        slope, rel=0.02, abs=0.02 * slope.std()
+    )
