@@ -24,6 +24,7 @@ HEAD = """# Measured logs
 Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores.
 Errors are rms of the torque (force) on held-out data over its rms, with 95% intervals;
 replay is the rms position error of free runs of half a second, driven by the measured torque.
+Before is the integrated law alone, after the law named with the effects added.
 A row whose error is larger after than before is a failure of the loop: what it added held on the
 data it was given, and not on the rest.
 
@@ -79,7 +80,7 @@ def row(case: Case) -> str:
             held_out = [read_log(path, case.joint) for path in held_out]
         r = close_loop(logs, ROOT / f"models/{case.model}.xml", case.joint, held_out)
     except FrictionJointError as error:
-        return f"| {case.machine} | {case.joint} | {error} | | | | |"
+        return f"| {case.machine} | {case.joint} | {error} | | | | | |"
 
     def share(value: float | None, interval: tuple[float, float]) -> str:
         low, high = (x / r.measured_rms for x in interval)
@@ -89,11 +90,12 @@ def row(case: Case) -> str:
     after = share(r.after_torque.held_out, r.torque_interval[1])
     replay = f"{r.before_replay.held_out or 0:.2g} to {r.after_replay.held_out or 0:.2g}"
     effects = ", ".join(a.effect for a in r.added) or "none"
+    law = r.laws[1].law
     left = ", ".join(name for name, _ in r.unexplained) or "nothing named"
     seconds = time.perf_counter() - begin
     return (
-        f"| {case.machine} | {case.joint} | {effects} | {before} | {after} | {replay} | {left} | "
-        f"{seconds:.0f} |"
+        f"| {case.machine} | {case.joint} | {law} | {effects} | {before} | {after} | {replay} | "
+        f"{left} | {seconds:.0f} |"
     )
 
 
@@ -107,8 +109,9 @@ def main() -> None:
     asked = parser.parse_args()
     chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
     lines = [
-        "| machine | joint | effects added | before | after | replay, rad or m | unexplained | s |",
-        "|---|---|---|---|---|---|---|---|",
+        "| machine | joint | law | effects added | before | after | replay, rad or m "
+        "| unexplained | s |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     print("\n".join(lines))
     with ProcessPoolExecutor(asked.jobs) as pool:

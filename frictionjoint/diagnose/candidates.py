@@ -33,8 +33,8 @@ _REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
 # limits of the drive tried, quantiles of its torque; how near to one to one, and to all of the
 # residual, an excess must be
-_LIMITS = tuple(0.4 + 0.02 * k for k in range(30))
-_ONE_TO_ONE, _NEXT_TO_ALL = 0.3, 0.7
+_LIMITS = tuple(0.2 + 0.02 * k for k in range(40))
+_ONE_TO_ONE, _NEXT_TO_ALL = 0.2, 0.8
 
 
 @dataclass(frozen=True)
@@ -147,26 +147,31 @@ def smooth_candidates(prepared: Prepared, signals: list[Array]) -> list[Candidat
     return [Candidate(term, columns_of(prepared, signals, term)) for term in terms]
 
 
-def excess_candidates(prepared: Prepared, residual: Array) -> list[Candidate]:
+def excess_candidates(prepared: Prepared, fitted: Fit) -> list[Candidate]:
     """Torque beyond the limit that explains most: asked for, logged, and never given.
 
-    The torque is on both sides of this balance, so it counts only where next to all of the
-    residual is the excess itself, one to one.
+    The torque is on both sides of this balance. So the model is solved for where less than a limit
+    was asked for, and the limit counts only where next to all that is missing elsewhere is the
+    excess itself, one to one.
     """
     if prepared.gain_unknown:
         return []
     asked = np.concatenate([np.abs(s.lowpass(s.drive)[s.kept]) for s in prepared.segments])
-    whole = float(residual @ residual)
+    J = fitted.free_jacobian
     found = []
     for limit in np.quantile(asked, _LIMITS):
         term = ExcessTerm("torque", float(limit))
-        x = columns_of(prepared, [s.signals for s in prepared.segments], term)
-        size, common = float(x[:, 0] @ x[:, 0]), float(x[:, 0] @ residual)
-        if size * whole == 0.0:
+        x = columns_of(prepared, [s.signals for s in prepared.segments], term)[:, 0]
+        below = asked < limit
+        if below.sum() < 2 * J.shape[1] or not x.any():
             continue
+        # to first order in the change of the parameters
+        change = np.linalg.lstsq(J[below], fitted.residual[below], rcond=1e-8)[0]
+        left = fitted.residual - J @ change
+        size, common, whole = float(x @ x), float(x @ left), float(left @ left)
         missing, explained = common / size, common**2 / (size * whole)
         if abs(missing - 1.0) < _ONE_TO_ONE and explained > _NEXT_TO_ALL:
-            found.append((explained, Candidate(term, x)))
+            found.append((explained, Candidate(term, x[:, None])))
     return [max(found, key=lambda pair: pair[0])[1]] if found else []
 
 

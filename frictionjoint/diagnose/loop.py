@@ -47,7 +47,7 @@ SIGNIFICANCE = 0.05
 # that stays is as likely a by-product of whatever else is in it. Effects that bend the law's own
 # curves gain more by chance, since the law is fitted anew with them.
 SMALLEST_GAIN = 0.08
-_OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.15}
+_OTHER_GAINS = {"dwell-time": 0.1, "nonlinear-viscous": 0.12}
 # No friction law is exact. Against plants with other laws (GMS, LuGre, elasto-plastic) the base
 # fit leaves 1 to 5% of the friction torque; effects that act on the edges of friction pick up to
 # 1.2% of it. So an effect must move the torque by a share of the friction's rms to be named.
@@ -180,9 +180,11 @@ def trace(
     unexplained = _unexplained(ranking, final, steps)
     other = None
     if law_parameters(final).law != law_parameters(base).law:
-        restated, other = _restated(prepared, base, named, final)
         if law:
-            named, final, other = restated, other, final
+            named, other = _restated(prepared, base, named, final)
+            final, other = other, final
+        else:
+            other = fit(prepared, final.terms, start=base.shape, closeness=ROUGH)
     return Trace(prepared, base, tuple(named), final, unexplained, ranking, other)
 
 
@@ -352,7 +354,7 @@ def _rank_all(
         return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
     found += periodic_candidates(prepared, signals, current.residual, blocks, rng, FLIPS)
     found += smooth_candidates(prepared, signals)
-    found += excess_candidates(prepared, current.residual)
+    found += excess_candidates(prepared, current)
     found += wave_candidates(prepared, current.residual, current.log_index, blocks, rng, FLIPS)
     return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
 

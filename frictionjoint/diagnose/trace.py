@@ -193,7 +193,7 @@ def _flip_test(
             spread = score.T @ score
             inverse = np.linalg.pinv(spread, rcond=1e-9, hermitian=True)
             s = signs @ score
-            statistic = np.einsum("fi,ij,fj->f", s, inverse, s)
+            statistic = np.sum((s @ inverse) * s, axis=1)
             freedom = max(1, int(np.linalg.matrix_rank(spread, hermitian=True)))
             largest[i] = np.maximum(largest[i], -np.log(chdtrc(freedom, statistic)))
     null = largest[:, 1:].max(axis=0)
