@@ -248,6 +248,8 @@ def _traced(
         return grown
     progress("looking again at what was added first")
     current, steps = _reconsidered(grown.prepared, grown.fit, grown.steps, len(again), rng)
+    if steps is grown.steps:
+        return grown
     return _grown(grown.prepared, current, steps, rng, progress, grown.forms)
 
 
