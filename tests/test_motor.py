@@ -15,6 +15,7 @@ from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rest import resolved
+from frictionjoint.identify.result import require_gain
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
@@ -195,6 +196,12 @@ def test_a_current_is_a_torque_up_to_a_gain():
     assert actuator.name == "arm_current"
     assert actuator.gainprm[0] == found.gain
     assert not actuator.biasprm.any()
+
+
+def test_a_current_of_the_wrong_sign_is_told_in_a_line(driven_and_let_go):
+    turned = replace(driven_and_let_go, voltage=None, current=-driven_and_let_go.voltage)
+    with pytest.raises(LogError, match=r"current does not grow with the load.*check the sign"):
+        require_gain(fitted(turned))
 
 
 def test_logs_of_a_voltage_and_of_a_current_do_not_go_together(driven_and_let_go):

@@ -187,7 +187,7 @@ def identify(
     from frictionjoint.identify.fit import fit
     from frictionjoint.identify.prepare import prepare
     from frictionjoint.identify.rest import resolved
-    from frictionjoint.identify.result import law_estimates, law_parameters
+    from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
     from frictionjoint.identify.uncertainty import covariance
@@ -202,6 +202,7 @@ def identify(
         forms = forms_of(law)
         found = fit(prepared, progress=told, forms=forms)
         prepared, fitted = resolved(prepared, found, forms)
+        require_gain(fitted)
         blocks = make_blocks(fitted.residual, fitted.log_index)
         estimates = law_estimates(
             fitted, covariance(prepared, fitted, blocks.of_sample), body.slide

@@ -38,6 +38,7 @@ from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.result import (
     law_estimates,
     law_parameters,
+    require_gain,
     term_estimates,
 )
 from frictionjoint.identify.rigid_body import RigidBody
@@ -94,6 +95,8 @@ def close_loop(
     bandwidth = fitted_on.segments[0].bandwidth_hz
     kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
     found = trace(fitted_on, seed, progress, law)
+    for fitted in (found.base, found.final):
+        require_gain(fitted)
     moving = found.prepared
     kept_moving = without_rest(kept_back, moving.rest_speed) if kept_back else None
     progress("replay")

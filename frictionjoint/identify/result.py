@@ -6,6 +6,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
+from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameters import Friction
@@ -40,6 +41,20 @@ def spelled(unit: str, slide: bool) -> str:
     """A unit of the catalogue with T and x spelled out."""
     torque, position = ("N", "m") if slide else ("N m", "rad")
     return unit.replace("T", torque).replace("x", position) if unit != "deg C" else unit
+
+
+def require_gain(fitted: Fit) -> None:
+    """See that the torque per unit of drive is told by the load.
+
+    Raises:
+        LogError: it is not: no friction is known in N m then.
+    """
+    if "load" in fitted.names and fitted.bound[fitted.names.index("load")]:
+        raise LogError(
+            f"the {fitted.drive} does not grow with the load of the model, so the torque it makes "
+            f"is unknown: check the sign of the {fitted.drive}, or record motion with more load or "
+            "acceleration"
+        )
 
 
 def law_parameters(fitted: Fit) -> Friction:
