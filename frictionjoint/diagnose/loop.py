@@ -171,10 +171,12 @@ def trace(
     if len(named) < len(steps):
         # where the curves bent the law, it may now lie in a poor valley
         final = _better(prepared, tuple(s.term for s in named), (current, alone))
-        named, final = _without_useless(prepared, named, final)
+        # what explained something beside a curve may explain nothing without it
+        named, final = _without_idle(prepared, named, final, lambda name: _USELESS, last=True)
         if not named:
             final = base if forms_alone is forms else fit(prepared, start=alone.shape)
-    named, final = _without_idle(prepared, named, final)
+    # what came first may be idle beside what came later
+    named, final = _without_idle(prepared, named, final, _least_gain, last=False)
     if final is not current:
         ranking = _with_refits(prepared, final, _rank_all(prepared, final, rng))
     unexplained = _unexplained(ranking, final, steps)
@@ -488,28 +490,22 @@ def _better(prepared: Prepared, terms: tuple[Term, ...], starts: Sequence[Fit]) 
     return min((fit(prepared, terms, start=s.shape) for s in starts), key=lambda f: f.drive_rms)
 
 
-def _without_useless(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[list[Step], Fit]:
-    """Drop additions that explained something beside a curve and explain nothing without it."""
-    for step in steps:
-        kept = [s for s in steps if s is not step]
-        without = fit(prepared, tuple(s.term for s in kept), start=current.shape)
-        if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < _USELESS:
-            return _without_useless(prepared, kept, without)
-    return steps, current
+def _without_idle(
+    prepared: Prepared, steps: list[Step], current: Fit, least: Callable[[str], float], last: bool
+) -> tuple[list[Step], Fit]:
+    """Drop additions that take less than a least share away beside the others.
 
-
-def _without_idle(prepared: Prepared, steps: list[Step], current: Fit) -> tuple[list[Step], Fit]:
-    """Drop additions that the later ones have made idle."""
-    changed = True
-    while changed and len(steps) > 1:
-        changed = False
-        for i in range(len(steps) - 1):
-            terms = tuple(t for k, t in enumerate(current.terms) if k != i)
-            without = fit(prepared, terms, start=current.shape, closeness=ROUGH)
-            if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < _least_gain(steps[i].term.name):
-                steps = [s for k, s in enumerate(steps) if k != i]
-                current, changed = fit(prepared, terms, start=without.shape), True
-                break
+    Args:
+        least: share of the squares by the name of an effect. last: the last one may go too.
+    """
+    for i, step in enumerate(steps if last else steps[:-1]):
+        terms = tuple(t for k, t in enumerate(current.terms) if k != i)
+        without = fit(prepared, terms, start=current.shape, closeness=ROUGH)
+        if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < least(step.term.name):
+            kept = [s for s in steps if s is not step]
+            return _without_idle(
+                prepared, kept, fit(prepared, terms, start=without.shape), least, last
+            )
     return steps, current
 
 

@@ -307,8 +307,8 @@ def fit(
         shape, terms = place.outer.split(place.x)
         outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]
         outer = min(outers, key=lambda o: float(np.sum(o.residual(o.start) ** 2)))
-        steps = _FINAL_STEPS if len(ripe) > 1 else 0
-        final.append(_refined(outer, outer.start, steps, ROUGH))
+        alone = _Place(0.0, outer, outer.start)
+        final.append(_refined(*alone[1:], _FINAL_STEPS, ROUGH) if len(ripe) > 1 else alone)
     progress("fit: refining")
     place = min(final, key=lambda place: place.cost)
     place = _refined(place.outer, place.x, _MOST_STEPS, closeness)
@@ -325,8 +325,6 @@ class _Place(NamedTuple):
 
 def _refined(outer: "_Outer", x: Array, steps: int, closeness: float) -> _Place:
     """Where some steps of a search from x lead."""
-    if not steps:
-        return _Place(0.0, outer, x)
     found = least_squares(
         outer.residual,
         x,
