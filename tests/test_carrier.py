@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.effects.position_periodic import EFFECT
-from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.errors import FrictionJointError, ModelError, ParameterError
 from frictionjoint.simulate.carrier import MAGIC, SimulatedEffect, read_friction
 
 XML = """
@@ -46,6 +46,11 @@ def test_round_trip_through_xml_is_exact(Fc, Vs, n, sigma1):
     carried = read_friction(mujoco.MjModel.from_xml_string(text))["elbow"]
     assert carried.parameters == parameters
     assert carried.effects == (effect,)
+
+
+def test_an_effect_with_too_few_numbers_is_refused():
+    with pytest.raises(ParameterError, match=f"effect {EFFECT.name}: 0 numbers as shape, it has 1"):
+        SimulatedEffect(EFFECT, (), (0.1, 0.2))
 
 
 def test_a_number_beside_which_mujoco_would_lose_others_is_refused():

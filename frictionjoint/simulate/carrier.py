@@ -22,7 +22,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.mujoco_warnings import as_python_warnings
@@ -41,11 +41,25 @@ LARGEST = 1e11
 
 @dataclass(frozen=True)
 class SimulatedEffect:
-    """An effect with its numbers, as it goes into a model."""
+    """An effect with its numbers, as it goes into a model.
+
+    Raises:
+        ParameterError: not as many numbers as the effect has.
+    """
 
     effect: Effect
     shape: tuple[float, ...]
     coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        pairs = (("shape", self.effect.shape), ("coefficients", self.effect.coefficients))
+        for field, names in pairs:
+            given = len(getattr(self, field))
+            if given != len(names):
+                raise ParameterError(
+                    f"effect {self.effect.name}: {given} numbers as {field}, it has {len(names)}: "
+                    f"{', '.join(names) or 'none'}"
+                )
 
     def pack(self) -> Array:
         """Id, length, numbers."""
