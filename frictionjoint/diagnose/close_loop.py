@@ -138,25 +138,25 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=(*_notes(fitted_on, moving), *_law_note(found)),
+        notes=(*_notes(fitted_on, moving), *_law_note(found, body.slide)),
     )
 
 
-def _law_note(found: Trace) -> tuple[str, ...]:
+def _law_note(found: Trace, slide: bool) -> tuple[str, ...]:
     """Which friction law is better and what that means, where it is not the one of the base fit."""
     if not found.other:
         return ()
-    own, final = (law_parameters(f).law for f in (found.base, found.final))
+    own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
+    unit = "N" if slide else "N m"
+    left = f"{found.final.rms:.3g} {unit} on fitted logs, {other} {found.other.rms:.3g} {unit}"
     if own != final:
         return (
-            f"The friction law {final} is taken in place of {own}: with the same effects it leaves "
-            f"{found.final.rms / found.other.rms:.0%} of the residual. --law {own} keeps {own}.",
+            f"The friction law {final} takes the place of {own}: with the same effects it leaves "
+            f"{left}. --law {own} keeps {own}.",
         )
-    better = law_parameters(found.other).law
     return (
-        f"The effects were looked for with the law {better}, which leaves "
-        f"{found.other.rms / found.final.rms:.0%} of the residual that {own} leaves, and then "
-        f"added to the latter. --law {better} reports and simulates that law.",
+        f"The effects were looked for with the law {other} and then added to {final}, which "
+        f"leaves {left}. --law {other} reports and simulates that law.",
     )
 
 
