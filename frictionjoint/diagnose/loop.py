@@ -341,7 +341,12 @@ def _reconsidered(
         term = chosen[0].candidate.term
         terms = (*current.terms[:i], term, *current.terms[i + 1 :])
         other = fit(prepared, terms, start=without.shape)
-        if (other.drive_rms / current.drive_rms) ** 2 < 1.0 - SMALLEST_GAIN:
+        gains = [without.drive_rms**2 - f.drive_rms**2 for f in (other, current)]
+        # an effect beside which a curve is no longer needed is the cause
+        named = steps[i].evidence.candidate.smooth and not chosen[0].candidate.smooth
+        enough = gains[0] >= _ENOUGH * gains[1]
+        better = (other.drive_rms / current.drive_rms) ** 2 < 1.0 - SMALLEST_GAIN
+        if better or (named and enough):
             current = other
             steps = [*steps[:i], _step(*chosen, other, ranking, rng), *steps[i + 1 :]]
     return current, steps
