@@ -143,6 +143,9 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
         "error after over noise floor, median": _median(
             [r["after"] / r["floor"] for r in answered]
         ),
+        "the same without plants of unknown effects": _median(
+            [r["after"] / r["floor"] for r in answered if r["kind"].partition(":")[0] != "unknown"]
+        ),
         "the same with the integrated law": _median(
             [r["other_law"] / r["floor"] for r in answered]
         ),
