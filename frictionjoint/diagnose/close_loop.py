@@ -169,8 +169,8 @@ def _notes(prepared: Prepared, moving: Prepared) -> tuple[str, ...]:
     unit = "m/s" if prepared.slide else "rad/s"
     return (
         f"Below {moving.rest_speed:.2g} {unit} the measured position does not tell the torque: no "
-        f"presliding is resolved there. These samples ({share:.0%}) are in neither the fits nor "
-        "the torque errors.",
+        f"presliding is resolved there. These samples and those that the filter mixes with them "
+        f"({share:.0%}) are in neither the fits nor the torque errors.",
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
@@ -29,6 +30,9 @@ _BETTER = 0.8
 _BINS = 24
 # kept samples in a row that make a stay at rest
 _LEAST_STAY = 8
+# how far the filter reaches, in periods of its corner, and the share of the moving samples that
+# must be left without what it reaches
+_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5), 0.75
 
 
 def resolved(
@@ -96,11 +100,34 @@ def _stuck(prepared: Prepared, speed: float) -> float:
 
 
 def without_rest(prepared: Prepared, speed: float) -> Prepared:
-    """The logs without the samples slower than `speed`, rad/s."""
-    segments = tuple(
-        replace(s, mask=s.mask & (np.abs(s.signals[:, V]) >= speed)) for s in prepared.segments
-    )
-    return replace(prepared, segments=segments, rest_speed=speed)
+    """The logs without the samples slower than `speed`, rad/s, and their neighbours.
+
+    The filter carries the torque of a rest, which nothing tells, into the motion around it. As far
+    as it reaches, samples are left out too; less far where a narrow band and many reversals would
+    leave too few.
+    """
+    moving = _moving(prepared, speed, 0.0)
+    least = _LEAST_LEFT * _count(moving)
+    for reach in _REACHES:
+        fewer = _moving(prepared, speed, reach)
+        if _count(fewer) >= least:
+            moving = fewer
+            break
+    return replace(moving, rest_speed=speed)
+
+
+def _moving(prepared: Prepared, speed: float, reach: float) -> Prepared:
+    """The logs without rest and what is nearer to it than `reach` over the bandwidth."""
+    segments = []
+    for s in prepared.segments:
+        near = int(reach / (s.bandwidth_hz * s.dt))
+        rest = np.abs(s.signals[:, V]) < speed
+        segments.append(replace(s, mask=s.mask & ~maximum_filter1d(rest, 2 * near + 1)))
+    return replace(prepared, segments=tuple(segments))
+
+
+def _count(prepared: Prepared) -> int:
+    return sum(int(s.kept.sum()) for s in prepared.segments)
 
 
 def _kept_speed(prepared: Prepared) -> Array:
