@@ -105,7 +105,8 @@ def close_loop(
     spec.compile()
     runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final)]
     before, after = (Rms(fit.rms, held.rms if held else None) for fit, held in runs)
-    torque = [_torque_rms(moving, kept_moving, f) for f in (found.base, found.final)]
+    gain = found.final.gain
+    torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
     floor = noise_floor(moving, found.final.gain)
@@ -205,14 +206,15 @@ def _replays(
     return replay(fitted_on, body, f), replay(kept_back, body, f) if kept_back else None
 
 
-def _errors(prepared: Prepared, fitted: Fit) -> Array:
+def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
+    """Of the torque, N m, by one gain of the drive: a model of less gain is no better for it."""
     measured, predicted = predict(prepared, fitted)
-    return np.concatenate(measured) - np.concatenate(predicted)
+    return (np.concatenate(measured) - np.concatenate(predicted)) * (gain / fitted.gain)
 
 
-def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit) -> Rms:
-    held = _root_mean_square(_errors(kept_back, f)) if kept_back else None
-    return Rms(_root_mean_square(_errors(fitted_on, f)), held)
+def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
+    held = _root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
+    return Rms(_root_mean_square(_errors(fitted_on, f, gain)), held)
 
 
 def _root_mean_square(e: Array) -> float:
@@ -223,7 +225,7 @@ def _intervals(prepared: Prepared, found: Trace) -> Intervals:
     """Of the torque's rms before and after."""
     pair = []
     for fitted in (found.base, found.final):
-        e = _errors(prepared, fitted)
+        e = _errors(prepared, fitted, found.final.gain)
         pair.append(rms_interval(e, make_blocks(e, np.zeros(len(e), dtype=np.int64)).of_sample))
     return pair[0], pair[1]
 
@@ -248,7 +250,7 @@ def _added(
     for i, step in enumerate(found.steps):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)
         name = step.term.name
-        rms = _torque_rms(fitted_on, kept_back, step.fit)
+        rms = _torque_rms(fitted_on, kept_back, step.fit, found.final.gain)
         if name in entries:
             first = entries[name]
             number = 2 + sum(1 for s in found.steps[:i] if s.term.name == name) - 1
@@ -306,11 +308,12 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
     for role, prepared in groups:
         if prepared is None:
             continue
-        # Where the drive's gain is fitted, the measured torque is the final model's; the residual
-        # before stays what the base fit left.
+        # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
+        # gain that the residual before is stated by.
+        scale = found.final.gain / found.base.gain
         own, base = predict(prepared, found.base)
         measured, after = predict(prepared, found.final)
-        before = [m - (o - b) for m, o, b in zip(measured, own, base, strict=True)]
+        before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
         friction = law_torque(prepared, found.final)
         rows = zip(prepared.segments, measured, before, after, friction, strict=True)
         for s, m, b, a, f in rows:
