@@ -24,6 +24,7 @@ SHAPES = {
     dwell_time.EFFECT: (0.5, 0.01, 1e-3),
     frictional_lag.EFFECT: (0.05, 0.2, 1e-3),
     load_dependent.EFFECT: (1e-3,),
+    load_dependent.COULOMB: (1e-3,),
 }
 
 
@@ -53,7 +54,7 @@ def slid_rested_slid(rest: float) -> np.ndarray:
     return signals
 
 
-@pytest.mark.parametrize("effect", SHAPES, ids=lambda e: e.name)
+@pytest.mark.parametrize("effect", SHAPES, ids=lambda e: f"{e.name} {e.effect_id}")
 def test_a_joint_at_rest_keeps_its_torque(effect):
     signals = slid_rested_slid(1.0)
     torque = columns(effect.effect_id, SHAPES[effect], 1, signals)[:, 0]
@@ -75,10 +76,13 @@ def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
     assert peaks[0] < peaks[1] < peaks[2]
 
 
-def test_friction_of_a_load_is_proportional_to_it_in_sliding():
+@pytest.mark.parametrize(("effect", "level"), [*zip(load_dependent.FORMS, (1.5, 1.0), strict=True)])
+def test_friction_of_a_load_is_proportional_to_it_in_sliding(effect, level):
+    """With a Stribeck level of 1.5 Fc all of it grows, or the Coulomb part alone."""
     signals = slid_rested_slid(1.0)
-    torque = columns(load_dependent.EFFECT.effect_id, (1e-3,), 1, signals)[:, 0]
-    assert torque[[999, -1]] == pytest.approx([1.0, 3.0], rel=1e-9)
+    signals[:, H] = 1.5
+    torque = columns(effect.effect_id, (1e-3,), 1, signals)[:, 0]
+    assert torque[[999, -1]] == pytest.approx([level, 3.0 * level], rel=1e-9)
 
 
 def test_rubbing_warms_and_rest_cools():

@@ -29,7 +29,7 @@ CATALOGUE: tuple[Effect, ...] = (
     gravity_error.EFFECT,
     torque_gain.EFFECT,
     spring.EFFECT,
-    load_dependent.EFFECT,
+    *load_dependent.FORMS,
     position_periodic.EFFECT,
     position_periodic.PERIODIC_LEVEL,
     nonlinear_viscous.EFFECT,

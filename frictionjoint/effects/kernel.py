@@ -39,6 +39,7 @@ _spring = spring.torque
 _asymmetry = direction_asymmetry.torque
 _viscous = nonlinear_viscous.torque
 _load = load_dependent.torque
+_load_coulomb = load_dependent.coulomb_torque
 _temperature = temperature_dependent.torque
 _warm_up = warm_up_drift.torque
 _warmed = warm_up_drift.warmed_torque
@@ -100,6 +101,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _motor_side(P, e, sig, X, x)
     if effect_id == 21:
         return _warmed(P, e, sig, X, x)
+    if effect_id == 22:
+        return _load_coulomb(P, e, sig, X, x)
     return np.nan
 
 

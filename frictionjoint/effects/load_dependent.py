@@ -1,4 +1,9 @@
-"""load-dependent: the friction level grows with the transmitted torque."""
+"""load-dependent: the friction level grows with the transmitted torque.
+
+Two forms: all of the level grows, its fall with speed too, or the Coulomb part alone.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -12,18 +17,27 @@ _REACHES = (1e-4, 1e-3)
 
 
 @njit(cache=True)
-def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c |load| H1, reached over a length of motion; H1 = H within +-1.
-
-    X[x] torque per unit of c, X[x+1] last position.
-    """
-    target = abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
+    """A level reached over a length of motion; X[x] what is reached, X[x+1] the last position."""
     if sig[DT] <= 0.0:
         X[x] = target
     else:
-        X[x] = approached(X[x], target, sig[Q] - X[x + 1], P[e])
+        X[x] = approached(X[x], target, sig[Q] - X[x + 1], reach)
     X[x + 1] = sig[Q]
-    return P[e + 1] * X[x]
+    return X[x]
+
+
+@njit(cache=True)
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """c |load| H, reached over `reach` of motion."""
+    return P[e + 1] * reached(abs(sig[LOAD]) * sig[H], P[e], sig, X, x)
+
+
+@njit(cache=True)
+def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
+    target = abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+    return P[e + 1] * reached(target, P[e], sig, X, x)
 
 
 def _reaches(signals: Array) -> list[Shape]:
@@ -37,7 +51,7 @@ EFFECT = Effect(
     coefficients=("c",),
     units=("1",),
     cause="tooth and bearing friction proportional to the normal force of the transmitted torque",
-    form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
+    form="c |tau_load| Fh/Fc, reached over `reach` of motion",
     source="Bittencourt and Gunnarsson (2012); Duclusaud et al. (2024)",
     signature="odd in velocity, even in load",
     separating_motion="the same motion at two loads, or at two poses of different gravity torque",
@@ -50,3 +64,8 @@ EFFECT = Effect(
     shape_bounds=((0.0, float("inf")),),
     memory=2,
 )
+
+COULOMB = replace(
+    EFFECT, effect_id=22, form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion"
+)
+FORMS = (EFFECT, COULOMB)

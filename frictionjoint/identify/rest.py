@@ -63,7 +63,8 @@ def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tupl
     stuck = _stuck(prepared, _REST * top) * fitted.gain > _LARGE * friction
     if not stuck and _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
         return 0.0, fitted
-    moving = fit(without_rest(prepared, _REST * top), fitted.terms, forms=forms)
+    # judged without their neighbours, whose absence is no merit of the fit
+    moving = fit(_moving(prepared, _REST * top, 0.0), fitted.terms, forms=forms)
     if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
     measured, predicted = predict(prepared, moving)

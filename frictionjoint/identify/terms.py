@@ -99,7 +99,7 @@ class EffectTerm:
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
-        if self.effect is load_dependent.EFFECT:
+        if self.effect in load_dependent.FORMS:
             signals = signals.copy()
             signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
