@@ -32,7 +32,7 @@ _BINS = 24
 _LEAST_STAY = 8
 # how far the filter reaches, in periods of its corner, and the share of the moving samples that
 # must be left without what it reaches
-_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5), 0.85
+_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5), 0.92
 
 
 def resolved(
