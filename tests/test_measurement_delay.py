@@ -12,13 +12,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 from plants.draw import draw_trial
 from plants.plant import simulate, write
 
+from frictionjoint.diagnose.candidates import columns_of, signals_of
 from frictionjoint.effects.measurement_delay import EFFECT
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.sensitivity import sensitivities
+from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.readers import read_log
 
@@ -71,3 +72,13 @@ def test_the_slope_by_a_delay_is_the_rate_of_the_torque(late):
     assert sensitivities(prepared, found)[:, -1] == pytest.approx(
         slope, rel=0.02, abs=0.02 * slope.std()
     )
+
+
+def test_a_planned_motion_has_no_drive_of_its_own(late):
+    """The delay's sensitivity is then that to the torque which the model asks for."""
+    prepared, _ = late
+    found = fit(prepared, (EffectTerm(EFFECT, (0.0,)),), forms=forms_of("lugre"))
+    silent = tuple(replace(s, drive=np.zeros_like(s.drive)) for s in prepared.segments)
+    planned = driven(replace(prepared, segments=silent), found)
+    rate = columns_of(prepared, signals_of(prepared, found), found.terms[0])[:, 0]
+    assert np.corrcoef(sensitivities(planned, found)[:, -1], rate)[0, 1] > 0.99

@@ -71,9 +71,7 @@ class Candidate:
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
     """Signals of each log under the fitted law."""
-    sigma2 = fitted.coefficient("sigma2") if "sigma2" in fitted.names else 0.0
-    level = (fitted.coefficient("Fc"), sigma2)
-    return [full_signals(s, fitted.shape, *level) for s in prepared.segments]
+    return [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
 
 
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:

@@ -165,8 +165,7 @@ def _notes(prepared: Prepared, moving: Prepared) -> tuple[str, ...]:
     """What a reader must know of the samples behind the figures."""
     if moving.rest_speed == 0.0:
         return ()
-    kept = sum(int(s.kept.sum()) for s in moving.segments)
-    share = 1.0 - kept / sum(int(s.kept.sum()) for s in prepared.segments)
+    share = 1.0 - moving.samples / prepared.samples
     unit = "m/s" if prepared.slide else "rad/s"
     return (
         f"Below {moving.rest_speed:.2g} {unit} the measured position does not tell the torque: no "

@@ -25,6 +25,7 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.rigid_body import RigidBody
 
 # of the speeds and accelerations seen: single samples are noise
@@ -338,10 +339,9 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
     edge = max(2, int(1.0 / (bandwidth * dt)))
     mask = np.ones(n, dtype=bool)
     mask[:edge] = mask[n - edge :] = False
-    mask &= np.abs(signals[:, V]) >= like.rest_speed
     driven = np.ones(n, dtype=bool)
     segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), driven, mask, {})
-    return replace(like, segments=(segment,))
+    return without_rest(replace(like, segments=(segment,)), like.rest_speed)
 
 
 def payload_of(motion: Motion, body: RigidBody) -> str:

@@ -34,7 +34,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.sensitivity import sensitivities
+from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm, Term
 
 # what counts as parted: standard deviations, and a share that no refit makes up for
@@ -195,6 +195,7 @@ class Planner:
             for motion in family(limits, self.prepared, self.presliding):
                 prepared = prepared_motion(motion, self.prepared, carried)
                 if prepared.segments[0].kept.any():
+                    prepared = driven(prepared, self.fitted)
                     found.append((motion, prepared, sensitivities(prepared, self.fitted)))
             self._tried[limits] = found
         return self._tried[limits]

@@ -1,6 +1,7 @@
 """warm-up-drift: level and viscosity relaxing in time, the temperature unmeasured."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -75,18 +76,12 @@ EFFECT = Effect(
     shapes=_time_constants,
 )
 
-BY_LOSS = Effect(
-    name="warm-up-drift",
+BY_LOSS = replace(
+    EFFECT,
     effect_id=21,
-    coefficients=("level", "viscous"),
-    units=("T", "T s/x"),
-    cause="losses warm the lubricant while the joint works",
     form="exp(-w/scale) (a Fh/Fc + b v), dw/dt = |v Fh|/Fc - w/tau, cold at the start of the log",
     source="Bittencourt and Gunnarsson (2012), heated by the friction's own loss",
     signature="same motion, friction that changes slowly with the work done before",
-    separating_motion="the same motion repeated for several time constants, with a long pause",
-    entry="scales the friction level",
-    slow=True,
     shape=("tau", "scale"),
     shape_units=("s", "x"),
     shapes=_time_constants_and_warmths,

@@ -94,6 +94,12 @@ class Fit:
         """A linear coefficient in N m per unit of its column."""
         return float(self.beta[self.names.index(name)] * self.gain)
 
+    @property
+    def levels(self) -> tuple[float, float]:
+        """Fc, and sigma2 or 0 where the fit has none, N m and N m s/rad."""
+        sigma2 = self.coefficient("sigma2") if "sigma2" in self.names else 0.0
+        return self.coefficient("Fc"), sigma2
+
     def term_coefficients(self, i: int) -> Array:
         """Coefficients of term i in N m per unit of their columns."""
         first = len(self.names) - sum(len(t.coefficients) for t in self.terms[i:])
@@ -105,9 +111,13 @@ def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Ar
     track = _law_track(segment, shape)
     signals = segment.signals.copy()
     signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
-    torque = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
-    signals[:, DTAU] = np.gradient(torque, segment.dt)
+    signals[:, DTAU] = np.gradient(balance(signals, Fc, sigma2), segment.dt)
     return signals
+
+
+def balance(signals: Array, Fc: float, sigma2: float) -> Array:
+    """Torque of the rigid body and a law along signals that hold H, N m, shape (n,)."""
+    return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
 
 
 def _law_track(segment: Segment, shape: Shape) -> Array:

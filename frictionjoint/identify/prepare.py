@@ -135,6 +135,11 @@ class Prepared:
         return len(self.segments)
 
     @property
+    def samples(self) -> int:
+        """Kept samples of all logs."""
+        return sum(int(s.kept.sum()) for s in self.segments)
+
+    @property
     def gain_unknown(self) -> bool:
         """Whether the drive is a torque up to a gain, which the load then tells."""
         return self.drive != "torque"
@@ -148,8 +153,7 @@ class Prepared:
         """The logs for a coarse search: at the rate a fit keeps, and in a narrower band where that
         is more than about `most` samples in all; finer motion is lost.
         """
-        samples = sum(int(s.kept.sum()) for s in self.segments)
-        factor = max(1, round(samples / most))
+        factor = max(1, round(self.samples / most))
         return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
 
     def subset(self, indices: list[int]) -> "Prepared":

@@ -32,7 +32,7 @@ _BINS = 24
 _LEAST_STAY = 8
 # how far the filter reaches, in periods of its corner, and the share of the moving samples that
 # must be left without what it reaches
-_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5), 0.92
+_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5, 0.0), 0.92
 
 
 def resolved(
@@ -107,14 +107,9 @@ def without_rest(prepared: Prepared, speed: float) -> Prepared:
     as it reaches, samples are left out too; less far where a narrow band and many reversals would
     leave too few.
     """
-    moving = _moving(prepared, speed, 0.0)
-    least = _LEAST_LEFT * _count(moving)
-    for reach in _REACHES:
-        fewer = _moving(prepared, speed, reach)
-        if _count(fewer) >= least:
-            moving = fewer
-            break
-    return replace(moving, rest_speed=speed)
+    least = _LEAST_LEFT * _moving(prepared, speed, 0.0).samples
+    tried = (_moving(prepared, speed, reach) for reach in _REACHES)
+    return replace(next(x for x in tried if x.samples >= least), rest_speed=speed)
 
 
 def _moving(prepared: Prepared, speed: float, reach: float) -> Prepared:
@@ -125,10 +120,6 @@ def _moving(prepared: Prepared, speed: float, reach: float) -> Prepared:
         rest = np.abs(s.signals[:, V]) < speed
         segments.append(replace(s, mask=s.mask & ~maximum_filter1d(rest, 2 * near + 1)))
     return replace(prepared, segments=tuple(segments))
-
-
-def _count(prepared: Prepared) -> int:
-    return sum(int(s.kept.sum()) for s in prepared.segments)
 
 
 def _kept_speed(prepared: Prepared) -> Array:

@@ -1,19 +1,33 @@
 """How a fitted model's torque moves with each of its parameters, along any motion."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.fit import Fit, design
+from frictionjoint.identify.fit import Fit, balance, design, full_signals
 from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import delay_of
 
 _STEP = 1e-3
+
+
+def driven(prepared: Prepared, fitted: Fit) -> Prepared:
+    """Motions with the drive that they ask of a fitted law, without its other terms."""
+    segments = []
+    for s in prepared.segments:
+        torque = balance(full_signals(s, fitted.shape, *fitted.levels), *fitted.levels)
+        on_time = replace(s, drive=torque / fitted.gain)
+        # a position logged late goes with a drive that was earlier
+        segments.append(replace(s, drive=on_time.drive_before(-delay_of(fitted.terms))))
+    return replace(prepared, segments=tuple(segments))
 
 
 def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
     """Jacobian of a fit's torque on other motions than those it was fitted to.
 
     Args:
-        prepared: the motions; their drive is not looked at.
+        prepared: the motions; a delay, if the fit has one, moves their drive.
     Returns:
         shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
     """
