@@ -88,18 +88,21 @@ class RigidBody:
         dof = dofs[0]
         body = int(model.jnt_bodyid[self.joint_id])
         e1, e2 = _across(model.jnt_axis[self.joint_id])
-        load, gx, gy = (np.zeros(len(position)) for _ in range(3))
-        for k in range(len(position)):
+        n = len(position)
+        load, turns, frames = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 9))
+        for k in range(n):
             data.qpos[qpos] = q[k]
             data.qvel[dofs] = v[k]
             data.qacc[dofs] = a[k]
             mujoco.mj_inverse(model, data)
             load[k] = data.qfrc_inverse[dof]
-            if not self.slide:
-                R = data.xmat[body].reshape(3, 3)
-                turn = np.cross(model.opt.gravity, data.xaxis[self.joint_id])
-                # torque the joint must supply: -(e x g).axis = -e.(g x axis)
-                gx[k], gy[k] = -turn @ R @ e1, -turn @ R @ e2
+            turns[k], frames[k] = data.xaxis[self.joint_id], data.xmat[body]
+        if self.slide:
+            return RigidBodyTorque(load, np.zeros(n), np.zeros(n))
+        # torque the joint must supply: -(e x g).axis = -e.(g x axis), e turning with the body
+        across = np.cross(model.opt.gravity, turns)
+        R = frames.reshape(n, 3, 3)
+        gx, gy = (-np.einsum("ni,nij,j->n", across, R, e) for e in (e1, e2))
         return RigidBodyTorque(load, gx, gy)
 
 

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import convolve1d
-from scipy.signal import butter, sosfiltfilt, welch
+from scipy.signal import butter, sosfilt, sosfilt_zi, welch
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
@@ -62,10 +62,15 @@ def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
         raise LogError(f"bandwidth {bandwidth_hz} Hz at a step of {dt} s: give positive numbers")
     if bandwidth_hz >= _HIGHEST / dt:
         return x
-    sos = _sections(bandwidth_hz, dt)
     pad = min(len(x) - 1, max(15, int(1.5 / (bandwidth_hz * dt))))
-    out: Array = sosfiltfilt(sos, x, axis=0, padlen=pad)
-    return out
+    sections, settled = _sections(bandwidth_hz, dt)
+    settled = settled.reshape(*settled.shape, *(1,) * (x.ndim - 1))
+    # what `scipy.signal.sosfiltfilt` does, but for the settled state, which it solves for each time
+    out = np.concatenate([2.0 * x[0] - x[pad:0:-1], x, 2.0 * x[-1] - x[-2 : -pad - 2 : -1]])
+    for _ in range(2):
+        out, _state = sosfilt(sections, out, axis=0, zi=settled * out[0])
+        out = out[::-1]
+    return np.asarray(out[pad : pad + len(x)])
 
 
 def as_differenced(x: Array) -> Array:
@@ -79,9 +84,13 @@ def as_differenced(x: Array) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _sections(bandwidth_hz: float, dt: float) -> Array:
-    """Of the filter of one pass; a search filters with the same few many thousand times."""
-    return np.asarray(butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos"))
+def _sections(bandwidth_hz: float, dt: float) -> tuple[Array, Array]:
+    """Of the filter of one pass, and their state where the input has long been 1.
+
+    A search filters with the same few many thousand times.
+    """
+    sections = np.asarray(butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos"))
+    return sections, np.asarray(sosfilt_zi(sections))
 
 
 def motion_bandwidth(position: Array, dt: float) -> float:
