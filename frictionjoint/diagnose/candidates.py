@@ -31,6 +31,8 @@ _FEWEST_PERIODS = 1.5
 _FEWEST_WAVES = 4.0
 _REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
+# share of a column's squares in one log from which on the others cannot test it
+_ONE_LOG = 0.95
 # limits of the drive tried, quantiles of its torque; how near to one to one, and to all of the
 # residual, an excess must be
 _LIMITS = tuple(0.2 + 0.02 * k for k in range(40))
@@ -45,11 +47,13 @@ class Candidate:
         term: effect at given shape numbers, or a smooth curve.
         columns: filtered and decimated, N m per coefficient, shape (n, k).
         search_p: p-value of a search that chose the shape (periods), else 0.
+        in_one_log: only one log has motion in which it acts, as that to an end stop.
     """
 
     term: Term
     columns: Array
     search_p: float = 0.0
+    in_one_log: bool = False
 
     @property
     def smooth(self) -> bool:
@@ -63,9 +67,11 @@ class Candidate:
 
     @property
     def within_logs(self) -> bool:
-        """Whether its coefficients belong to each log, or its quantity hardly moves within one."""
+        """Whether other logs cannot test it: its coefficients belong to each log, its quantity
+        hardly moves within one, or only one has it.
+        """
         if isinstance(self.term, EffectTerm):
-            return self.term.effect.slow
+            return self.term.effect.slow or self.in_one_log
         return isinstance(self.term, SmoothTerm) and self.term.within_logs
 
 
@@ -104,13 +110,18 @@ def effect_candidates(
             continue  # the gain is a parameter of the fit already
         if not all(_varies(everything[:, c]) for c in effect.needs):
             continue
-        found += [
-            Candidate(
-                EffectTerm(effect, shape), columns_of(prepared, signals, EffectTerm(effect, shape))
-            )
-            for shape in effect.shapes(everything)
-        ]
+        for shape in effect.shapes(everything):
+            term = EffectTerm(effect, shape)
+            columns = columns_of(prepared, signals, term)
+            alone = _in_one_log(prepared, columns)
+            found.append(Candidate(term, columns, in_one_log=alone))
     return [c for c in found if np.all(np.isfinite(c.columns)) and np.any(c.columns)]
+
+
+def _in_one_log(prepared: Prepared, columns: Array) -> bool:
+    ends = np.cumsum([int(s.kept.sum()) for s in prepared.segments])[:-1]
+    squares = np.array([np.sum(part**2) for part in np.split(columns, ends)])
+    return bool(squares.max() > _ONE_LOG * squares.sum())
 
 
 def _varies(x: Array) -> bool:

@@ -208,7 +208,7 @@ def _with_better_law(
     prepared: Prepared, own: Fit, forms: Sequence[Shape], progress: Callable[[str], None]
 ) -> tuple[Fit, Sequence[Shape]]:
     """A fit of the same terms with another law, and what that tries, where it is clearly better."""
-    if forms is _OTHERS:
+    if forms is _OTHERS or _CLEARLY * own.rms < noise_floor(prepared, own.gain):
         return own, forms
     other = _fit_others(prepared, own, progress)
     return (other, _OTHERS) if _clearly_better(other, own) else (own, forms)

@@ -64,7 +64,9 @@ def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tupl
     if not stuck and _rms(e[slow]) < max(_LARGE * friction, _APART * _rms(e[~slow])):
         return 0.0, fitted
     # judged without their neighbours, whose absence is no merit of the fit
-    moving = fit(_moving(prepared, _REST * top, 0.0), fitted.terms, forms=forms)
+    # a fit of samples that a rest pulls at may lie anywhere, one without that rest lies near
+    near = fitted.shape if prepared.rest_speed > 0.0 else None
+    moving = fit(_moving(prepared, _REST * top, 0.0), fitted.terms, start=near, forms=forms)
     if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
     measured, predicted = predict(prepared, moving)

@@ -1,7 +1,6 @@
 """Terms without a physical name: what a residual depends on when no known effect explains it.
 
-Each names the measured quantity it is a curve in. They have no shape numbers that a fit refines,
-and no place in a simulation.
+Each names the measured quantity it is a curve in. They have no place in a simulation.
 """
 
 from collections.abc import Sequence
@@ -43,14 +42,22 @@ class SmoothTerm:
     """
 
     variable: str
-    shape: ClassVar[tuple[float, ...]] = ()
-    free_shape: ClassVar[tuple[float, ...]] = ()
     within_logs: ClassVar[bool] = False
 
     @property
     def name(self) -> str:
         """The quantity."""
         return self.variable
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """Most have no numbers that enter nonlinearly."""
+        return ()
+
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """All that there are."""
+        return self.shape
 
     @property
     def follows_law(self) -> bool:
@@ -181,6 +188,15 @@ class ExcessTerm(SmoothTerm):
 
     limit: float
     coefficients: ClassVar[tuple[str, ...]] = ("missing",)
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """The limit."""
+        return (self.limit,)
+
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
+        """The same at another limit."""
+        return replace(self, limit=shape[0])
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of the coefficient, shape (n, 1)."""
