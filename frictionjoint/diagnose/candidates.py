@@ -31,6 +31,8 @@ _FEWEST_PERIODS = 1.5
 _FEWEST_WAVES = 4.0
 _REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
+# length over which a change of the friction level is reached, over the travel: where a fit starts
+_LEVEL_REACH = 1e-3
 # share of a column's squares in one log from which on the others cannot test it
 _ONE_LOG = 0.95
 # limits of the drive tried, quantiles of its torque; how near to one to one, and to all of the
@@ -264,7 +266,8 @@ def periodic_candidates(
         for line in _peaks(power, _PEAKS):
             p = (1 + int(np.sum(null >= power[line] / norm[line]))) / (flips + 1)
             N = np.pi * (line + first) / span
-            term = EffectTerm(effect, (float(N),))
+            reach = (_LEVEL_REACH * span,) if effect.memory else ()
+            term = EffectTerm(effect, (float(N), *reach))
             term = _sharpened(prepared, signals, term, residual, span)
             found.append(Candidate(term, columns_of(prepared, signals, term), p))
     return found
@@ -284,8 +287,10 @@ def _sharpened(
     prepared: Prepared, signals: list[Array], term: EffectTerm, residual: Array, span: float
 ) -> EffectTerm:
     """The frequency near a spectral line that explains most."""
-    (N,) = term.shape
-    trials = [term.with_shape((float(N + x),)) for x in np.linspace(-1, 1, 9) * np.pi / span / 2]
+    N, *others = term.shape
+    trials = [
+        term.with_shape((float(N + x), *others)) for x in np.linspace(-1, 1, 9) * np.pi / span / 2
+    ]
     gains = []
     for trial in trials:
         X = columns_of(prepared, signals, trial)

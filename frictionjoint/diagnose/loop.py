@@ -68,8 +68,9 @@ _DOUBT = 2.0
 _LARGE_GAIN = 0.5
 # Effects within this share of the best gain, and within chance of it, count as equals.
 _CLOSE = 0.05
-# Two effects nearer than this are one to these logs, whatever the resampling says.
-_SAME = 0.02
+# Two effects nearer than these are one to these logs, whatever the resampling says: shares of what
+# the better one explains, and of what it leaves.
+_SAME, _SAME_LEFT = 0.02, 0.25
 # An effect that explains less than this share of what a curve explains is not the cause: in trials
 # the true effect reached 0.93 and more.
 _ENOUGH = 0.9
@@ -487,7 +488,8 @@ def _choose(
 
 def _tied(winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator) -> bool:
     gap, chance = margin(winner, other, base, rng)
-    return chance or gap < _SAME * winner.held_out_gain
+    g = winner.held_out_gain
+    return chance or gap < min(_SAME * g, _SAME_LEFT * (1.0 - g))
 
 
 def _better(prepared: Prepared, terms: tuple[Term, ...], starts: Sequence[Fit]) -> Fit:

@@ -4,13 +4,15 @@ from numba import njit
 
 from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.level import reached, reaches
 from frictionjoint.effects.signals import H, V
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(dF |H| + dsigma2 |v|): half the difference between the directions."""
-    return P[e] * abs(sig[H]) + P[e + 1] * abs(sig[V])
+    """dF sgn(v) H, reached over `reach` of motion, + dsigma2 |v|."""
+    level = sig[H] if sig[V] >= 0.0 else -sig[H]
+    return P[e + 1] * reached(level, P[e], sig, X, x) + P[e + 2] * abs(sig[V])
 
 
 EFFECT = Effect(
@@ -19,9 +21,15 @@ EFFECT = Effect(
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
     cause="gear tooth flanks, seals and preload that act differently each way",
-    form="dF |Fh/Fc| + dsigma2 |v|, half the difference between the directions",
+    form="dF sgn(v) Fh/Fc, reached over `reach` of motion, + dsigma2 |v|, half the difference "
+    "between the directions",
     source="Ganseman et al. (1997), own parameters for each direction",
     signature="even in velocity, zero at rest before breakaway, grows with speed",
     separating_motion="both directions at two speeds, with stops in between",
     entry="scales the friction level",
+    shape=("reach",),
+    shape_units=("x",),
+    shapes=reaches,
+    shape_bounds=((0.0, float("inf")),),
+    memory=2,
 )

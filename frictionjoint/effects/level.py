@@ -9,10 +9,34 @@ where h = sigma0 z/S.
 
 import math
 
+import numpy as np
 from numba import njit
+
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Shape
+from frictionjoint.effects.signals import DT, Q
+
+_REACHES = (1e-4, 1e-3)
 
 
 @njit(cache=True)
 def approached(E: float, target: float, dq: float, reach: float) -> float:
     """E after a displacement dq on its way to `target`, over the length `reach`."""
     return E - (target - E) * math.expm1(-abs(dq) / reach)
+
+
+@njit(cache=True)
+def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
+    """A level reached over a length of motion; X[x] what is reached, X[x+1] the last position."""
+    if sig[DT] <= 0.0:
+        X[x] = target
+    else:
+        X[x] = approached(X[x], target, sig[Q] - X[x + 1], reach)
+    X[x + 1] = sig[Q]
+    return X[x]
+
+
+def reaches(signals: Array) -> list[Shape]:
+    """Lengths to start a search from, by the travel of a log."""
+    span = float(np.ptp(signals[:, Q]))
+    return [(part * span,) for part in _REACHES if span > 0.0]

@@ -5,26 +5,12 @@ Two forms: all of the level grows, its fall with speed too, or the Coulomb part 
 
 from dataclasses import replace
 
-import numpy as np
 from numba import njit
 
-from frictionjoint.arrays import Array, Vector
-from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.level import approached
-from frictionjoint.effects.signals import DT, LOAD, H, Q
-
-_REACHES = (1e-4, 1e-3)
-
-
-@njit(cache=True)
-def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
-    """A level reached over a length of motion; X[x] what is reached, X[x+1] the last position."""
-    if sig[DT] <= 0.0:
-        X[x] = target
-    else:
-        X[x] = approached(X[x], target, sig[Q] - X[x + 1], reach)
-    X[x + 1] = sig[Q]
-    return X[x]
+from frictionjoint.arrays import Vector
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.level import reached, reaches
+from frictionjoint.effects.signals import LOAD, H
 
 
 @njit(cache=True)
@@ -40,11 +26,6 @@ def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return P[e + 1] * reached(target, P[e], sig, X, x)
 
 
-def _reaches(signals: Array) -> list[Shape]:
-    span = float(np.ptp(signals[:, Q]))
-    return [(part * span,) for part in _REACHES if span > 0.0]
-
-
 EFFECT = Effect(
     name="load-dependent",
     effect_id=7,
@@ -58,7 +39,7 @@ EFFECT = Effect(
     entry="scales the friction level",
     shape=("reach",),
     shape_units=("x",),
-    shapes=_reaches,
+    shapes=reaches,
     needs=(LOAD,),
     bounds=((0.0, 2.0),),
     shape_bounds=((0.0, float("inf")),),

@@ -6,6 +6,7 @@ from numba import njit
 
 from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.level import reached
 from frictionjoint.effects.signals import H, Q
 
 
@@ -18,8 +19,10 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 @njit(cache=True)
 def level_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(a sin(N q) + b cos(N q)) Fh/Fc."""
-    return torque(P, e, sig, X, x) * sig[H]
+    """(a sin(N q) + b cos(N q)) H, reached over `reach` of motion."""
+    angle = P[e] * sig[Q]
+    wave = P[e + 2] * math.sin(angle) + P[e + 3] * math.cos(angle)
+    return reached(wave * sig[H], P[e + 1], sig, X, x)
 
 
 EFFECT = Effect(
@@ -42,11 +45,13 @@ PERIODIC_LEVEL = Effect(
     coefficients=("sin", "cos"),
     units=("T", "T"),
     cause="a friction level that varies along the teeth",
-    form="(a sin(N q) + b cos(N q)) Fh/Fc",
+    form="(a sin(N q) + b cos(N q)) Fh/Fc, reached over `reach` of motion",
     source="Armstrong-Helouvry (1991), position-dependent friction",
     signature="fixed in position, sign turns with the velocity",
     separating_motion="slow motion over several periods, both directions",
     entry="scales the friction level",
-    shape=("N",),
-    shape_units=("1/x",),
+    shape=("N", "reach"),
+    shape_units=("1/x", "x"),
+    shape_bounds=((0.0, math.inf), (0.0, math.inf)),
+    memory=2,
 )

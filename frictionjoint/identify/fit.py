@@ -368,16 +368,17 @@ class _Outer:
         low, high = (list(x) for x in law.bounds(self.vmax, self.span))
         for term in terms:
             limits = shape_limits(term)
-            for x, (least, most) in zip(term.free_shape, limits, strict=True):
-                reach = self._reach(term, x)
+            for i, (x, (least, most)) in enumerate(zip(term.free_shape, limits, strict=True)):
+                reach = self._reach(term, i)
                 low.append(max(x - reach, least))
                 high.append(min(x + reach, most))
         self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, law, terms)
 
-    def _reach(self, term: Term, x: float) -> float:
-        if term.name == "position-periodic":
+    def _reach(self, term: Term, i: int) -> float:
+        x = term.free_shape[i]
+        if term.name == "position-periodic" and i == 0:
             return np.pi / self.span / 2.0
         if x == 0.0:
             return np.inf  # not sought yet: the physical range decides
