@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from frictionjoint.effects import (
     backlash,
+    direction_asymmetry,
     dwell_time,
     frictional_lag,
     load_dependent,
+    position_periodic,
     warm_up_drift,
 )
 from frictionjoint.effects.kernel import columns
@@ -25,6 +27,7 @@ SHAPES = {
     frictional_lag.EFFECT: (0.05, 0.2, 1e-3),
     load_dependent.EFFECT: (1e-3,),
     load_dependent.COULOMB: (1e-3,),
+    position_periodic.PERIODIC_LEVEL: (20.0, 1e-3),
 }
 
 
@@ -57,9 +60,28 @@ def slid_rested_slid(rest: float) -> np.ndarray:
 @pytest.mark.parametrize("effect", SHAPES, ids=lambda e: f"{e.name} {e.effect_id}")
 def test_a_joint_at_rest_keeps_its_torque(effect):
     signals = slid_rested_slid(1.0)
-    torque = columns(effect.effect_id, SHAPES[effect], 1, signals)[:, 0]
+    n = len(effect.coefficients)
+    torque = columns(effect.effect_id, SHAPES[effect], n, signals)[:, 0]
     assert np.ptp(torque[1001:1999]) == 0.0
     assert np.ptp(torque[2000:2100]) > 0.05
+
+
+def test_a_reversal_takes_a_difference_between_the_directions_along():
+    """As a bristle does: at once nothing changes; in sliding either way the form is the same."""
+    dt, reach = 1e-4, 1e-3
+    signals = np.zeros((4000, N_SIGNALS))
+    signals[1:, DT] = dt
+    signals[:, V] = np.where(np.arange(4000) < 2000, 0.5, -0.5)
+    signals[:, Q] = np.cumsum(signals[:, V]) * dt
+    back = (signals[:, Q].max() - signals[:, Q]) * (signals[:, V] < 0.0)
+    signals[:, H] = 1.0 - 2.0 * -np.expm1(-back / reach)
+    effect = direction_asymmetry.BY_MOTION
+    torque = columns(effect.effect_id, (reach,), 2, signals)[:, 0]
+    plain = columns(direction_asymmetry.EFFECT.effect_id, (), 2, signals)[:, 0]
+    assert np.abs(np.diff(torque)).max() < 0.15  # two steps of the bristle
+    assert torque[[1999, 3999]] == pytest.approx(plain[[1999, 3999]], abs=1e-3)
+    # E' = 1 - 2 exp(-x) - E over x = distance / reach, from E = 1
+    assert torque.min() == pytest.approx(1.0 - 2.0 / math.e, abs=0.05)
 
 
 def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():

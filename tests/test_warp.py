@@ -351,7 +351,6 @@ def test_the_place_friction_counts_does_not_part_from_the_one_shown():
 
 EFFECTS = {
     "position-periodic": ((5.0,), (0.2, 0.1)),
-    "direction-asymmetry": ((1e-3,), (0.1, 0.02)),
     "load-dependent": ((1e-4,), (0.1,)),
     "gravity-error": ((), (0.05, 0.02)),
     "dwell-time": ((0.01, 1e-3, 1e-2), (0.5,)),

@@ -34,6 +34,7 @@ CATALOGUE: tuple[Effect, ...] = (
     position_periodic.PERIODIC_LEVEL,
     nonlinear_viscous.EFFECT,
     direction_asymmetry.EFFECT,
+    direction_asymmetry.BY_MOTION,
     temperature_dependent.EFFECT,
     warm_up_drift.EFFECT,
     warm_up_drift.BY_LOSS,

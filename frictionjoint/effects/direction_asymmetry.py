@@ -1,4 +1,10 @@
-"""direction-asymmetry: friction levels that differ between the two directions."""
+"""direction-asymmetry: friction levels that differ between the two directions.
+
+Two forms, alike in sliding: after a reversal the difference falls to nothing with the torque and
+comes back with it, or it stays until motion has led to the other direction's level.
+"""
+
+from dataclasses import replace
 
 from numba import njit
 
@@ -10,6 +16,12 @@ from frictionjoint.effects.signals import H, V
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """(dF |H| + dsigma2 |v|): half the difference between the directions."""
+    return P[e] * abs(sig[H]) + P[e + 1] * abs(sig[V])
+
+
+@njit(cache=True)
+def reached_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """dF sgn(v) H, reached over `reach` of motion, + dsigma2 |v|."""
     level = sig[H] if sig[V] >= 0.0 else -sig[H]
     return P[e + 1] * reached(level, P[e], sig, X, x) + P[e + 2] * abs(sig[V])
@@ -21,12 +33,17 @@ EFFECT = Effect(
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
     cause="gear tooth flanks, seals and preload that act differently each way",
-    form="dF sgn(v) Fh/Fc, reached over `reach` of motion, + dsigma2 |v|, half the difference "
-    "between the directions",
+    form="dF |Fh/Fc| + dsigma2 |v|, half the difference between the directions",
     source="Ganseman et al. (1997), own parameters for each direction",
     signature="even in velocity, zero at rest before breakaway, grows with speed",
     separating_motion="both directions at two speeds, with stops in between",
     entry="scales the friction level",
+)
+
+BY_MOTION = replace(
+    EFFECT,
+    effect_id=23,
+    form="dF sgn(v) Fh/Fc, reached over `reach` of motion, + dsigma2 |v|",
     shape=("reach",),
     shape_units=("x",),
     shapes=reaches,

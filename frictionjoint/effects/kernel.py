@@ -37,6 +37,7 @@ _gravity = gravity_error.torque
 _inertia = inertia_error.torque
 _spring = spring.torque
 _asymmetry = direction_asymmetry.torque
+_asymmetry_reached = direction_asymmetry.reached_torque
 _viscous = nonlinear_viscous.torque
 _load = load_dependent.torque
 _load_coulomb = load_dependent.coulomb_torque
@@ -103,6 +104,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _warmed(P, e, sig, X, x)
     if effect_id == 22:
         return _load_coulomb(P, e, sig, X, x)
+    if effect_id == 23:
+        return _asymmetry_reached(P, e, sig, X, x)
     return np.nan
 
 
