@@ -286,6 +286,9 @@ def _grown(
             ranking = _rank_all(prepared, current, rng)
             ranking = _with_refits(prepared, current, ranking)
             chosen = _choose(ranking, current, rng) if number <= _MOST_STEPS else None
+            if chosen and chosen[0].candidate.smooth:
+                ranking = _from_everywhere(prepared, current, ranking, forms)
+                chosen = _choose(ranking, current, rng)
         if chosen is None:
             own = forms
             if steps:
@@ -386,23 +389,52 @@ def _with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     curves = [r for r in ranking.ranked if r.candidate.smooth and not r.candidate.within_logs]
     hidden = [r for r in curves if isinstance(r.candidate.term, HysteresisTerm)]
     curves = [r for r in curves if _justified(r) and r not in hidden][:_CURVES] + hidden
-    blocks = make_blocks(current.residual, current.log_index)
-    base = float(ranking.base_squares.sum())
-    better: dict[tuple[str, str], Ranked] = {}
-    for row in leading + bound + curves:
-        terms = (*current.terms, row.candidate.term)
+    return _replaced(
+        ranking, [_refitted(prepared, current, row, ranking) for row in leading + bound + curves]
+    )
+
+
+def _from_everywhere(
+    prepared: Prepared, current: Fit, ranking: Ranking, forms: Sequence[Shape]
+) -> Ranking:
+    """The ranking with the gains of what is bound up with the law as a search from everywhere has
+    them: without its effect a law may lie far from where it belongs.
+    """
+    bound = [r for r in ranking.ranked if r.name in _LAW_BOUND and _beyond_chance(r)]
+    return _replaced(ranking, [_refitted(prepared, current, r, ranking, forms) for r in bound])
+
+
+def _replaced(ranking: Ranking, rows: Sequence[Ranked]) -> Ranking:
+    better = {(r.name, r.candidate.kind): r for r in rows}
+    ranked = [better.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
+    return replace(ranking, ranked=tuple(sorted(ranked, key=lambda r: -r.held_out_gain)))
+
+
+def _refitted(
+    prepared: Prepared,
+    current: Fit,
+    row: Ranked,
+    ranking: Ranking,
+    forms: Sequence[Shape] | None = None,
+) -> Ranked:
+    """A row with its gain after a joint refit, where that is more.
+
+    Args:
+        forms: where to search from; None for near the current fit.
+    """
+    terms = (*current.terms, row.candidate.term)
+    if forms:
+        refit = fit(prepared, terms, forms=forms)
+    else:
         refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
-        # both in units of the drive: where the gain is fitted, an effect may change it
-        residual = refit.residual * (current.gain / refit.gain)
-        within = row.candidate.within_logs
-        squares = held_out_squares(refit.free_jacobian, residual, blocks, within)
-        gain = 1.0 - float(squares.sum()) / base
-        row = replace(row, on_edge=_on_edge(refit.terms[-1]))
-        if gain > row.held_out_gain:
-            row = replace(row, held_out_gain=gain, squares=squares)
-        better[row.name, row.candidate.kind] = row
-    rows = [better.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
-    return replace(ranking, ranked=tuple(sorted(rows, key=lambda r: -r.held_out_gain)))
+    # both in units of the drive: where the gain is fitted, an effect may change it
+    residual = refit.residual * (current.gain / refit.gain)
+    blocks = make_blocks(current.residual, current.log_index)
+    squares = held_out_squares(refit.free_jacobian, residual, blocks, row.candidate.within_logs)
+    gain = 1.0 - float(squares.sum()) / float(ranking.base_squares.sum())
+    if gain > row.held_out_gain:
+        row = replace(row, held_out_gain=gain, squares=squares)
+    return replace(row, on_edge=_on_edge(refit.terms[-1]))
 
 
 def _on_edge(term: Term) -> bool:
