@@ -44,6 +44,7 @@ CATALOGUE: tuple[Effect, ...] = (
     backlash.EFFECT,
     frictional_lag.EFFECT,
     dwell_time.EFFECT,
-    end_stop.EFFECT,
+    end_stop.UPPER,
+    end_stop.LOWER,
     back_emf.EFFECT,
 )

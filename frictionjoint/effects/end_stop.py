@@ -1,4 +1,8 @@
-"""end-stop: a spring that acts only beyond a position."""
+"""end-stop: a spring that acts only beyond a position; one form an end of the range."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numba import njit
@@ -7,23 +11,29 @@ from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
+# how deep into the range a search starts
+_DEPTHS = (0.02, 0.05, 0.1, 0.15, 0.2)
+
 
 @njit(cache=True)
-def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """k (q - qmax)+ for side +1, k (qmin - q)+ for side -1, pushing back."""
-    depth = P[e + 1] * (sig[Q] - P[e])
-    return P[e + 1] * P[e + 2] * depth if depth > 0.0 else 0.0
+def upper_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """k (q - qmax)+."""
+    return P[e + 1] * max(0.0, sig[Q] - P[e])
 
 
-def _positions(signals: Array) -> list[Shape]:
+@njit(cache=True)
+def lower_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """-k (qmin - q)+."""
+    return -P[e + 1] * max(0.0, P[e] - sig[Q])
+
+
+def _positions(end: Callable[[Array], float], signals: Array) -> list[Shape]:
     q = signals[:, Q]
-    low, high = float(q.min()), float(q.max())
-    parts = np.array([0.02, 0.05, 0.1, 0.15, 0.2])
-    top = [(high - part * (high - low), 1.0) for part in parts]
-    return top + [(low + part * (high - low), -1.0) for part in parts]
+    inward = 0.5 * float(q.min() + q.max()) - end(q)
+    return [(float(end(q) + 2.0 * depth * inward),) for depth in _DEPTHS]
 
 
-EFFECT = Effect(
+UPPER = Effect(
     name="end-stop",
     effect_id=16,
     coefficients=("stiffness",),
@@ -33,8 +43,10 @@ EFFECT = Effect(
     source="unilateral linear spring",
     signature="nothing but near one end of the range",
     separating_motion="approach the end slowly and dwell before it",
-    shape=("position", "side"),
-    shape_units=("x", "1"),
-    shapes=_positions,
+    shape=("position",),
+    shape_units=("x",),
+    shapes=partial(_positions, np.max),
     bounds=((0.0, float("inf")),),
 )
+
+LOWER = replace(UPPER, effect_id=24, form="-k (qmin - q)+", shapes=partial(_positions, np.min))

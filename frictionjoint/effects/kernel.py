@@ -50,7 +50,8 @@ _periodic_level = position_periodic.level_torque
 _gain = torque_gain.torque
 _delay = measurement_delay.torque
 _elasticity = joint_elasticity.torque
-_stop = end_stop.torque
+_upper_stop = end_stop.upper_torque
+_lower_stop = end_stop.lower_torque
 _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
@@ -91,7 +92,7 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
     if effect_id == 15:
         return _elasticity(P, e, sig, X, x)
     if effect_id == 16:
-        return _stop(P, e, sig, X, x)
+        return _upper_stop(P, e, sig, X, x)
     if effect_id == 17:
         return _lag(P, e, sig, X, x)
     if effect_id == 18:
@@ -106,6 +107,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _load_coulomb(P, e, sig, X, x)
     if effect_id == 23:
         return _asymmetry_reached(P, e, sig, X, x)
+    if effect_id == 24:
+        return _lower_stop(P, e, sig, X, x)
     return np.nan
 
 

@@ -1,0 +1,60 @@
+"""Causes that hide: met in one log only, at the edge of a limit, or behind a bent law."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.loop import Trace, trace
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.readers import read_log
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from plants.draw import draw_trial
+from plants.plant import simulate, write
+from plants.spec import Effect, PlantSpec
+
+
+def drawn(seed: int, kind: str) -> PlantSpec:
+    return draw_trial(np.random.default_rng(seed), kind)
+
+
+def traced(spec: PlantSpec, folder: Path, logs: slice) -> Trace:
+    found = [read_log(path, "joint") for path in write(simulate(spec), folder)[logs]]
+    return trace(prepare(found, RigidBody(folder / "joint.xml", "joint")))
+
+
+def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
+    """No other log can test it, so it is tested on stretches of that one."""
+    spec = drawn(4, "none")
+    far, *_ = (m.amplitude for m in spec.motions)
+    short = [replace(m, amplitude=0.5 * m.amplitude) for m in spec.motions]
+    stiffness = 4.0 * spec.friction.Fs / far
+    stop = Effect("end-stop", {"at": 0.7 * far, "stiffness": stiffness})
+    spec = replace(spec, motions=(spec.motions[0], *short[1:]), effects=(stop,))
+    found = traced(spec, tmp_path, slice(0, 3))
+    assert [s.term.name for s in found.steps] == ["end-stop"]
+    assert found.final.terms[0].shape == pytest.approx((0.7 * far,), rel=0.01)
+    assert found.final.term_coefficients(0)[0] == pytest.approx(stiffness, rel=0.1)
+
+
+def test_the_limit_of_a_drive_is_fitted(tmp_path):
+    """A limit a little off leaves what passes for a wrong gain of the torque."""
+    spec = drawn(97010, "unknown")
+    assert spec.effects[0].name == "drive-saturation"
+    found = traced(spec, tmp_path, slice(0, 3))
+    assert found.steps == ()
+    assert found.unexplained[0].name == "torque"
+
+
+def test_what_bends_a_law_is_found_though_a_curve_explains_more_beside_the_bent_one(tmp_path):
+    """The Stribeck curve had taken the place of viscous friction that grows with a power of v."""
+    spec = drawn(100002, "one")
+    assert spec.effects[0].name == "nonlinear-viscous"
+    found = traced(spec, tmp_path, slice(0, 3))
+    assert [s.term.name for s in found.steps] == ["nonlinear-viscous"]
+    assert found.unexplained == ()
