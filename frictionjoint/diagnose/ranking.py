@@ -1,0 +1,123 @@
+"""Every candidate against a residual, the leading ones after a joint refit."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.candidates import (
+    effect_candidates,
+    excess_candidates,
+    periodic_candidates,
+    signals_of,
+    smooth_candidates,
+    wave_candidates,
+)
+from frictionjoint.diagnose.choice import LAW_BOUND, beyond_chance, justified, large_enough
+from frictionjoint.diagnose.trace import FLIPS, Ranked, Ranking, held_out_squares, rank
+from frictionjoint.identify.fit import ROUGH, Fit, fit, shape_limits
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.smooth import HysteresisTerm
+from frictionjoint.identify.terms import Term
+
+# How many of the leading effects are compared after a joint refit, and the share of the leader's
+# gain they need before it: an effect bound up with the law shows its whole gain only then.
+_SHORTLIST, _CURVES, _LEAST_OF_LEADER = 4, 2, 0.15
+# nearness to the end of a physical range, over the number itself
+_EDGE = 0.02
+
+
+def rank_all(
+    prepared: Prepared, current: Fit, rng: np.random.Generator, only: str | None = None
+) -> Ranking:
+    """Effects, waves in position and time, curves and a limit of the drive, best first.
+
+    Args:
+        only: name of the one effect to try; None for everything.
+    """
+    blocks = make_blocks(current.residual, current.log_index)
+    signals = signals_of(prepared, current)
+    found = effect_candidates(prepared, signals, current.terms)
+    if only:
+        found = [c for c in found if c.term.name == only]
+        return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
+    found += periodic_candidates(prepared, signals, current.residual, blocks, rng, FLIPS)
+    found += smooth_candidates(prepared, signals)
+    found += excess_candidates(prepared, current)
+    found += wave_candidates(prepared, current.residual, current.log_index, blocks, rng, FLIPS)
+    return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
+
+
+def with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
+    """The ranking with the gains of the leading effects as they are after a joint refit.
+
+    Only of those worth naming by what they explain without one, and of those bound up with the
+    law: the freedom of a refit lets any effect take what is wrong with the law.
+    """
+    named = [r for r in ranking.ranked if not r.candidate.smooth]
+    leading = [r for r in named if justified(r) and large_enough(r, current)][:_SHORTLIST]
+    if leading:
+        least = _LEAST_OF_LEADER * leading[0].held_out_gain
+        leading = [r for r in leading if r.held_out_gain >= least]
+    bound = [r for r in named if r.name in LAW_BOUND and beyond_chance(r) and r not in leading]
+    # An effect is held against the best curves: both as they are after a refit. Hysteresis beside
+    # the law's own shows only then.
+    curves = [r for r in ranking.ranked if r.candidate.smooth and not r.candidate.within_logs]
+    hidden = [r for r in curves if isinstance(r.candidate.term, HysteresisTerm)]
+    curves = [r for r in curves if justified(r) and r not in hidden][:_CURVES] + hidden
+    return _replaced(
+        ranking, [_refitted(prepared, current, row, ranking) for row in leading + bound + curves]
+    )
+
+
+def from_everywhere(
+    prepared: Prepared, current: Fit, ranking: Ranking, forms: Sequence[Shape]
+) -> Ranking:
+    """The ranking with the gains of what is bound up with the law as a search from everywhere has
+    them: without its effect a law may lie far from where it belongs.
+    """
+    bound = [r for r in ranking.ranked if r.name in LAW_BOUND and beyond_chance(r)]
+    return _replaced(ranking, [_refitted(prepared, current, r, ranking, forms) for r in bound])
+
+
+def _replaced(ranking: Ranking, rows: Sequence[Ranked]) -> Ranking:
+    better = {(r.name, r.candidate.kind): r for r in rows}
+    ranked = [better.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
+    return replace(ranking, ranked=tuple(sorted(ranked, key=lambda r: -r.held_out_gain)))
+
+
+def _refitted(
+    prepared: Prepared,
+    current: Fit,
+    row: Ranked,
+    ranking: Ranking,
+    forms: Sequence[Shape] | None = None,
+) -> Ranked:
+    """A row with its gain after a joint refit, where that is more.
+
+    Args:
+        forms: where to search from; None for near the current fit.
+    """
+    terms = (*current.terms, row.candidate.term)
+    if forms:
+        refit = fit(prepared, terms, forms=forms)
+    else:
+        refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
+    # both in units of the drive: where the gain is fitted, an effect may change it
+    residual = refit.residual * (current.gain / refit.gain)
+    blocks = make_blocks(current.residual, current.log_index)
+    squares = held_out_squares(refit.free_jacobian, residual, blocks, row.candidate.within_logs)
+    gain = 1.0 - float(squares.sum()) / float(ranking.base_squares.sum())
+    if gain > row.held_out_gain:
+        row = replace(row, held_out_gain=gain, squares=squares)
+    return replace(row, on_edge=_on_edge(refit.terms[-1]))
+
+
+def _on_edge(term: Term) -> bool:
+    """Whether a shape number has come to the end of its physical range."""
+    return any(
+        min(abs(x - end) for end in limits) <= _EDGE * abs(x)
+        for x, limits in zip(term.free_shape, shape_limits(term), strict=True)
+    )
