@@ -18,7 +18,7 @@ from frictionjoint.diagnose.choice import (
 )
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, fit_others, with_better_law
-from frictionjoint.diagnose.ranking import from_everywhere, rank_all, with_refits
+from frictionjoint.diagnose.ranking import beside_unbent, rank_all, with_refits
 from frictionjoint.diagnose.trace import Ranked, Ranking, margin, selection_frequency
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
@@ -207,7 +207,7 @@ def _grown(
         progress(f"step {number}: trying candidates")
         # A motor driven by a voltage has a back-EMF: that is asked first and alone, for without
         # it the gain of the drive, and with it every torque, is off.
-        chosen = None
+        chosen = unbent = None
         if prepared.voltage_driven and not steps:
             ranking = rank_all(prepared, current, rng, "back-emf")
             chosen = choose(ranking, current, rng)
@@ -216,7 +216,7 @@ def _grown(
             ranking = with_refits(prepared, current, ranking)
             chosen = choose(ranking, current, rng) if number <= _MOST_STEPS else None
             if chosen and chosen[0].candidate.smooth:
-                ranking = from_everywhere(prepared, current, ranking, forms)
+                ranking, unbent = beside_unbent(prepared, current, ranking, chosen[0])
                 chosen = choose(ranking, current, rng)
         if chosen is None:
             own = forms
@@ -233,6 +233,9 @@ def _grown(
         start = current.shape if near else None
         terms = (*current.terms, winner.candidate.term)
         refitted = fit(prepared, terms, start=start, forms=forms)
+        if unbent and winner.name in LAW_BOUND:
+            other = fit(prepared, terms, start=unbent)
+            refitted = min(refitted, other, key=lambda f: f.drive_rms)
         if not near:
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(prepared, refitted, forms)

@@ -14,7 +14,7 @@ from frictionjoint.diagnose.candidates import (
     smooth_candidates,
     wave_candidates,
 )
-from frictionjoint.diagnose.choice import LAW_BOUND, beyond_chance, justified, large_enough
+from frictionjoint.diagnose.choice import ENOUGH, LAW_BOUND, beyond_chance, justified, large_enough
 from frictionjoint.diagnose.trace import FLIPS, Ranked, Ranking, held_out_squares, rank
 from frictionjoint.identify.fit import ROUGH, Fit, fit, shape_limits
 from frictionjoint.identify.prepare import Prepared
@@ -72,14 +72,32 @@ def with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     )
 
 
-def from_everywhere(
-    prepared: Prepared, current: Fit, ranking: Ranking, forms: Sequence[Shape]
-) -> Ranking:
-    """The ranking with the gains of what is bound up with the law as a search from everywhere has
-    them: without its effect a law may lie far from where it belongs.
+def beside_unbent(
+    prepared: Prepared, current: Fit, ranking: Ranking, curve: Ranked
+) -> tuple[Ranking, Shape]:
+    """The ranking with the gains that what is bound up with the law has beside an unbent one.
+
+    A law that has bent to such an effect lies far from where it belongs, and hides the effect from
+    a test beside it. A curve lets the law go back. One in the velocity that is beyond chance
+    vouches for an effect that explains as much.
+
+    Args:
+        curve: that would be added.
+    Returns:
+        the ranking, and the law as it is beside the curve.
     """
-    bound = [r for r in ranking.ranked if r.name in LAW_BOUND and beyond_chance(r)]
-    return _replaced(ranking, [_refitted(prepared, current, r, ranking, forms) for r in bound])
+    terms = (*current.terms, curve.candidate.term)
+    unbent = fit(prepared, terms, start=current.shape, closeness=ROUGH).shape
+    bound = [r for r in ranking.ranked if r.name in LAW_BOUND]
+    if curve.name != "velocity":
+        bound = [r for r in bound if beyond_chance(r)]
+    rows = [_refitted(prepared, current, r, ranking, unbent) for r in bound]
+    as_much = [r.held_out_gain >= ENOUGH * curve.held_out_gain for r in rows]
+    vouched = [
+        replace(r, p_value=min(r.p_value, curve.p_value)) if much else r
+        for r, much in zip(rows, as_much, strict=True)
+    ]
+    return _replaced(ranking, vouched), unbent
 
 
 def _replaced(ranking: Ranking, rows: Sequence[Ranked]) -> Ranking:
@@ -89,22 +107,15 @@ def _replaced(ranking: Ranking, rows: Sequence[Ranked]) -> Ranking:
 
 
 def _refitted(
-    prepared: Prepared,
-    current: Fit,
-    row: Ranked,
-    ranking: Ranking,
-    forms: Sequence[Shape] | None = None,
+    prepared: Prepared, current: Fit, row: Ranked, ranking: Ranking, start: Shape | None = None
 ) -> Ranked:
     """A row with its gain after a joint refit, where that is more.
 
     Args:
-        forms: where to search from; None for near the current fit.
+        start: law to start from; None for that of the current fit.
     """
     terms = (*current.terms, row.candidate.term)
-    if forms:
-        refit = fit(prepared, terms, forms=forms)
-    else:
-        refit = fit(prepared, terms, start=current.shape, closeness=ROUGH)
+    refit = fit(prepared, terms, start=start or current.shape, closeness=ROUGH)
     # both in units of the drive: where the gain is fitted, an effect may change it
     residual = refit.residual * (current.gain / refit.gain)
     blocks = make_blocks(current.residual, current.log_index)
