@@ -87,14 +87,3 @@ def test_columns_and_target_have_the_samples_kept(prepared):
     X, y = design(prepared, INTEGRATED[0], ())
     assert X.shape == (int(prepared.segments[0].kept.sum()), 3)
     assert y.shape == X.shape[:1]
-
-
-def test_what_friction_held_when_a_log_began_counts_for_nothing():
-    """A joint stuck at the start may bear any torque, until it has slid."""
-    t = DT * np.arange(4000)
-    q = np.where(t < 5.0, 0.0, 0.3 * (1.0 - np.cos(np.maximum(t - 5.0, 0.0))))
-    q += np.where(t < 2.0, 0.0, 1e-4)  # gives a little, and holds
-    log = JointLog(name="stuck", joint="arm", time=t, position=q, torque=np.zeros(4000))
-    (segment,) = prepare([log], RigidBody(XML, "arm"), bandwidth_hz=20.0).segments
-    assert not segment.mask[t < 5.0].any()
-    assert segment.mask[(t > 6.0) & (t < 19.5)].all()

@@ -35,8 +35,6 @@ from frictionjoint.measured.log import JointLog
 
 # s, about what a simulation steps with; a slow log is not refined at any cost
 _LAW_STEP, _MOST_REFINED = 1e-3, 8
-# share of the travel after which the joint counts as having slid
-_SLID = 0.01
 # the motion and what follows from it
 _SMOOTH = [Q, V, A, JERK, SNAP, LOAD, GEAR, GX, GY]
 # what a log holds of the motor, the one to be preferred first
@@ -56,8 +54,7 @@ class Segment:
         drive: measured torque, voltage or current, shape (n,), unfiltered.
         driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
             neither a voltage nor the back-EMF acts.
-        mask: shape (n,), False where the torque is not known, a filter edge spoils the sample, or
-            the joint has not slid yet.
+        mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
         refine: steps of the law from one sample to the next, see `path`.
         averages: whether the derivatives were taken on this grid, see `lowpass`.
@@ -248,7 +245,7 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
     mask = np.ones(n, dtype=bool)
     # a zero-phase filter is not to be trusted within about one period of its corner of the ends
     edge = min(n // 10, max(2, int(1.0 / (bandwidth_hz * dt))))
-    mask[: edge + _first_slide(motion.position)] = mask[n - edge :] = False
+    mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
     if log.torque_enabled is not None:
         enabled = uniform(log.time, log.torque_enabled.astype(float), t)
@@ -275,15 +272,6 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
         refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
         averages=True,
     )
-
-
-def _first_slide(position: Array) -> int:
-    """Sample up to which friction may be anything: nobody knows what it held when the log began.
-
-    Once the joint has slid, all that was before is forgotten.
-    """
-    away = np.abs(position - position[0]) > _SLID * np.ptp(position)
-    return int(np.argmax(away))
 
 
 def _away_from_switching(enabled: Array, edge: int) -> NDArray[np.bool_]:
