@@ -23,9 +23,10 @@ def drawn(seed: int, kind: str) -> PlantSpec:
     return draw_trial(np.random.default_rng(seed), kind)
 
 
-def traced(spec: PlantSpec, folder: Path, logs: slice) -> Trace:
-    found = [read_log(path, "joint") for path in write(simulate(spec), folder)[logs]]
-    return trace(prepare(found, RigidBody(folder / "joint.xml", "joint")))
+def traced(spec: PlantSpec, folder: Path) -> Trace:
+    """The loop on three of a plant's four logs."""
+    logs = [read_log(path, "joint") for path in write(simulate(spec), folder)[:3]]
+    return trace(prepare(logs, RigidBody(folder / "joint.xml", "joint")))
 
 
 def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
@@ -36,7 +37,7 @@ def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
     stiffness = 4.0 * spec.friction.Fs / far
     stop = Effect("end-stop", {"at": 0.7 * far, "stiffness": stiffness})
     spec = replace(spec, motions=(spec.motions[0], *short[1:]), effects=(stop,))
-    found = traced(spec, tmp_path, slice(0, 3))
+    found = traced(spec, tmp_path)
     assert [s.term.name for s in found.steps] == ["end-stop"]
     assert found.final.terms[0].shape == pytest.approx((0.7 * far,), rel=0.01)
     assert found.final.term_coefficients(0)[0] == pytest.approx(stiffness, rel=0.1)
@@ -46,7 +47,7 @@ def test_the_limit_of_a_drive_is_fitted(tmp_path):
     """A limit a little off leaves what passes for a wrong gain of the torque."""
     spec = drawn(97010, "unknown")
     assert spec.effects[0].name == "drive-saturation"
-    found = traced(spec, tmp_path, slice(0, 3))
+    found = traced(spec, tmp_path)
     assert found.steps == ()
     assert found.unexplained[0].name == "torque"
 
@@ -55,6 +56,6 @@ def test_what_bends_a_law_is_found_though_a_curve_explains_more_beside_the_bent_
     """The Stribeck curve had taken the place of viscous friction that grows with a power of v."""
     spec = drawn(100002, "one")
     assert spec.effects[0].name == "nonlinear-viscous"
-    found = traced(spec, tmp_path, slice(0, 3))
+    found = traced(spec, tmp_path)
     assert [s.term.name for s in found.steps] == ["nonlinear-viscous"]
     assert found.unexplained == ()

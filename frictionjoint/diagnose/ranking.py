@@ -67,9 +67,7 @@ def with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     curves = [r for r in ranking.ranked if r.candidate.smooth and not r.candidate.within_logs]
     hidden = [r for r in curves if isinstance(r.candidate.term, HysteresisTerm)]
     curves = [r for r in curves if justified(r) and r not in hidden][:_CURVES] + hidden
-    return _replaced(
-        ranking, [_refitted(prepared, current, row, ranking) for row in leading + bound + curves]
-    )
+    return _refitted(prepared, current, ranking, leading + bound + curves, current.shape)
 
 
 def beside_unbent(
@@ -91,39 +89,42 @@ def beside_unbent(
     bound = [r for r in ranking.ranked if r.name in LAW_BOUND]
     if curve.name != "velocity":
         bound = [r for r in bound if beyond_chance(r)]
-    rows = [_refitted(prepared, current, r, ranking, unbent) for r in bound]
-    as_much = [r.held_out_gain >= ENOUGH * curve.held_out_gain for r in rows]
-    vouched = [
-        replace(r, p_value=min(r.p_value, curve.p_value)) if much else r
-        for r, much in zip(rows, as_much, strict=True)
-    ]
-    return _replaced(ranking, vouched), unbent
-
-
-def _replaced(ranking: Ranking, rows: Sequence[Ranked]) -> Ranking:
-    better = {(r.name, r.candidate.kind): r for r in rows}
-    ranked = [better.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
-    return replace(ranking, ranked=tuple(sorted(ranked, key=lambda r: -r.held_out_gain)))
+    refitted = _refitted(prepared, current, ranking, bound, unbent)
+    tried = {r.name for r in bound}
+    vouched = tuple(
+        replace(r, p_value=min(r.p_value, curve.p_value))
+        if r.name in tried and r.held_out_gain >= ENOUGH * curve.held_out_gain
+        else r
+        for r in refitted.ranked
+    )
+    return replace(refitted, ranked=vouched), unbent
 
 
 def _refitted(
-    prepared: Prepared, current: Fit, row: Ranked, ranking: Ranking, start: Shape | None = None
-) -> Ranked:
-    """A row with its gain after a joint refit, where that is more.
+    prepared: Prepared, current: Fit, ranking: Ranking, rows: Sequence[Ranked], start: Shape
+) -> Ranking:
+    """The ranking with the gains of some rows after a joint refit, where those are more.
 
     Args:
-        start: law to start from; None for that of the current fit.
+        start: law to start from.
     """
-    terms = (*current.terms, row.candidate.term)
-    refit = fit(prepared, terms, start=start or current.shape, closeness=ROUGH)
-    # both in units of the drive: where the gain is fitted, an effect may change it
-    residual = refit.residual * (current.gain / refit.gain)
     blocks = make_blocks(current.residual, current.log_index)
-    squares = held_out_squares(refit.free_jacobian, residual, blocks, row.candidate.within_logs)
-    gain = 1.0 - float(squares.sum()) / float(ranking.base_squares.sum())
-    if gain > row.held_out_gain:
-        row = replace(row, held_out_gain=gain, squares=squares)
-    return replace(row, on_edge=_on_edge(refit.terms[-1]))
+    base = float(ranking.base_squares.sum())
+    found: dict[tuple[str, str], Ranked] = {}
+    for row in rows:
+        terms = (*current.terms, row.candidate.term)
+        refit = fit(prepared, terms, start=start, closeness=ROUGH)
+        # both in units of the drive: where the gain is fitted, an effect may change it
+        residual = refit.residual * (current.gain / refit.gain)
+        within = row.candidate.within_logs
+        squares = held_out_squares(refit.free_jacobian, residual, blocks, within)
+        gain = 1.0 - float(squares.sum()) / base
+        row = replace(row, on_edge=_on_edge(refit.terms[-1]))
+        if gain > row.held_out_gain:
+            row = replace(row, held_out_gain=gain, squares=squares)
+        found[row.name, row.candidate.kind] = row
+    ranked = [found.get((r.name, r.candidate.kind), r) for r in ranking.ranked]
+    return replace(ranking, ranked=tuple(sorted(ranked, key=lambda r: -r.held_out_gain)))
 
 
 def _on_edge(term: Term) -> bool:
