@@ -52,11 +52,11 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     from frictionjoint.diagnose.blocks import make_blocks
     from frictionjoint.diagnose.loop import trace
     from frictionjoint.errors import FrictionJointError
-    from frictionjoint.identify.fit import predict
     from frictionjoint.identify.prepare import prepare
     from frictionjoint.identify.rest import without_rest
     from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
+    from frictionjoint.identify.start import predict
     from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.readers import read_log
 

@@ -17,11 +17,12 @@ from test_plants import quiet  # noqa: E402
 from frictionjoint import friction_torque  # noqa: E402
 from frictionjoint.errors import ParameterError  # noqa: E402
 from frictionjoint.files import read_parameters  # noqa: E402
-from frictionjoint.identify.fit import fit, predict  # noqa: E402
+from frictionjoint.identify.fit import fit  # noqa: E402
 from frictionjoint.identify.prepare import prepare  # noqa: E402
 from frictionjoint.identify.result import law_estimates, law_parameters  # noqa: E402
 from frictionjoint.identify.rigid_body import RigidBody  # noqa: E402
 from frictionjoint.identify.rival_shape import forms_of  # noqa: E402
+from frictionjoint.identify.start import predict  # noqa: E402
 from frictionjoint.identify.uncertainty import covariance  # noqa: E402
 from frictionjoint.laws import LAWS  # noqa: E402
 from frictionjoint.measured.readers import read_log  # noqa: E402

@@ -5,7 +5,8 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from frictionjoint.effects.signals import LOAD, A, Q, V
-from frictionjoint.identify.fit import design, fit
+from frictionjoint.identify.design import design
+from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED

@@ -9,7 +9,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import DTAU, TIME, H, Q
-from frictionjoint.identify.fit import Fit, full_signals
+from frictionjoint.identify.design import full_signals
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,

@@ -32,7 +32,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.errors import LogError
-from frictionjoint.identify.fit import Fit, law_torque, predict
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.result import (
@@ -43,6 +43,7 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
+from frictionjoint.identify.start import law_torque, predict
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded

@@ -26,6 +26,7 @@ from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread
@@ -107,7 +108,7 @@ def trace(
     forms = forms_of(law or INTEGRATED_LAW)
     base = fit(prepared, progress=progress, forms=forms)
     progress("rest")
-    prepared, base = resolved(prepared, base, forms)
+    prepared, base = resolved(*settled(prepared, base), forms)
     others = fit_others(prepared, base, progress)
     alone, forms_alone = (others, OTHERS) if clearly_better(others, base) else (base, forms)
     grown = _traced(prepared, alone, forms_alone, rng, progress)
@@ -238,7 +239,7 @@ def _grown(
             refitted = min(refitted, other, key=lambda f: f.drive_rms)
         if not near:
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
-        prepared, current = resolved(prepared, refitted, forms)
+        prepared, current = resolved(*settled(prepared, refitted), forms)
         steps.append(_step(winner, ties, current, ranking, rng))
 
 

@@ -1,30 +1,30 @@
 """Least squares of the torque balance: friction law plus terms, on one or several logs.
 
-    torque  = load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms       (torque known)
-    current = (load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms) / g
-    voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gains unknown)
-
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
-trial point (variable projection, Golub and Pereyra 1973). A voltage-driven joint has sigma2 only
-where the logs hold motion with the motor let go: elsewhere what is linear in velocity is the effect
-`back-emf`, which a log of voltages cannot tell from viscous friction. Nor has it sigma1 before that
-effect is in the model: on a soft transition curve that damping would stand in for it.
+trial point (variable projection, Golub and Pereyra 1973); `design` has the linear side.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DTAU, LOAD, RATE, H, Q, V
-from frictionjoint.identify.prepare import Drive, Prepared, Segment
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.design import (
+    ColumnCache,
+    base_names,
+    coefficient_bounds,
+    design,
+    load_torque,
+    solve,
+)
+from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.terms import EffectTerm, Term, delay_of
+from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.threads import one_thread
 
 # share of a range within which a search has arrived at the range's end
@@ -106,169 +106,12 @@ class Fit:
         return self.beta[first : first + len(self.terms[i].coefficients)] * self.gain
 
 
-def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
-    """Signals with H and DTAU filled in for a law."""
-    track = _law_track(segment, shape)
-    signals = segment.signals.copy()
-    signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
-    signals[:, DTAU] = np.gradient(balance(signals, Fc, sigma2), segment.dt)
-    return signals
-
-
-def balance(signals: Array, Fc: float, sigma2: float) -> Array:
-    """Torque of the rigid body and a law along signals that hold H, N m, shape (n,)."""
-    return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
-
-
-def _law_track(segment: Segment, shape: Shape) -> Array:
-    """H and dz/dq along a log, shape (n, 2)."""
-    return np.column_stack([x[:: segment.refine] for x in shape.hysteresis(*segment.path)])
-
-
-def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
-    """Columns of the law alone: the load where the gain is unknown; v; H; dz/dt."""
-    voltage = prepared.voltage_driven
-    damped = law.damped and (not voltage or any(t.name == "back-emf" for t in terms))
-    used = {
-        "load": prepared.gain_unknown,
-        "sigma2": prepared.let_go or not voltage,
-        "Fc": True,
-        "sigma1": damped,
-    }
-    return tuple(name for name, is_used in used.items() if is_used)
-
-
-class ColumnCache:
-    """Filtered columns of the latest points of a search: most stay from one point to the next.
-
-    The rate of the torque (DTAU) in a fit is that of the rigid body alone, so that a search does
-    not chase its own tail.
-    """
-
-    _MOST = 64
-
-    def __init__(self) -> None:
-        self._kept: dict[object, Array] = {}
-
-    def get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The columns under a key, made if need be."""
-        if key not in self._kept:
-            while len(self._kept) >= self._MOST:
-                self._kept.pop(next(iter(self._kept)))
-            self._kept[key] = make()
-        return self._kept[key]
-
-
-def design(
-    prepared: Prepared, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache | None = None
-) -> tuple[Array, Array]:
-    """Columns and target on the kept samples of all logs, filtered and decimated."""
-    cache = cache or ColumnCache()
-    delay = delay_of(terms)
-    X, y = [], []
-    for i, segment in enumerate(prepared.segments):
-        X.append(_log_columns(prepared, i, shape, terms, cache))
-        target = partial(_target, segment, delay, prepared.gain_unknown)
-        y.append(cache.get(("target", i, delay), target))
-    return np.concatenate(X), np.concatenate(y)
-
-
-def _target(segment: Segment, delay: float, gain_unknown: bool) -> Array:
-    drive = _filtered(segment, lambda: segment.drive_before(delay))
-    return drive if gain_unknown else drive - _load(segment)
-
-
-def _load(segment: Segment) -> Array:
-    return _filtered(segment, lambda: segment.signals[:, LOAD], differenced=True)
-
-
-def _filtered(segment: Segment, make: Callable[[], Array], differenced: bool = False) -> Array:
-    return segment.lowpass(make(), differenced)[segment.kept]
-
-
-def _log_columns(
-    prepared: Prepared, i: int, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache
-) -> Array:
-    """Columns of one log, in the order of `base_names`, then the terms."""
-    segment = prepared.segments[i]
-    names = base_names(prepared, shape, terms)
-    linear = [signal for name, signal in (("load", LOAD), ("sigma2", V)) if name in names]
-    damped = "sigma1" in names
-
-    def track() -> Array:
-        return cache.get(("track", i, shape), lambda: _law_track(segment, shape))
-
-    def law() -> Array:
-        H_, rate = track().T
-        return np.column_stack([H_, rate * segment.signals[:, V]] if damped else [H_])
-
-    def still() -> Array:
-        """Signals but for H: these do not change with the law."""
-        signals = segment.signals.copy()
-        signals[:, DTAU] = np.gradient(signals[:, LOAD], segment.dt)
-        return signals
-
-    def columns(term: Term) -> Array:
-        signals = cache.get(("signals", i), still)
-        if term.follows_law:
-            signals = signals.copy()
-            signals[:, H], signals[:, RATE] = track().T
-        return term.columns(segment, signals)
-
-    parts = [
-        cache.get(
-            ("linear", i),
-            lambda: _filtered(segment, lambda: segment.signals[:, linear], differenced=True),
-        ),
-        cache.get(("law", i, shape, damped), lambda: _filtered(segment, law)),
-    ]
-    for k, term in enumerate(terms):
-        if not term.coefficients:
-            continue  # it moves the drive
-        key = (k, i, term.shape, shape if term.follows_law else None)
-        parts.append(
-            cache.get(key, partial(_filtered, segment, partial(columns, term), term.differenced))
-        )
-    return np.column_stack(parts)
-
-
-def coefficient_bounds(
-    prepared: Prepared, law: Shape, terms: tuple[Term, ...]
-) -> tuple[Array, Array]:
-    """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
-    low = [least[name] for name in base_names(prepared, law, terms)]
-    high = [np.inf] * len(low)
-    for term in terms:
-        bounds: tuple[tuple[float, float], ...] = ()
-        if isinstance(term, EffectTerm):
-            bounds = term.effect.bounds
-        free = ((-np.inf, np.inf),) * len(term.coefficients)
-        # with an unknown gain only the sign of a bound survives
-        for lo, hi in bounds or free:
-            low.append(lo if lo == 0.0 or not prepared.gain_unknown else -np.inf)
-            high.append(hi if not prepared.gain_unknown else np.inf)
-    return np.array(low), np.array(high)
-
-
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
     """Physical range of each shape number that a search may move."""
     own: tuple[tuple[float, float], ...] = ()
     if isinstance(term, EffectTerm):
         own = term.effect.shape_bounds if term.free_shape else ()
     return own or ((-np.inf, np.inf),) * len(term.free_shape)
-
-
-def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
-    """Linear least squares, bounded only where the free solution breaks a bound."""
-    scale = np.linalg.norm(X, axis=0)
-    scale[scale == 0.0] = 1.0
-    beta: Array = np.linalg.lstsq(X / scale, y, rcond=1e-10)[0] / scale
-    if np.all(beta >= low) and np.all(beta <= high):
-        return beta
-    Q_, R = np.linalg.qr(X / scale)
-    found = lsq_linear(R, Q_.T @ y, (low * scale, high * scale), method="bvls")
-    return np.asarray(found.x / scale)
 
 
 @one_thread
@@ -462,28 +305,4 @@ class _Outer:
         return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)
 
     def _load(self) -> Array:
-        return np.concatenate([_load(s) for s in self.prepared.segments])
-
-
-def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
-    """Measured and predicted torque on the kept samples of each log, N m, without refitting."""
-    measured, predicted = [], []
-    for i in range(len(prepared)):
-        one = prepared.subset([i])
-        segment = one.segments[0]
-        X, y = design(one, fitted.shape, fitted.terms)
-        model = X @ fitted.beta * fitted.gain
-        known = 0.0 if prepared.gain_unknown else _load(segment)
-        measured.append(y * fitted.gain + known)
-        predicted.append(model + known)
-    return measured, predicted
-
-
-def law_torque(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Torque of the law alone on the kept samples of each log, N m: a part of what is predicted."""
-    at = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
-    found = []
-    for i in range(len(prepared)):
-        X, _ = design(prepared.subset([i]), fitted.shape, fitted.terms)
-        found.append(X[:, at] @ fitted.beta[at] * fitted.gain)
-    return found
+        return np.concatenate([load_torque(s) for s in self.prepared.segments])

@@ -58,6 +58,7 @@ class Segment:
         others: further measured quantities by name, for dependences that no effect explains.
         refine: steps of the law from one sample to the next, see `path`.
         averages: whether the derivatives were taken on this grid, see `lowpass`.
+        held: friction at the first sample over Fc, see `start`.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Segment:
     others: dict[str, Array]
     refine: int = 1
     averages: bool = False
+    held: float = 0.0
 
     @cached_property
     def path(self) -> tuple[Array, Array]:

@@ -14,9 +14,10 @@ from scipy.ndimage import maximum_filter1d
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.identify.fit import Fit, fit, predict
+from frictionjoint.identify.fit import Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.start import predict
 
 # speeds, over the top speed: below the second a joint may count as at rest
 _SLOWEST, _REST = 1e-4, 0.03

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.fit import Fit, balance, design, full_signals
+from frictionjoint.identify.design import balance, design, full_signals
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import delay_of
 

@@ -104,6 +104,10 @@ def _plant(rng: np.random.Generator, names: tuple[str, ...]) -> PlantSpec:
     inertia = float(1.1 * mass * length**2 + least * rng.uniform(1.0, 2.5))
     armature = float(inertia * rng.uniform(0.3, 0.8))
     friction = _friction(rng, fc, speed)
+    if "dwell-time" in wanted and friction.law == "plain":
+        # a stay at rest that no motion shows: see MOVING
+        odds = np.array(LAW_ODDS[:-1]) / sum(LAW_ODDS[:-1])
+        friction = replace(friction, law=str(rng.choice(LAWS[:-1], p=odds)))
     if "frictional-lag" in wanted:  # a lag shows only where the Stribeck curve is steep and wide
         friction = replace(friction, Fs=1.6 * fc, Vs=float(speed * rng.uniform(0.06, 0.15)))
     return PlantSpec(

@@ -1,0 +1,121 @@
+"""What friction held when a log began: a state of the joint that no log tells, so it is sought.
+
+A joint at rest under a load holds it by a presliding torque that came of the motion before the
+log. A law that begins at zero is wrong until the joint has slid; with the torque of the first
+sample free, it is not. That torque belongs to the log as its first position does, so of a log that
+is only predicted it is sought too.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.design import ColumnCache, design, law_track, load_torque
+from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.shape import Shape
+
+# trial torques at the first sample over Fc, and how near to the best one is near enough
+_TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
+# share of a log's squares that another start must take away
+_TELLS = 0.01
+# H of two starts that have become the same, and how far the filter reaches, in periods of its
+# corner
+_ALIKE, _REACH = 1e-3, 2.0
+_PASSES = 2
+
+
+def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
+    """The logs with the torques at their first samples that leave a fit least.
+
+    Returns:
+        `prepared` itself where no log tells a better start than it has.
+    """
+    held = [_start(prepared.subset([i]), fitted) for i in range(len(prepared))]
+    if all(h == s.held for h, s in zip(held, prepared.segments, strict=True)):
+        return prepared
+    segments = zip(prepared.segments, held, strict=True)
+    return replace(prepared, segments=tuple(replace(s, held=h) for s, h in segments))
+
+
+def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """A fit and what its logs held when they began, each sought with the other."""
+    for _ in range(_PASSES):
+        begun = with_starts(prepared, fitted)
+        if begun is prepared:
+            break
+        prepared, fitted = begun, fit(begun, fitted.terms, start=fitted.shape)
+    return prepared, fitted
+
+
+def _start(one: Prepared, fitted: Fit) -> float:
+    """Torque over Fc at the first sample of a log."""
+    whole = _left(one, fitted, ColumnCache())
+    head, cache = replace(one, segments=(_head(one.segments[0], fitted.shape),)), ColumnCache()
+
+    def squares(held: float) -> float:
+        return _left(_held(head, held), fitted, cache)
+
+    tried = [squares(held) for held in _TRIALS]
+    best = _TRIALS[int(np.argmin(tried))]
+    step = _TRIALS[1] - _TRIALS[0]
+    near = (best - step, best + step)
+    found = minimize_scalar(squares, bounds=near, method="bounded", options={"xatol": _NEAR})
+    own = one.segments[0].held
+    return float(found.x) if squares(own) - found.fun > _TELLS * whole else own
+
+
+def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
+    """Squares that a fit leaves of a log."""
+    X, y = design(one, fitted.shape, fitted.terms, cache)
+    return float(np.sum((y - X @ fitted.beta) ** 2))
+
+
+def _held(one: Prepared, held: float) -> Prepared:
+    return replace(one, segments=(replace(one.segments[0], held=float(held)),))
+
+
+def _head(segment: Segment, shape: Shape) -> Segment:
+    """A log as far as its start matters: until the law from either side has become the same."""
+    first, last = (law_track(replace(segment, held=h), shape)[:, 0] for h in _TRIALS[[0, -1]])
+    apart = np.flatnonzero(np.abs(last - first) > _ALIKE)
+    reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
+    end = int(apart[-1]) + reach if apart.size else reach
+    if end + reach >= len(segment.drive):
+        return segment
+    mask = segment.mask[: end + reach].copy()
+    mask[end:] = False  # the filter's edge
+    return replace(
+        segment,
+        signals=segment.signals[: end + reach],
+        drive=segment.drive[: end + reach],
+        driven=segment.driven[: end + reach],
+        mask=mask,
+        others={name: x[: end + reach] for name, x in segment.others.items()},
+    )
+
+
+def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
+    """Measured and predicted torque on the kept samples of each log, N m, without refitting."""
+    measured, predicted = [], []
+    begun = with_starts(prepared, fitted)
+    for i in range(len(begun)):
+        one = begun.subset([i])
+        X, y = design(one, fitted.shape, fitted.terms)
+        known = 0.0 if begun.gain_unknown else load_torque(one.segments[0])
+        measured.append(y * fitted.gain + known)
+        predicted.append(X @ fitted.beta * fitted.gain + known)
+    return measured, predicted
+
+
+def law_torque(prepared: Prepared, fitted: Fit) -> list[Array]:
+    """Torque of the law alone on the kept samples of each log, N m: a part of what is predicted."""
+    at = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
+    found = []
+    begun = with_starts(prepared, fitted)
+    for i in range(len(begun)):
+        X, _ = design(begun.subset([i]), fitted.shape, fitted.terms)
+        found.append(X[:, at] @ fitted.beta[at] * fitted.gain)
+    return found
