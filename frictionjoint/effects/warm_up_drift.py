@@ -13,6 +13,9 @@ from frictionjoint.effects.signals import DT, TIME, H, V
 # grids: time constants over a log's duration, and the warmth that a first-order change is told
 # from one that levels off by, over the most that the log reaches
 _TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
+# s; oil, grease and the metal around them warm no faster. Memory shorter than that is of the
+# motion, not of heat.
+_FASTEST = 5.0
 
 
 @njit(cache=True)
@@ -40,7 +43,7 @@ def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 def _time_constants(signals: Array) -> list[Shape]:
     duration = float(np.ptp(signals[:, TIME]))
-    return [(duration * part,) for part in _TIMES]
+    return [(tau,) for tau in sorted({max(_FASTEST, duration * part) for part in _TIMES})]
 
 
 @njit(cache=True)
@@ -74,6 +77,7 @@ EFFECT = Effect(
     shape=("tau",),
     shape_units=("s",),
     shapes=_time_constants,
+    shape_bounds=((_FASTEST, float("inf")),),
 )
 
 BY_LOSS = replace(
@@ -85,6 +89,6 @@ BY_LOSS = replace(
     shape=("tau", "scale"),
     shape_units=("s", "x"),
     shapes=_time_constants_and_warmths,
-    shape_bounds=((0.0, float("inf")), (0.0, float("inf"))),
+    shape_bounds=((_FASTEST, float("inf")), (0.0, float("inf"))),
     memory=1,
 )
