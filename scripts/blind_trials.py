@@ -5,7 +5,8 @@
 
 Plants come from `scripts/plants` (MuJoCo's parts and other friction laws; see there). The logs of
 a trial are written as a user would have them; the loop reads those and the believed MJCF, nothing
-else. Truths go to DIR/sealed.json, written by the judge and read by nobody but the table.
+else. Truths go to DIR/sealed.json, written by the judge and read by nobody but the table. Every
+trial is added to DIR/trials.jsonl when it is done, and one that is there is not run again.
 """
 
 import argparse
@@ -34,6 +35,7 @@ from plants.spec import PlantSpec
 from frictionjoint.identify.prepare import Segment
 from frictionjoint.measured.derivatives import zero_phase
 
+ROWS = "trials.jsonl"
 KINDS = ("none", "one", "two", "unknown")
 SHARES = (0.2, 0.4, 0.2, 0.2)
 # parameters of the law compared with the plant's, by its names
@@ -209,6 +211,15 @@ def _runner(scheduler: str | None, jobs: int) -> Iterator[Callable[..., Iterator
         )
 
 
+def _kept(out: Path | None, jobs: list[tuple[int, str]]) -> dict[tuple[int, str], dict[str, Any]]:
+    """Results of these trials that a run before this one has left."""
+    if out is None or not (out / ROWS).exists():
+        return {}
+    rows = (json.loads(line) for line in (out / ROWS).read_text().splitlines())
+    by_job = {(row["seed"], row["kind"]): row for row in rows}
+    return {job: by_job[job] for job in jobs if job in by_job}
+
+
 def main() -> int:
     """Run the trials and print the table."""
     parser = argparse.ArgumentParser(
@@ -225,17 +236,22 @@ def main() -> int:
     rng = np.random.default_rng(arguments.seed)
     kinds = [arguments.kind or str(rng.choice(KINDS, p=SHARES)) for _ in range(arguments.trials)]
     jobs = [(1000 * arguments.seed + i, kind) for i, kind in enumerate(kinds)]
-    results = []
+    if arguments.out:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+    found = _kept(arguments.out, jobs)
     with _runner(arguments.scheduler, arguments.jobs) as run:
-        for result in run(jobs):
-            results.append(result)
+        for result in run([job for job in jobs if job not in found]):
+            found[result["seed"], result["kind"]] = result
+            if arguments.out:
+                with (arguments.out / ROWS).open("a") as rows:
+                    rows.write(json.dumps(result) + "\n")
             if not arguments.json:
                 true = "+".join(e["name"] for e in result["truth"]["effects"]) or "none"
                 said = result.get("added", result.get("error"))
                 print(f"{result['seed']:6d} {result['kind']:10s} {true:40s} {said}", flush=True)
+    results = [found[job] for job in jobs]
     verdict = judge(results)
     if arguments.out:
-        arguments.out.mkdir(parents=True, exist_ok=True)
         (arguments.out / "sealed.json").write_text(json.dumps([r["truth"] for r in results]))
         (arguments.out / "results.json").write_text(json.dumps(verdict | {"trials": results}))
     print(json.dumps(verdict, indent=2))

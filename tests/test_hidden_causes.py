@@ -59,3 +59,10 @@ def test_what_bends_a_law_is_found_though_a_curve_explains_more_beside_the_bent_
     found = traced(spec, tmp_path)
     assert [s.term.name for s in found.steps] == ["nonlinear-viscous"]
     assert found.unexplained == ()
+
+
+def test_a_memory_of_seconds_is_no_warming(tmp_path):
+    """A seal rubs through a soft spring: a lubricant warm within 1.5 s would explain that too."""
+    found = traced(drawn(103007, "unknown:stick-slip-contact"), tmp_path)
+    assert [s.term.name for s in found.steps] == []
+    assert "position" in [r.name for r in found.unexplained]

@@ -1,4 +1,4 @@
-"""Blind trials over a Dask cluster of processes: the same answers as in processes of one's own."""
+"""Blind trials over a Dask cluster of processes: the answers of one's own; and taken up again."""
 
 import json
 import subprocess
@@ -27,4 +27,8 @@ def test_a_cluster_gives_what_processes_give(tmp_path):
     with distributed.LocalCluster(processes=True, **options) as cluster:
         spread = trials(tmp_path / "spread", "--scheduler", cluster.scheduler_address)
     assert spread == trials(tmp_path / "here")
+    rows = tmp_path / "here" / "trials.jsonl"
+    first = rows.read_text()
+    assert spread == trials(tmp_path / "here"), "finished trials are taken up, not run again"
+    assert rows.read_text() == first
     assert [trial["seed"] for trial in spread["trials"]] == [239000, 239001]

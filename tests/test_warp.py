@@ -196,8 +196,8 @@ def test_warp_computes_every_effect_as_numba_does():
         for k in range(t.shape[0]):
             # velocity, bias, inertia, unit gravity torques
             h, v = wp.float64(0.0), u[k, 1]
-            F = joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, u[k, 3])
-            y[k] = effect(P, 0, e, X, 0, t[k], u[k, 0], v, F, u[k, 2], u[k, 3], u[k, 4], u[k, 5])
+            joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, u[k, 3])
+            y[k] = effect(P, 0, e, X, 0, t[k], u[k, 0], v, u[k, 2], u[k, 3], u[k, 4], u[k, 5])
 
     n, e = 300, len(law)
     t = 1e-3 * np.arange(n)
@@ -205,8 +205,8 @@ def test_warp_computes_every_effect_as_numba_does():
     u = np.column_stack([q, np.gradient(q, t), 1 + np.sin(9 * t), np.full(n, 0.1), q, 1 - q])
     X, numba = np.zeros(size), np.zeros(n)
     for k in range(n):
-        F = evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])
-        numba[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], F, *u[k, 2:])
+        evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])
+        numba[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], *u[k, 2:])
     y = wp.zeros(n, dtype=wp.float64, device="cpu")
     arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (P, np.zeros(size), t, u)]
     wp.launch(kernel, dim=1, inputs=[*arrays, e], outputs=[y], device="cpu")

@@ -148,7 +148,7 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
                 )
                 b = double(bias[world, dof])
                 geared = J - double(armature[world % armature.shape[0], dof])
-                F = F + effect_torque(P, law, effects, X, x + FRONT, t, q, v, F, b, geared, gx, gy)
+                F = F + effect_torque(P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy)
         torque[world, k] = float(F)
         passive[world, dof] = passive[world, dof] - float(F)
 

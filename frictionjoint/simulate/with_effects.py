@@ -22,7 +22,6 @@ def effects_torque(
     t: float,
     q: float,
     v: float,
-    F: float,
     bias: float,
     inertia: float,
     gx: float,
@@ -102,7 +101,6 @@ def joint_effects(
     t: float,
     q: float,
     v: float,
-    F: float,
     bias: float,
     inertia: float,
     joint: int,
@@ -127,13 +125,13 @@ def joint_effects(
         9 * body,
     )
     effects, x = block + int(P[block + EFFECTS]), int(P[block + ROW])
-    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, F, bias, inertia, gx, gy)
+    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, bias, inertia, gx, gy)
 
 
 late_joint_effects = late(
     joint_effects,
     REAL(
-        *[VECTOR, WHOLE, VECTOR, *[REAL] * 6],
+        *[VECTOR, WHOLE, VECTOR, *[REAL] * 5],
         *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE],
     ),
 )
