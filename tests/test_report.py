@@ -13,6 +13,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.measured.readers import read_log
 from frictionjoint.report import presliding, wording
 from frictionjoint.report.page import render
@@ -151,8 +152,10 @@ def test_a_slide_has_newtons_and_metres(found):
 
 def test_several_effects_are_listed_without_their_causes(found):
     two = replace(found, added=(found.added[0], replace(found.added[0], effect="spring")))
-    text = sentence(two)
-    law = "and the friction law maxwell_slip in place of integrated"
+    assert "lacked position-periodic and spring: with them the error falls" in sentence(two)
+    lugre = forms_of("lugre")[0].grid(1.0, 1.0)[0].parameters(1.0, 0.1)
+    text = sentence(replace(two, laws=(two.laws[0], lugre)))
+    law = "and the friction law lugre in place of integrated"
     assert f"lacked position-periodic and spring: with them, {law}, the error falls" in text
 
 
