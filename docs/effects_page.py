@@ -32,7 +32,7 @@ def motion() -> Array:
     rows[0, s.DT] = 0.0
     rows[:, s.Q], rows[:, s.V], rows[:, s.A], rows[:, s.JERK], rows[:, s.SNAP] = q, v, -q, -v, q
     rows[:, s.LOAD], rows[:, s.GX], rows[:, s.GY] = 5.0 * q, 9.81 * np.sin(q), 9.81 * np.cos(q)
-    rows[:, s.GEAR] = rows[:, s.LOAD]
+    rows[:, s.GEAR] = rows[:, s.MOTOR] = rows[:, s.LOAD]
     rows[:, s.TEMP] = 25.0 + 10.0 * t / t[-1]
     rows[:, s.H] = H
     rows[:, s.DTAU] = np.gradient(5.0 * q + H, t)

@@ -27,6 +27,7 @@ SHAPES = {
     frictional_lag.EFFECT: (0.05, 0.2, 1e-3),
     load_dependent.EFFECT: (1e-3,),
     load_dependent.COULOMB: (1e-3,),
+    load_dependent.STRIBECK: (1e-3, 0.1),
     position_periodic.PERIODIC_LEVEL: (20.0, 1e-3),
 }
 
@@ -98,13 +99,22 @@ def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
     assert peaks[0] < peaks[1] < peaks[2]
 
 
-@pytest.mark.parametrize(("effect", "level"), [*zip(load_dependent.FORMS, (1.5, 1.0), strict=True)])
+@pytest.mark.parametrize(
+    ("effect", "level"), [*zip(load_dependent.FORMS, (1.5, 1.0, 1.0), strict=True)]
+)
 def test_friction_of_a_load_is_proportional_to_it_in_sliding(effect, level):
     """With a Stribeck level of 1.5 Fc all of it grows, or the Coulomb part alone."""
     signals = slid_rested_slid(1.0)
     signals[:, H] = 1.5
-    torque = columns(effect.effect_id, (1e-3,), 1, signals)[:, 0]
+    torque = columns(effect.effect_id, SHAPES[effect], 1, signals)[:, 0]
     assert torque[[999, -1]] == pytest.approx([level, 3.0 * level], rel=1e-9)
+
+
+def test_a_load_may_have_a_stribeck_curve_of_its_own():
+    """cs falls off with speed as exp(-|v|/vs): at 0.5 rad/s and vs = 0.1 rad/s by exp(-5)."""
+    effect = load_dependent.STRIBECK
+    torque = columns(effect.effect_id, SHAPES[effect], 2, slid_rested_slid(1.0))
+    assert torque[999] == pytest.approx([1.0, math.exp(-5.0)], rel=1e-9)
 
 
 def test_rubbing_warms_and_rest_cools():

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.signals import DTAU, TIME, H, Q
+from frictionjoint.effects.signals import DTAU, MOTOR, TIME, H, Q
 from frictionjoint.identify.design import full_signals
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.motor_torque import ON_THE_MOTOR
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,
@@ -26,6 +27,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 _PERIODIC = (11, 12)
 _BACK_EMF = 10
+_SATURATION = 26
 _POSITION_BINS = 4096
 _FEWEST_PERIODS = 1.5
 # waves in time that the longest log must hold
@@ -79,8 +81,17 @@ class Candidate:
 
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Signals of each log under the fitted law."""
-    return [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
+    """Signals of each log under the fitted model."""
+    found = []
+    for s in prepared.segments:
+        signals = full_signals(s, fitted.shape, *fitted.levels)
+        beyond = np.zeros(len(signals))
+        for i, term in enumerate(fitted.terms):
+            if term.coefficients and term.name not in ON_THE_MOTOR:
+                beyond += term.columns(s, signals) @ fitted.term_coefficients(i)
+        signals[:, MOTOR] += beyond
+        found.append(signals)
+    return found
 
 
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
@@ -111,6 +122,8 @@ def effect_candidates(
             continue  # sigma2 has taken what is linear in velocity
         if prepared.gain_unknown and effect.name == "torque-gain":
             continue  # the gain is a parameter of the fit already
+        if effect.effect_id == _SATURATION and not prepared.gain_unknown:
+            continue  # where the torque was measured, no motor stands between it and the joint
         if not all(_varies(everything[:, c]) for c in effect.needs):
             continue
         for shape in effect.shapes(everything):

@@ -25,9 +25,9 @@ _OTHER_SHARES = {
     "backlash": 0.02,
     "joint-elasticity": 0.025,
 }
-# Effects that the law's own parameters take for themselves: what they explain shows only when
-# both are fitted at once.
-LAW_BOUND = frozenset(("dwell-time", "frictional-lag", "nonlinear-viscous"))
+# Effects that the law's own parameters, or the gain, take for themselves: what they explain shows
+# only when both are fitted at once.
+LAW_BOUND = frozenset(("dwell-time", "frictional-lag", "nonlinear-viscous", "motor-saturation"))
 # How much more an effect must explain beside a curve that has no name.
 _DOUBT = 2.0
 LARGE_GAIN = 0.5

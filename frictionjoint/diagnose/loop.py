@@ -270,6 +270,9 @@ def _reconsidered(
         rest = tuple(t for k, t in enumerate(current.terms) if k != i)
         without = fit(prepared, rest, start=current.shape, closeness=ROUGH)
         ranking = rank_all(prepared, without, rng)
+        if steps[i].evidence.candidate.smooth:
+            # what a curve stands in for is asked as it was when the curve was taken
+            ranking = with_refits(prepared, without, ranking)
         chosen = choose(ranking, without, rng)
         if chosen is None or chosen[0].name == steps[i].term.name:
             continue

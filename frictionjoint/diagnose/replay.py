@@ -13,8 +13,10 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects import back_emf, motor_saturation
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.motor_torque import ON_THE_MOTOR
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -60,9 +62,13 @@ def motor_of(fitted: Fit) -> Motor | None:
     """The motor of a fit to voltages or currents; None where the torque was measured."""
     if fitted.drive == "torque":
         return None
-    emf = [i for i, term in enumerate(fitted.terms) if term.name == "back-emf"]
-    back_emf = float(fitted.term_coefficients(emf[0])[0]) if emf else 0.0
-    return Motor(fitted.gain, back_emf, fitted.drive)
+    found = {
+        term.name: float(fitted.term_coefficients(i)[0])
+        for i, term in enumerate(fitted.terms)
+        if term.name in ON_THE_MOTOR
+    }
+    emf, saturation = (found.get(e.EFFECT.name, 0.0) for e in (back_emf, motor_saturation))
+    return Motor(fitted.gain, emf, fitted.drive, saturation)
 
 
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:

@@ -12,6 +12,7 @@ from frictionjoint.effects import (
     joint_elasticity,
     load_dependent,
     measurement_delay,
+    motor_saturation,
     motor_side_elasticity,
     nonlinear_viscous,
     position_periodic,
@@ -47,4 +48,5 @@ CATALOGUE: tuple[Effect, ...] = (
     end_stop.UPPER,
     end_stop.LOWER,
     back_emf.EFFECT,
+    motor_saturation.EFFECT,
 )

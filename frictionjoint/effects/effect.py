@@ -13,7 +13,9 @@ from typing import Literal
 from frictionjoint.arrays import Array
 
 Shape = tuple[float, ...]
-Entry = Literal["adds torque", "scales the friction level", "acts on the measurement"]
+Entry = Literal[
+    "adds torque", "scales the friction level", "acts on the measurement", "acts on the motor"
+]
 
 
 def _no_shape(signals: Array) -> list[Shape]:

@@ -20,6 +20,7 @@ from frictionjoint.effects import (
     joint_elasticity,
     load_dependent,
     measurement_delay,
+    motor_saturation,
     motor_side_elasticity,
     nonlinear_viscous,
     position_periodic,
@@ -41,6 +42,7 @@ _asymmetry_reached = direction_asymmetry.reached_torque
 _viscous = nonlinear_viscous.torque
 _load = load_dependent.torque
 _load_coulomb = load_dependent.coulomb_torque
+_load_stribeck = load_dependent.stribeck_torque
 _temperature = temperature_dependent.torque
 _warm_up = warm_up_drift.torque
 _warmed = warm_up_drift.warmed_torque
@@ -55,6 +57,7 @@ _lower_stop = end_stop.lower_torque
 _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
+_saturation = motor_saturation.torque
 _motor_side = motor_side_elasticity.torque
 
 
@@ -109,6 +112,10 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _asymmetry_reached(P, e, sig, X, x)
     if effect_id == 24:
         return _lower_stop(P, e, sig, X, x)
+    if effect_id == 25:
+        return _load_stribeck(P, e, sig, X, x)
+    if effect_id == 26:
+        return _saturation(P, e, sig, X, x)
     return np.nan
 
 

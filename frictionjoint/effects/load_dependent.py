@@ -1,16 +1,22 @@
 """load-dependent: the friction level grows with the transmitted torque.
 
-Two forms: all of the level grows, its fall with speed too, or the Coulomb part alone.
+Three forms: all of the level grows, its fall with speed too; the Coulomb part alone; or that and a
+part that falls with speed on its own.
 """
 
+import math
 from dataclasses import replace
 
+import numpy as np
 from numba import njit
 
-from frictionjoint.arrays import Vector
-from frictionjoint.effects.effect import Effect
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import reached, reaches
-from frictionjoint.effects.signals import LOAD, H
+from frictionjoint.effects.signals import LOAD, H, V
+
+# speeds over which the extra level falls off, over the fastest of a log: where a search starts
+_FALLS = (0.03, 0.15)
 
 
 @njit(cache=True)
@@ -24,6 +30,20 @@ def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
     target = abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
     return P[e + 1] * reached(target, P[e], sig, X, x)
+
+
+@njit(cache=True)
+def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """(c + cs exp(-|v|/vs)) |load| H1, reached over `reach` of motion; H1 = H within +-1."""
+    level = P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1])
+    target = level * abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+    return reached(target, P[e], sig, X, x)
+
+
+def _reaches_and_falls(signals: Array) -> list[Shape]:
+    fastest = float(np.quantile(np.abs(signals[:, V]), 0.99))
+    lengths = reaches(signals) if fastest > 0.0 else []
+    return [(length, part * fastest) for (length,) in lengths for part in _FALLS]
 
 
 EFFECT = Effect(
@@ -49,4 +69,17 @@ EFFECT = Effect(
 COULOMB = replace(
     EFFECT, effect_id=22, form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion"
 )
-FORMS = (EFFECT, COULOMB)
+STRIBECK = replace(
+    EFFECT,
+    effect_id=25,
+    coefficients=("c", "cs"),
+    units=("1", "1"),
+    form="(c + cs exp(-|v|/vs)) |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
+    source="Bittencourt and Gunnarsson (2012); Duclusaud et al. (2024), model M4",
+    shape=("reach", "vs"),
+    shape_units=("x", "x/s"),
+    shapes=_reaches_and_falls,
+    bounds=((0.0, 2.0), (0.0, 4.0)),
+    shape_bounds=((0.0, float("inf")), (0.0, float("inf"))),
+)
+FORMS = (EFFECT, COULOMB, STRIBECK)

@@ -11,7 +11,9 @@ H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in slid
 DTAU   time derivative of the predicted torque, N m/s; zero in simulation
 DT     s since the last sample
 RATE   dz/dq of the bristle, 1 at a reversal and 0 in sliding; zero in simulation
+MOTOR  torque the motor gives, N m, of a model fitted to voltages or currents; zero in simulation
+ASKED  torque the motor would give if nothing saturated, N m; zero in a log
 """
 
-TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR = range(15)
-N_SIGNALS = 15
+TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
+N_SIGNALS = 17

@@ -17,7 +17,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DTAU, LOAD, RATE, H, Q, V
+from frictionjoint.effects.signals import DTAU, LOAD, MOTOR, RATE, H, Q, V
+from frictionjoint.identify.motor_torque import saturated
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import EffectTerm, Term, delay_of
@@ -27,11 +28,12 @@ _WAYS, _WAY_POINTS = (1e-7, 3.0), 60
 
 
 def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
-    """Signals with H and DTAU filled in for a law."""
+    """Signals with H, RATE, MOTOR and DTAU filled in for a law."""
     track = law_track(segment, shape)
     signals = segment.signals.copy()
     signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
-    signals[:, DTAU] = np.gradient(balance(signals, Fc, sigma2), segment.dt)
+    signals[:, MOTOR] = balance(signals, Fc, sigma2)
+    signals[:, DTAU] = np.gradient(signals[:, MOTOR], segment.dt)
     return signals
 
 
@@ -81,6 +83,12 @@ def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple
     return tuple(name for name, is_used in used.items() if is_used)
 
 
+def column_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
+    """Columns of the law and the terms, those of a term as ``i.name``."""
+    names = tuple(f"{i}.{c}" for i, term in enumerate(terms) for c in term.coefficients)
+    return base_names(prepared, law, terms) + names
+
+
 class ColumnCache:
     """Filtered columns of the latest points of a search: most stay from one point to the next.
 
@@ -88,32 +96,45 @@ class ColumnCache:
     not chase its own tail.
     """
 
-    _MOST = 64
+    _LEAST, _A_LOG = 64, 24
 
-    def __init__(self) -> None:
+    def __init__(self, logs: int = 1) -> None:
+        self._most = max(self._LEAST, self._A_LOG * logs)
         self._kept: dict[object, Array] = {}
 
     def get(self, key: object, make: Callable[[], Array]) -> Array:
         """The columns under a key, made if need be."""
         if key not in self._kept:
-            while len(self._kept) >= self._MOST:
+            while len(self._kept) >= self._most:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = make()
         return self._kept[key]
 
 
 def design(
-    prepared: Prepared, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache | None = None
+    prepared: Prepared,
+    shape: Shape,
+    terms: tuple[Term, ...],
+    cache: ColumnCache | None = None,
+    beta: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Columns and target on the kept samples of all logs, filtered and decimated."""
-    cache = cache or ColumnCache()
+    """Columns and target on the kept samples of all logs, filtered and decimated.
+
+    Args:
+        beta: coefficients that tell the torque of the motor; without them what depends on it is
+            zero, see `motor_torque`.
+    """
+    cache = cache or ColumnCache(len(prepared))
     delay = delay_of(terms)
     X, y = [], []
     for i, segment in enumerate(prepared.segments):
         X.append(_log_columns(prepared, i, shape, terms, cache))
         target = partial(_target, segment, delay, prepared.gain_unknown)
         y.append(cache.get(("target", i, delay), target))
-    return np.concatenate(X), np.concatenate(y)
+    whole = np.concatenate(X)
+    if beta is not None:
+        whole = saturated(whole, beta, column_names(prepared, shape, terms), terms)
+    return whole, np.concatenate(y)
 
 
 def _target(segment: Segment, delay: float, gain_unknown: bool) -> Array:

@@ -16,12 +16,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.design import (
     ColumnCache,
-    base_names,
     coefficient_bounds,
+    column_names,
     design,
     load_torque,
     solve,
 )
+from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -135,7 +136,7 @@ def fit(
         outer = _Outer(prepared, terms, start)
         steps = _MOST_STEPS if closeness == CLOSE else _FEW_STEPS
         return outer.result(_refined(outer, outer.start, steps, closeness).x)
-    coarse, cache = prepared.thinned(_COARSE), ColumnCache()
+    coarse, cache = prepared.thinned(_COARSE), ColumnCache(len(prepared))
     # laws of different variables ripen at different speeds: the best of each is compared when done
     laws: dict[tuple[str, ...], list[tuple[_Outer, Array]]] = {}
     for i, form in enumerate(forms):
@@ -204,7 +205,7 @@ class _Outer:
         self.prepared = prepared
         self.terms = terms
         self.law = law
-        self.cache = cache or ColumnCache()
+        self.cache = cache or ColumnCache(len(prepared))
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
@@ -258,7 +259,11 @@ class _Outer:
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
         shape, terms = self.split(x)
         X, y = design(self.prepared, shape, terms, self.cache)
-        return X, y, solve(X, y, self.low, self.high)
+        beta = solve(X, y, self.low, self.high)
+        for _ in range(solutions(terms) - 1):
+            X, _ = design(self.prepared, shape, terms, self.cache, beta)
+            beta = solve(X, y, self.low, self.high)
+        return X, y, beta
 
     def residual(self, x: Array) -> Array:
         X, y, beta = self.solved(x)
@@ -268,8 +273,7 @@ class _Outer:
     def result(self, x: Array) -> Fit:
         X, y, beta = self.solved(x)
         shape, terms = self.split(x)
-        names = base_names(self.prepared, shape, terms)
-        names += tuple(f"{i}.{c}" for i, t in enumerate(terms) for c in t.coefficients)
+        names = column_names(self.prepared, shape, terms)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
         model = X @ beta
         shape_columns = []
@@ -279,7 +283,7 @@ class _Outer:
             moved = x.copy()
             moved[i] += inward
             other_shape, other_terms = self.split(moved)
-            X2, y2 = design(self.prepared, other_shape, other_terms, self.cache)
+            X2, y2 = design(self.prepared, other_shape, other_terms, self.cache, beta)
             # a delay moves the drive
             shape_columns.append(((X2 @ beta - y2) - (model - y)) / inward)
         index = np.concatenate(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import binary_opening, maximum_filter1d
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
@@ -33,7 +33,9 @@ _BINS = 24
 _LEAST_STAY = 8
 # how far the filter reaches, in periods of its corner, and the share of the moving samples that
 # must be left without what it reaches
-_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5, 0.0), 0.92
+_REACHES, _LEAST_LEFT = (2.0, 1.0, 0.5, 0.0), 0.6
+# periods of the filter's corner from which on a rest carries far: a reversal is over sooner
+_LONG = 0.5
 
 
 def resolved(
@@ -104,11 +106,11 @@ def _stuck(prepared: Prepared, speed: float) -> float:
 
 
 def without_rest(prepared: Prepared, speed: float) -> Prepared:
-    """The logs without the samples slower than `speed`, rad/s, and their neighbours.
+    """The logs without the samples slower than `speed`, rad/s, and the neighbours of a stay.
 
-    The filter carries the torque of a rest, which nothing tells, into the motion around it. As far
-    as it reaches, samples are left out too; less far where a narrow band and many reversals would
-    leave too few.
+    The filter carries the torque of a stay at rest, which nothing tells, into the motion around it.
+    As far as it reaches, samples are left out too; less far where a narrow band and many stays
+    would leave too few.
     """
     least = _LEAST_LEFT * _moving(prepared, speed, 0.0).samples
     tried = (_moving(prepared, speed, reach) for reach in _REACHES)
@@ -116,12 +118,15 @@ def without_rest(prepared: Prepared, speed: float) -> Prepared:
 
 
 def _moving(prepared: Prepared, speed: float, reach: float) -> Prepared:
-    """The logs without rest and what is nearer to it than `reach` over the bandwidth."""
+    """The logs without rest and what is nearer to a stay than `reach` over the bandwidth."""
     segments = []
     for s in prepared.segments:
         near = int(reach / (s.bandwidth_hz * s.dt))
         rest = np.abs(s.signals[:, V]) < speed
-        segments.append(replace(s, mask=s.mask & ~maximum_filter1d(rest, 2 * near + 1)))
+        long = int(np.ceil(_LONG / (s.bandwidth_hz * s.dt))) + 1
+        stays = binary_opening(rest, np.ones(long))
+        left = s.mask & ~rest & ~maximum_filter1d(stays, 2 * near + 1)
+        segments.append(replace(s, mask=left))
     return replace(prepared, segments=tuple(segments))
 
 

@@ -32,7 +32,7 @@ def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
     Returns:
         shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
     """
-    X, y = design(prepared, fitted.shape, fitted.terms)
+    X, y = design(prepared, fitted.shape, fitted.terms, beta=fitted.beta)
     model = X @ fitted.beta
     columns = []
     for name, x in zip(fitted.shape.variables, fitted.shape.vector(), strict=True):
@@ -41,13 +41,13 @@ def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
         at = fitted.shape.variables.index(name)
         moved = fitted.shape.vector()
         moved[at] = x + h
-        other, _ = design(prepared, fitted.shape.moved(moved), fitted.terms)
+        other, _ = design(prepared, fitted.shape.moved(moved), fitted.terms, beta=fitted.beta)
         columns.append((other @ fitted.beta - model) / h)
     for i, term in enumerate(fitted.terms):
         for k, x in enumerate(term.free_shape):
             h = _STEP * abs(x) or 1e-9
             shape = tuple(y + h * (j == k) for j, y in enumerate(term.free_shape))
             terms = (*fitted.terms[:i], term.with_shape(shape), *fitted.terms[i + 1 :])
-            other, later = design(prepared, fitted.shape, terms)
+            other, later = design(prepared, fitted.shape, terms, beta=fitted.beta)
             columns.append(((other @ fitted.beta - later) - (model - y)) / h)
     return np.column_stack([X, *columns]) * fitted.gain

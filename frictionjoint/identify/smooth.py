@@ -81,14 +81,16 @@ class SplineTerm(SmoothTerm):
     Attributes:
         low, high: range the knots span; the curve goes on as a constant outside.
         odd: multiplied by H, the direction of friction.
-        means: of the columns over the logs, taken off: what is constant is a bias, which has a
-            name, and a curve that held it would outdo every effect beside a bias.
+        means, slopes: of the columns over the logs, taken off. What is constant is a bias, which
+            has a name, and a curve that held it would outdo every effect beside a bias; what is
+            linear in the load is a gain, and beside a curve that held it none is determined.
     """
 
     low: float
     high: float
     odd: bool = False
     means: tuple[float, ...] = ()
+    slopes: tuple[float, ...] = ()
     pieces: int = 5
 
     @property
@@ -115,14 +117,24 @@ class SplineTerm(SmoothTerm):
         out: Array = spline.transform(np.clip(x, self.low, self.high)[:, None])
         if self.means:
             out = out - np.array(self.means)
+        if self.slopes:
+            out = out - x[:, None] * np.array(self.slopes)
         return out * signals[:, [H]] if self.odd else out
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
-        """The same curve without its mean over what is kept of the logs; an odd one has none."""
+        """The same curve without its mean over what is kept of the logs, and in the load without
+        its slope; an odd one has neither.
+        """
         if self.odd:
             return self
-        columns = [self.columns(s, x)[s.mask] for s, x in zip(segments, signals, strict=True)]
-        return replace(self, means=tuple(float(m) for m in np.concatenate(columns).mean(axis=0)))
+        pairs = list(zip(segments, signals, strict=True))
+        columns = np.concatenate([self.columns(s, x)[s.mask] for s, x in pairs])
+        known = np.ones((len(columns), 1))
+        if self.variable == "load":
+            x = np.concatenate([quantity(s, x, "load")[s.mask] for s, x in pairs])
+            known = np.column_stack([known, x])
+        means, *slopes = np.linalg.lstsq(known, columns, rcond=None)[0].tolist()
+        return replace(self, means=tuple(means), slopes=tuple(slopes[0]) if slopes else ())
 
 
 @dataclass(frozen=True)

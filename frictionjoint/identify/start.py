@@ -69,7 +69,7 @@ def _start(one: Prepared, fitted: Fit) -> float:
 
 def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
     """Squares that a fit leaves of a log."""
-    X, y = design(one, fitted.shape, fitted.terms, cache)
+    X, y = design(one, fitted.shape, fitted.terms, cache, fitted.beta)
     return float(np.sum((y - X @ fitted.beta) ** 2))
 
 
@@ -103,7 +103,7 @@ def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
     begun = with_starts(prepared, fitted)
     for i in range(len(begun)):
         one = begun.subset([i])
-        X, y = design(one, fitted.shape, fitted.terms)
+        X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
         known = 0.0 if begun.gain_unknown else load_torque(one.segments[0])
         measured.append(y * fitted.gain + known)
         predicted.append(X @ fitted.beta * fitted.gain + known)

@@ -12,11 +12,11 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects import back_emf, load_dependent, measurement_delay
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import GEAR, JERK, LOAD, SNAP, A
+from frictionjoint.effects.signals import GEAR, JERK, LOAD, MOTOR, SNAP, A
 from frictionjoint.identify.prepare import Segment
 
 # signals that hold the acceleration or more
-_DERIVED = (A, JERK, SNAP, LOAD, GEAR)
+_DERIVED = (A, JERK, SNAP, LOAD, GEAR, MOTOR)
 
 
 class Term(Protocol):

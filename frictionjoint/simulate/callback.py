@@ -27,6 +27,7 @@ from frictionjoint.simulate.carrier import (
     ROW,
 )
 from frictionjoint.simulate.layout import offsets
+from frictionjoint.simulate.motors import asked_torque, saturates
 from frictionjoint.simulate.pointers import (
     array,
     field,
@@ -58,7 +59,13 @@ def build_native() -> Any:
     at_mass, at_xmat, at_xaxis = (data_at[k] for k in ("M", "xmat", "xaxis"))
     at_time, at_qpos, at_qvel = (data_at[k] for k in ("time", "qpos", "qvel"))
     at_passive, at_user = data_at["qfrc_passive"], data_at["userdata"]
-    real, short, whole = types.float64, types.int32, types.int64
+    at_nu, at_flags, at_off = (model_at[k] for k in ("nu", "disableflags", "disableactuator"))
+    at_kind, at_target = model_at["actuator_trntype"], model_at["actuator_trnid"]
+    at_group, at_gear = model_at["actuator_group"], model_at["actuator_gear"]
+    at_gain, at_bias = model_at["actuator_gainprm"], model_at["actuator_biasprm"]
+    at_limited, at_range = model_at["actuator_ctrllimited"], model_at["actuator_ctrlrange"]
+    at_ctrl = data_at["ctrl"]
+    real, short, whole, byte = types.float64, types.int32, types.int64, types.uint8
 
     @cfunc(types.void(types.voidptr, types.voidptr), cache=True, error_model="numpy")
     def native(m: ctypes.c_void_p, d: ctypes.c_void_p) -> None:
@@ -88,6 +95,25 @@ def build_native() -> Any:
             F = torque_now(P, block + HEAD, effects, X, x, t, q, v)
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
+                asked = 0.0
+                if saturates(P, effects):
+                    asked = asked_torque(
+                        joint,
+                        q,
+                        v,
+                        int(field(m, at_nu, whole)[0]),
+                        int(field(m, at_flags, short)[0]),
+                        int(field(m, at_off, short)[0]),
+                        array(m, at_kind, short),
+                        array(m, at_target, short),
+                        array(m, at_group, short),
+                        array(m, at_gear, real),
+                        array(m, at_gain, real),
+                        array(m, at_bias, real),
+                        array(m, at_limited, byte),
+                        array(m, at_range, real),
+                        array(d, at_ctrl, real),
+                    )
                 last = int(array(m, at_rowadr, short)[dof] + array(m, at_rownnz, short)[dof]) - 1
                 mj_mark_stack(d)
                 bias = mj_stack_numbers(d, nv)
@@ -107,6 +133,7 @@ def build_native() -> Any:
                     field(m, at_gravity, real),
                     array(d, at_xmat, real),
                     int(array(m, at_body, short)[joint]),
+                    asked,
                 )
                 mj_free_stack(d)
             passive[dof] -= F
@@ -170,6 +197,25 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v)
         if P[effects] > 0.0:
+            asked = 0.0
+            if saturates(P, effects):
+                asked = asked_torque(
+                    joint,
+                    q,
+                    v,
+                    model.nu,
+                    model.opt.disableflags,
+                    model.opt.disableactuator,
+                    model.actuator_trntype,
+                    model.actuator_trnid.reshape(-1),
+                    model.actuator_group,
+                    model.actuator_gear.reshape(-1),
+                    model.actuator_gainprm.reshape(-1),
+                    model.actuator_biasprm.reshape(-1),
+                    model.actuator_ctrllimited,
+                    model.actuator_ctrlrange.reshape(-1),
+                    data.ctrl,
+                )
             bias = np.zeros(model.nv)
             mujoco.mj_rne(model, data, 0, bias)
             F += joint_effects(
@@ -187,6 +233,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 model.opt.gravity,
                 data.xmat.reshape(-1),
                 int(model.jnt_bodyid[joint]),
+                asked,
             )
         data.qfrc_passive[dof] -= F
         if F != F:

@@ -27,6 +27,7 @@ from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.motors import check_motors, saturates
 from frictionjoint.simulate.row import row_size
 
 MAGIC = 199797.0
@@ -185,8 +186,8 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
     Raises:
-        ModelError: a block without its joint, of another version or damaged, or too little
-            ``userdata``.
+        ModelError: a block without its joint, of another version or damaged, too little
+            ``userdata``, or a motor that saturates and cannot be followed.
     """
     found = blocks(model)
     sizes = {}
@@ -209,6 +210,8 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
     row = model.nuserdata - need
     for name, at in found.items():
         joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        if saturates(model.numeric_data, at + int(model.numeric_data[at + EFFECTS])):
+            check_motors(model, name, joint)
         model.numeric_data[at + QPOS] = model.jnt_qposadr[joint]
         model.numeric_data[at + DOF] = model.jnt_dofadr[joint]
         model.numeric_data[at + JOINT] = joint

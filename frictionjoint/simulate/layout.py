@@ -38,8 +38,17 @@ MODEL_FIELDS = (
     "M_rownnz",
     "dof_invweight0",
     "dof_armature",
+    "nu",
+    "actuator_trntype",
+    "actuator_trnid",
+    "actuator_group",
+    "actuator_gear",
+    "actuator_gainprm",
+    "actuator_biasprm",
+    "actuator_ctrllimited",
+    "actuator_ctrlrange",
 )
-DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis")
+DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis", "ctrl")
 
 
 class LayoutMismatchError(RuntimeError):
@@ -86,6 +95,8 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     model["gravity"] = model["opt"] + option.gravity.offset
     model["timestep"] = model["opt"] + option.timestep.offset
     model["integrator"] = model["opt"] + option.integrator.offset
+    model["disableflags"] = model["opt"] + option.disableflags.offset
+    model["disableactuator"] = model["opt"] + option.disableactuator.offset
     _check(model, data)
     return model, data
 
@@ -93,8 +104,10 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
 def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     model = mujoco.MjModel.from_xml_string(
         "<mujoco><size nuserdata='3'/>"
-        "<option timestep='0.00137' integrator='implicitfast' gravity='0.3 0 -9'/>"
-        "<worldbody><body><joint/><geom size='1'/></body></worldbody>"
+        "<option timestep='0.00137' integrator='implicitfast' gravity='0.3 0 -9' "
+        "actuatorgroupdisable='3'><flag warmstart='disable'/></option>"
+        "<worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
+        "<actuator><motor joint='j'/></actuator>"
         "<custom><numeric name='a' data='1'/><numeric name='b' data='2 3'/></custom></mujoco>"
     )
     data = mujoco.MjData(model)
@@ -102,6 +115,9 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     expected: list[tuple[int, type[np.generic], Any]] = [
         (model._address + model_at["nv"], np.int64, model.nv),
         (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
+        (model._address + model_at["nu"], np.int64, model.nu),
+        (model._address + model_at["disableflags"], np.int32, model.opt.disableflags),
+        (model._address + model_at["disableactuator"], np.int32, model.opt.disableactuator),
         (model._address + model_at["timestep"], np.float64, model.opt.timestep),
         (model._address + model_at["integrator"], np.int32, model.opt.integrator),
         (model._address + model_at["gravity"], np.float64, model.opt.gravity[0]),

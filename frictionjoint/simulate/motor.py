@@ -4,9 +4,10 @@ The motor is an actuator whose ``ctrl`` is the voltage at its leads:
 
     torque = kt/R (V - kt v)
 
-At 0 V its leads are held together and the back-EMF brakes. A motor that is let go has open leads:
-no current, no torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an
-actuator group to itself. Driven by a current, its ``ctrl`` is that current and nothing brakes.
+less what saturates (`motor-saturation`), which the friction's callback takes off. At 0 V its leads
+are held together and the back-EMF brakes. A motor that is let go has open leads: no current, no
+torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an actuator group to
+itself. Driven by a current, its ``ctrl`` is that current and nothing brakes.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from typing import Literal
 
 import mujoco
 
+from frictionjoint.effects.motor_saturation import given
 from frictionjoint.errors import ModelError
 
 # groups that `opt.disableactuator` can switch off
@@ -30,15 +32,17 @@ class Motor:
         gain: kt/R, N m/V (N/V for a slide); kt, N m/A, of a motor driven by its current.
         back_emf: kt**2/R, N m s/rad (N s/m); 0 for a current.
         drive: what its ``ctrl`` is.
+        saturation: s of the effect `motor-saturation`, 1/(N m)^2.
     """
 
     gain: float
     back_emf: float
     drive: Literal["voltage", "current"] = "voltage"
+    saturation: float = 0.0
 
     def torque(self, voltage: float, velocity: float) -> float:
         """N m (N) with the circuit closed."""
-        return self.gain * voltage - self.back_emf * velocity
+        return float(given(self.gain * voltage - self.back_emf * velocity, self.saturation))
 
 
 def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:

@@ -23,6 +23,7 @@ from frictionjoint.simulate.carrier import (
     rows_of_block,
     write_parameters,
 )
+from frictionjoint.simulate.motors import saturates
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be told from repeated ones.
@@ -253,6 +254,12 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     found = resolve(mjm)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    for name, at in found.items():
+        if saturates(mjm.numeric_data, at + int(mjm.numeric_data[at + EFFECTS])):
+            raise ModelError(
+                f"joint {name!r} has a motor that saturates, which mujoco_warp's friction does "
+                "not follow: step it in MuJoCo"
+            )
     return found
 
 

@@ -148,7 +148,11 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
                 )
                 b = double(bias[world, dof])
                 geared = J - double(armature[world % armature.shape[0], dof])
-                F = F + effect_torque(P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy)
+                # no motor that saturates: `attach_warp` refuses it
+                none = double(0.0)
+                F = F + effect_torque(
+                    P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy, none
+                )
         torque[world, k] = float(F)
         passive[world, dof] = passive[world, dof] - float(F)
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 
-_MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan"}
+_MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan", "sqrt"}
 # Warp has neither. Kahan's forms lose no digits where the plain ones do.
 _PRELUDE = '''
 @wp.func

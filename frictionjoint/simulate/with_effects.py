@@ -5,7 +5,20 @@ import numpy as np
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, late
 from frictionjoint.effects.kernel import MEMORY, total_torque
-from frictionjoint.effects.signals import DT, GX, GY, LOAD, N_SIGNALS, TEMP, TIME, A, H, Q, V
+from frictionjoint.effects.signals import (
+    ASKED,
+    DT,
+    GX,
+    GY,
+    LOAD,
+    N_SIGNALS,
+    TEMP,
+    TIME,
+    A,
+    H,
+    Q,
+    V,
+)
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
@@ -26,11 +39,13 @@ def effects_torque(
     inertia: float,
     gx: float,
     gy: float,
+    asked: float,
 ) -> float:
     """Torque of a block's effects at one instant; the memory written is the evaluated one.
 
     The load is what the gear transmits: bias forces plus the inertia behind the gear, that of the
-    joint without its armature, times the acceleration since the committed point.
+    joint without its armature, times the acceleration since the committed point. `asked` is the
+    torque of the joint's motors before anything saturates.
     """
     sig = np.zeros(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
@@ -42,6 +57,7 @@ def effects_torque(
     sig[GX] = gx
     sig[GY] = gy
     sig[DT] = dt
+    sig[ASKED] = asked
     sig[TEMP] = np.nan  # a simulation has no thermometer
     law = x + FRONT
     sig[H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
@@ -109,6 +125,7 @@ def joint_effects(
     gravity: Vector,
     R: Vector,
     body: int,
+    asked: float,
 ) -> float:
     """`effects_torque` of a joint's block, from MuJoCo's own arrays of axes and rotations."""
     gx, gy = unit_gravity(
@@ -125,13 +142,13 @@ def joint_effects(
         9 * body,
     )
     effects, x = block + int(P[block + EFFECTS]), int(P[block + ROW])
-    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, bias, inertia, gx, gy)
+    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, bias, inertia, gx, gy, asked)
 
 
 late_joint_effects = late(
     joint_effects,
     REAL(
         *[VECTOR, WHOLE, VECTOR, *[REAL] * 5],
-        *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE],
+        *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE, REAL],
     ),
 )

@@ -1,0 +1,107 @@
+"""What a joint's motors are asked for, for the effect `motor-saturation`.
+
+MuJoCo works out the forces of actuators after the passive ones, so the callback reads ``ctrl``
+itself. It takes actuators that a motor is made of: a gain and an affine bias, nothing that
+remembers and no limit of the force.
+"""
+
+import mujoco
+
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
+from frictionjoint.effects.motor_saturation import EFFECT
+from frictionjoint.errors import ModelError
+
+_ID = float(EFFECT.effect_id)
+_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
+_NO_ACTUATION = int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
+_NO_CLAMP = int(mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL)
+_NO_DYNAMICS, _FIXED = int(mujoco.mjtDyn.mjDYN_NONE), int(mujoco.mjtGain.mjGAIN_FIXED)
+_PLAIN = (int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtBias.mjBIAS_AFFINE))
+# numbers an actuator has of each kind
+_GEAR, _GAIN, _BIAS = 6, mujoco.mjNGAIN, mujoco.mjNBIAS
+
+
+@compiled
+def saturates(P: Vector, effects: int) -> bool:
+    """Whether the effects' block at P[effects] holds `motor-saturation`."""
+    at = effects + 1
+    for _ in range(int(P[effects])):
+        if P[at] == _ID:
+            return True
+        at += 2 + int(P[at + 1])
+    return False
+
+
+@compiled
+def asked_torque(
+    joint: int,
+    q: float,
+    v: float,
+    actuators: int,
+    flags: int,
+    off: int,
+    kinds: Vector,
+    targets: Vector,
+    groups: Vector,
+    gears: Vector,
+    gains: Vector,
+    biases: Vector,
+    limited: Vector,
+    ranges: Vector,
+    ctrl: Vector,
+) -> float:
+    """Torque of the actuators on a joint at this instant, N m, from MuJoCo's own arrays.
+
+    Args:
+        flags: ``opt.disableflags``; off: ``opt.disableactuator``, one bit a group.
+    """
+    total = 0.0
+    if flags & _NO_ACTUATION:
+        return total
+    for i in range(actuators):
+        if kinds[i] != _JOINT or targets[2 * i] != joint:
+            continue
+        group = int(groups[i])
+        if 0 <= group <= 30 and (off >> group) & 1:
+            continue
+        u = ctrl[i]
+        if limited[i] and not flags & _NO_CLAMP:
+            u = min(max(u, ranges[2 * i]), ranges[2 * i + 1])
+        if u != u:
+            u = 0.0  # MuJoCo takes a control that is no number for zero
+        gear = gears[_GEAR * i]
+        g, b = _GAIN * i, _BIAS * i
+        force = gains[g] * u + biases[b] + gear * (biases[b + 1] * q + biases[b + 2] * v)
+        total += gear * force
+    return total
+
+
+def check_motors(model: mujoco.MjModel, name: str, joint: int) -> None:
+    """See to it that the motors of a joint that saturates are such as `asked_torque` knows.
+
+    Raises:
+        ModelError: an actuator of another kind on the joint, or none.
+    """
+    found = [
+        i
+        for i in range(model.nu)
+        if model.actuator_trntype[i] == _JOINT and model.actuator_trnid[i, 0] == joint
+    ]
+    if not found:
+        raise ModelError(
+            f"joint {name!r} has a motor that saturates, but no actuator: put one on it, see "
+            "add_motor"
+        )
+    for i in found:
+        if (
+            model.actuator_dyntype[i] != _NO_DYNAMICS
+            or model.actuator_gaintype[i] != _FIXED
+            or model.actuator_biastype[i] not in _PLAIN
+            or model.actuator_forcelimited[i]
+        ):
+            raise ModelError(
+                f"joint {name!r} has a motor that saturates: its actuator "
+                f"{model.actuator(i).name or i!r} must have a fixed gain, no dynamics and no "
+                "forcerange"
+            )
