@@ -79,9 +79,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
                 kept = without_rest(kept, found.prepared.rest_speed)
             errors = []
             for fitted in (found.base, found.final, found.other or found.final):
-                measured, predicted = predict(kept, fitted)
-                e = np.concatenate(measured) - np.concatenate(predicted)
-                errors.append(float(np.sqrt(np.mean(e**2))))
+                errors.append(float(np.sqrt(np.mean(predict(kept, fitted).error ** 2))))
             blocks = make_blocks(found.final.residual, found.final.log_index)
             cov = covariance(found.prepared, found.final, blocks.of_sample)
             estimates = law_estimates(found.final, cov, body.slide)

@@ -43,7 +43,7 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import law_torque, predict
+from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded
@@ -208,8 +208,7 @@ def _replays(
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
     """Of the torque, N m, by one gain of the drive: a model of less gain is no better for it."""
-    measured, predicted = predict(prepared, fitted)
-    return (np.concatenate(measured) - np.concatenate(predicted)) * (gain / fitted.gain)
+    return predict(prepared, fitted).error * (gain / fitted.gain)
 
 
 def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
@@ -311,10 +310,9 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
         # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
         # gain that the residual before is stated by.
         scale = found.final.gain / found.base.gain
-        own, base = predict(prepared, found.base)
-        measured, after = predict(prepared, found.final)
+        own, base, _ = predict(prepared, found.base)
+        measured, after, friction = predict(prepared, found.final)
         before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
-        friction = law_torque(prepared, found.final)
         rows = zip(prepared.segments, measured, before, after, friction, strict=True)
         for s, m, b, a, f in rows:
             kept = s.signals[:: s.step][s.kept]

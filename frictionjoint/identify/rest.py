@@ -72,8 +72,7 @@ def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tupl
     moving = fit(_moving(prepared, _REST * top, 0.0), fitted.terms, start=near, forms=forms)
     if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
-    measured, predicted = predict(prepared, moving)
-    error = np.concatenate(measured) - np.concatenate(predicted)
+    error = predict(prepared, moving).error
     edges = top * np.geomspace(_SLOWEST, _REST, _BINS)
     unresolved = 0.0
     for low, high in itertools.pairwise(edges):

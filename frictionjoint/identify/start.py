@@ -7,6 +7,7 @@ is only predicted it is sought too.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -97,25 +98,34 @@ def _head(segment: Segment, shape: Shape) -> Segment:
     )
 
 
-def predict(prepared: Prepared, fitted: Fit) -> tuple[list[Array], list[Array]]:
-    """Measured and predicted torque on the kept samples of each log, N m, without refitting."""
-    measured, predicted = [], []
+class Prediction(NamedTuple):
+    """Torques on the kept samples of each log, N m.
+
+    Attributes:
+        measured: by the gain of the fit where the drive's is not known. predicted: by the fit.
+        friction: of the law alone, a part of what is predicted.
+    """
+
+    measured: list[Array]
+    predicted: list[Array]
+    friction: list[Array]
+
+    @property
+    def error(self) -> Array:
+        """Measured less predicted, log after log, shape (n,)."""
+        return np.concatenate(self.measured) - np.concatenate(self.predicted)
+
+
+def predict(prepared: Prepared, fitted: Fit) -> Prediction:
+    """What a fit says of logs, without refitting; their starts are sought."""
+    found = Prediction([], [], [])
+    law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
     begun = with_starts(prepared, fitted)
     for i in range(len(begun)):
         one = begun.subset([i])
         X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
         known = 0.0 if begun.gain_unknown else load_torque(one.segments[0])
-        measured.append(y * fitted.gain + known)
-        predicted.append(X @ fitted.beta * fitted.gain + known)
-    return measured, predicted
-
-
-def law_torque(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Torque of the law alone on the kept samples of each log, N m: a part of what is predicted."""
-    at = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
-    found = []
-    begun = with_starts(prepared, fitted)
-    for i in range(len(begun)):
-        X, _ = design(begun.subset([i]), fitted.shape, fitted.terms)
-        found.append(X[:, at] @ fitted.beta[at] * fitted.gain)
+        found.measured.append(y * fitted.gain + known)
+        found.predicted.append(X @ fitted.beta * fitted.gain + known)
+        found.friction.append(X[:, law] @ fitted.beta[law] * fitted.gain)
     return found
