@@ -14,10 +14,11 @@ from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rest import resolved
+from frictionjoint.identify.rest import resolved, without_rest
 from frictionjoint.identify.result import require_gain
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.carrier import SimulatedEffect, install
@@ -176,6 +177,18 @@ def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
     assert found.gain == pytest.approx(0.1, rel=0.01)
     assert found.term_coefficients(0)[0] == pytest.approx(0.04, rel=0.02)
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)
+
+
+@pytest.mark.parametrize("let_go", ["fitted", "held out"])
+def test_logs_let_go_and_logs_that_are_not_may_be_held_out_of_each_other(driven_and_let_go, let_go):
+    """Whether viscous friction is told from back-EMF is settled by the logs that are fitted."""
+    t = 5e-3 * np.arange(800)
+    held = plant(1.2 * np.sin(2.0 * t), np.ones(len(t), dtype=bool), load=0.2)
+    pair = (driven_and_let_go, held) if let_go == "fitted" else (held, driven_and_let_go)
+    found = fitted(pair[0], back_emf.EFFECT, load_dependent.EFFECT)
+    kept = prepare([pair[1]], RigidBody(XML, "arm"))
+    prediction = predict(without_rest(kept, 0.05), found)
+    assert prediction.error.std() < 0.1 * np.std(prediction.measured[0])
 
 
 def test_a_current_is_a_torque_up_to_a_gain():

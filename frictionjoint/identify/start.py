@@ -120,7 +120,9 @@ def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """What a fit says of logs, without refitting; their starts are sought."""
     found = Prediction([], [], [])
     law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
-    begun = with_starts(prepared, fitted)
+    # the model's columns are those of the logs it was fitted to, let go or not
+    like = replace(prepared, let_go=prepared.voltage_driven and "sigma2" in fitted.names)
+    begun = with_starts(like, fitted)
     for i in range(len(begun)):
         one = begun.subset([i])
         X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
