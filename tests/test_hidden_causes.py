@@ -66,3 +66,11 @@ def test_a_memory_of_seconds_is_no_warming(tmp_path):
     found = traced(drawn(103007, "unknown:stick-slip-contact"), tmp_path)
     assert [s.term.name for s in found.steps] == []
     assert "position" in [r.name for r in found.unexplained]
+
+
+def test_what_fades_as_fast_as_a_warming_may_is_none(tmp_path):
+    """A level that settles within two seconds would pass for a warming within five."""
+    spec = drawn(3, "one:warm-up-drift")
+    (warming,) = spec.effects
+    spec = replace(spec, effects=(replace(warming, parameters={**warming.parameters, "tau": 2.0}),))
+    assert "warm-up-drift" not in [s.term.name for s in traced(spec, tmp_path).steps]

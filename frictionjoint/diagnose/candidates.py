@@ -71,12 +71,17 @@ class Candidate:
         return type(self.term).__name__
 
     @property
+    def slow(self) -> bool:
+        """Whether it is an effect that changes over minutes."""
+        return isinstance(self.term, EffectTerm) and self.term.effect.slow
+
+    @property
     def within_logs(self) -> bool:
         """Whether other logs cannot test it: its coefficients belong to each log, its quantity
         hardly moves within one, or only one has it.
         """
         if isinstance(self.term, EffectTerm):
-            return self.term.effect.slow or self.in_one_log
+            return self.slow or self.in_one_log
         return isinstance(self.term, SmoothTerm) and self.term.within_logs
 
 

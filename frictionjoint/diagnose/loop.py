@@ -18,7 +18,13 @@ from frictionjoint.diagnose.choice import (
 )
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, fit_others, with_better_law
-from frictionjoint.diagnose.ranking import beside_unbent, rank_all, with_refits
+from frictionjoint.diagnose.ranking import (
+    at_an_end,
+    barring,
+    beside_unbent,
+    rank_all,
+    with_refits,
+)
 from frictionjoint.diagnose.trace import Ranked, Ranking, margin, selection_frequency
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
@@ -203,6 +209,7 @@ def _grown(
 ) -> _Grown:
     """Add effects until none is justified with any law."""
     steps = list(steps)
+    barred: set[str] = set()
     while True:
         number = len(steps) + 1
         progress(f"step {number}: trying candidates")
@@ -213,7 +220,7 @@ def _grown(
             ranking = rank_all(prepared, current, rng, "back-emf")
             chosen = choose(ranking, current, rng)
         if chosen is None:
-            ranking = rank_all(prepared, current, rng)
+            ranking = barring(rank_all(prepared, current, rng), barred)
             ranking = with_refits(prepared, current, ranking)
             chosen = choose(ranking, current, rng) if number <= _MOST_STEPS else None
             if chosen and chosen[0].candidate.smooth:
@@ -237,6 +244,11 @@ def _grown(
         if unbent and winner.name in LAW_BOUND:
             other = fit(prepared, terms, start=unbent)
             refitted = min(refitted, other, key=lambda f: f.drive_rms)
+        if winner.candidate.slow and at_an_end(refitted.terms[-1]):
+            # what changes as fast as its range allows is of the motion, and is not to be told by
+            # what a log holds later
+            barred.add(winner.name)
+            continue
         if not near:
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(*settled(prepared, refitted), forms)

@@ -1,6 +1,6 @@
 """Every candidate against a residual, the leading ones after a joint refit."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,6 +48,12 @@ def rank_all(
     found += excess_candidates(prepared, current)
     found += wave_candidates(prepared, current.residual, current.log_index, blocks, rng, FLIPS)
     return rank(found, current.free_jacobian, current.residual, current.log_index, blocks, rng)
+
+
+def barring(ranking: Ranking, names: Collection[str]) -> Ranking:
+    """The ranking without the effects of these names."""
+    left = tuple(r for r in ranking.ranked if r.candidate.smooth or r.name not in names)
+    return replace(ranking, ranked=left)
 
 
 def with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
@@ -119,7 +125,7 @@ def _refitted(
         within = row.candidate.within_logs
         squares = held_out_squares(refit.free_jacobian, residual, blocks, within)
         gain = 1.0 - float(squares.sum()) / base
-        row = replace(row, on_edge=_on_edge(refit.terms[-1]))
+        row = replace(row, on_edge=at_an_end(refit.terms[-1]))
         if gain > row.held_out_gain:
             row = replace(row, held_out_gain=gain, squares=squares)
         found[row.name, row.candidate.kind] = row
@@ -127,7 +133,7 @@ def _refitted(
     return replace(ranking, ranked=tuple(sorted(ranked, key=lambda r: -r.held_out_gain)))
 
 
-def _on_edge(term: Term) -> bool:
+def at_an_end(term: Term) -> bool:
     """Whether a shape number has come to the end of its physical range."""
     return any(
         min(abs(x - end) for end in limits) <= _EDGE * abs(x)

@@ -48,7 +48,8 @@ class Replay:
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
     """The fit's effects as a model carries them.
 
-    An inertia error goes into the armature, the back-EMF into the motor.
+    An inertia error goes into the armature, the back-EMF into the motor. A saturation stays here:
+    the callback takes it off what an actuator is asked for.
     """
     found = []
     for i, term in enumerate(fitted.terms):
@@ -59,7 +60,10 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
 
 
 def motor_of(fitted: Fit) -> Motor | None:
-    """The motor of a fit to voltages or currents; None where the torque was measured."""
+    """The motor of a fit to voltages or currents; None where the torque was measured.
+
+    It knows its saturation for runs in which its torque is applied and no actuator acts.
+    """
     if fitted.drive == "torque":
         return None
     found = {
