@@ -77,7 +77,7 @@ def voltages(n, seed):
     return np.clip(sum(waves), -7.0, 7.0)
 
 
-def saturating(effects=(), gain=GAIN, emf=EMF, group=0, **actuator):
+def saturating(effects=(), gain=GAIN, emf=EMF, **actuator):
     spec = mujoco.MjSpec.from_string(XML)
     add_motor(spec, "arm", Motor(gain, emf))
     for name, value in actuator.items():

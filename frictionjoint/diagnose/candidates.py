@@ -86,16 +86,20 @@ class Candidate:
 
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Signals of each log under the fitted model."""
-    found = []
-    for s in prepared.segments:
-        signals = full_signals(s, fitted.shape, *fitted.levels)
-        beyond = np.zeros(len(signals))
-        for i, term in enumerate(fitted.terms):
-            if term.coefficients and term.name not in ON_THE_MOTOR:
-                beyond += term.columns(s, signals) @ fitted.term_coefficients(i)
-        signals[:, MOTOR] += beyond
-        found.append(signals)
+    """Signals of each log under the fitted law; the torque of a motor under the whole model."""
+    found = [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
+    if not prepared.gain_unknown:
+        return found
+    for s, signals in zip(prepared.segments, found, strict=True):
+        # with all columns made first: a term may look at the torque of the law
+        signals[:, MOTOR] += sum(
+            [
+                term.columns(s, signals) @ fitted.term_coefficients(i)
+                for i, term in enumerate(fitted.terms)
+                if term.coefficients and term.name not in ON_THE_MOTOR
+            ],
+            np.zeros(len(signals)),
+        )
     return found
 
 
