@@ -29,9 +29,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from plants import catalogue
 from plants.draw import draw_trial
-from plants.plant import simulate, write
+from plants.perfect import law_error
+from plants.plant import Trial, simulate, write
 from plants.spec import PlantSpec
 
+from frictionjoint.effects.signals import TIME, A
 from frictionjoint.identify.prepare import Segment
 from frictionjoint.measured.derivatives import zero_phase
 
@@ -88,6 +90,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     return result | {
         "gain_unknown": fitted_on.gain_unknown,
         "floor": noise_floor(trial.spec, fitted_on.segments[0]),
+        "true_law": true_law_error(trial, kept.segments[0]),
         "law": law_parameters(found.final).law,
         "other_law": errors[2],
         "estimates": {
@@ -118,6 +121,18 @@ def noise_floor(spec: PlantSpec, segment: Segment) -> float:
     return float(np.hypot(torque.std(), inertial.std()))
 
 
+def true_law_error(trial: Trial, held_out: Segment) -> float:
+    """What the plant's own law leaves of the held-out log, the last, driven as logged, N m.
+
+    Beside `noise_floor` it counts what samples and counts of the position do not tell of the
+    motion. Nothing of the loop is in it but the kept samples and the filter.
+    """
+    log = trial.logs[-1]
+    time = held_out.signals[:, TIME]
+    error = law_error(trial, -1, time + log["time_s"][0], held_out.signals[:, A])
+    return float(np.sqrt(np.mean(held_out.lowpass(error)[held_out.kept] ** 2)))
+
+
 def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
     """Confusion table and the shares the project is held to."""
     table: dict[str, Counter[str]] = defaultdict(Counter)
@@ -139,6 +154,7 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
             tally["unknown: not misnamed"].append(set(said) <= catalogue.also(true[0]))
             tally["unknown: right quantity"].append(bool(set(quantities) & set(r["unexplained"])))
     answered = [r for r in results if "error" not in r and not r["gain_unknown"]]
+    known = [r for r in answered if r["kind"].partition(":")[0] != "unknown"]
     return {
         "confusion": {k: dict(v) for k, v in sorted(table.items())},
         "shares": {k: [float(np.mean(v)), len(v)] for k, v in tally.items()},
@@ -146,7 +162,10 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
             [r["after"] / r["floor"] for r in answered]
         ),
         "the same without plants of unknown effects": _median(
-            [r["after"] / r["floor"] for r in answered if r["kind"].partition(":")[0] != "unknown"]
+            [r["after"] / r["floor"] for r in known]
+        ),
+        "error after over what the true law and the noise leave, without unknown effects": _median(
+            [r["after"] / float(np.hypot(r["floor"], r["true_law"])) for r in known]
         ),
         "the same with the integrated law": _median(
             [r["other_law"] / r["floor"] for r in answered]

@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -16,6 +17,7 @@ from plants import catalogue  # noqa: E402
 from plants.draw import TIES, draw_trial  # noqa: E402
 from plants.friction import bristle, gms, maxwell_elements, stribeck  # noqa: E402
 from plants.parts import MICRO_DAMPING  # noqa: E402
+from plants.perfect import law_error  # noqa: E402
 from plants.plant import (  # noqa: E402
     Controller,
     Effect,
@@ -216,6 +218,20 @@ def test_friction_only_takes_energy(law):
     assert lost[-1] > 0.1 * turned_over
     # what the bristles give back at a reversal is far below what sliding takes
     assert (np.maximum.accumulate(lost) - lost).max() < 0.02 * turned_over
+
+
+@pytest.mark.parametrize("law", ["gms", "lugre", "elasto-plastic"])
+def test_its_law_driven_along_a_perfect_log_leaves_next_to_nothing(law):
+    """What a coarser instrument adds to that is what no model can know."""
+    load = Effect("load-dependent", {"slope": 0.2})
+    fine = replace(rough(load), friction=replace(rough().friction, law=law))
+    left = []
+    for spec in (fine, replace(fine, instrument=Instrument(rate=200.0, counts=2**14))):
+        trial = simulate(spec)
+        time = trial.logs[0]["time_s"]
+        position = CubicSpline(time, trial.logs[0]["position_rad"])
+        left.append(np.std(law_error(trial, 0, time, position(time, 2))))
+    assert left[0] < 0.01 * fine.friction.Fc < left[1]
 
 
 def test_plain_friction_is_mujocos_own():

@@ -1,6 +1,7 @@
-"""What friction held when a log began: a law begins there, and the fit finds it."""
+"""What a joint held when a log began: law and swinging link begin there, and the fit finds it."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,20 +9,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from frictionjoint.effects.signals import N_SIGNALS, TIME, H, Q
+from frictionjoint.effects import motor_side_elasticity
+from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
 from frictionjoint.identify.design import full_signals
 from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import Segment, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict, settled
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
 from plants.plant import simulate, write
-from plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 FC = 0.5
 # a pendulum that friction holds aside: moves from one rest to another
@@ -95,3 +98,51 @@ def test_every_law_begins_at_what_was_held_and_keeps_it_at_rest(held, law):
 def test_a_law_that_never_holds_as_much_begins_at_its_most():
     form = forms_of("dahl")[0].grid(1.0, 1.0)[2]
     assert full_signals(still(1.4), form, 1.0, 0.0)[0, H] == pytest.approx(1.0, abs=1e-6)
+
+
+RESONANCE, DAMPING = 6.0, 0.03
+
+
+@pytest.fixture(scope="module")
+def swinging(tmp_path_factory):
+    """Logs of an elastic joint, the first begun anew while the link swings after a step."""
+    folder = tmp_path_factory.mktemp("swinging")
+    w = 2.0 * np.pi * RESONANCE
+    stiffness = PLANT.inertia * w * w
+    spring = {"stiffness": stiffness, "damping": 2.0 * DAMPING * stiffness / w}
+    motions = (Motion("steps", 3, 0.4, 2.0, 10.0), Motion("multisine", 4, 0.3, 1.0, 10.0))
+    spec = replace(PLANT, motions=motions, effects=(Effect("joint-elasticity", spring),))
+    steps, multisine = (read_log(path, "joint") for path in write(simulate(spec), folder))
+    after = len(steps.time) // 2
+    speed = np.abs(np.gradient(steps.position, steps.time))
+    moment = after + int(np.argmax(speed[after:]))
+    _, rest_of_it = split_in_time(steps, 1.0 - steps.time[moment] / steps.time[-1])
+    return prepare([rest_of_it, multisine], RigidBody(folder / "joint.xml", "joint"))
+
+
+def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
+    """Without its swing the fit would take another damping for it."""
+    term = EffectTerm(motor_side_elasticity.EFFECT, (5.0, 0.1))
+    from_rest = fit(swinging, (term,))
+    begun, found = settled(swinging, from_rest)
+    assert any(begun.segments[0].swing)
+    assert found.rms < 0.8 * from_rest.rms
+    np.testing.assert_allclose(found.terms[0].shape, (RESONANCE, DAMPING), rtol=0.05)
+    assert predict(swinging, found).error.std() < 1.05 * found.rms
+
+
+@given(
+    resonance=st.floats(1.0, 20.0),
+    damping=st.floats(0.005, 0.2),
+    angle=st.floats(-np.pi, np.pi),
+)
+def test_a_swing_let_go_decays_as_its_damping_says(resonance, damping, angle):
+    """Torque of a free oscillator, from its equation: d'' = -(2 zeta w d' + w^2 d)."""
+    w, t = 2.0 * np.pi * resonance, np.arange(2000) * 1e-3 / resonance
+    roots = w * (-damping + 1j * np.sqrt(1.0 - damping**2))
+    d = np.exp(roots * t + 1j * angle)
+    signals = np.zeros((len(t), N_SIGNALS))
+    signals[1:, DT] = np.diff(t)
+    start = (d[0].real, (roots * d[0]).real)
+    torque = motor_side_elasticity.free_swing((resonance, damping), start, signals)
+    np.testing.assert_allclose(torque, (roots**2 * d).real, atol=1e-3 * w * w)

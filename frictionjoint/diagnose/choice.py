@@ -1,5 +1,7 @@
 """What to add to a model, of all that was ranked: by chance, by size and by what is simplest."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from frictionjoint.arrays import Array
@@ -41,9 +43,20 @@ _SAME, _SAME_LEFT = 0.02, 0.25
 ENOUGH = 0.9
 
 
-def choose(
-    ranking: Ranking, current: Fit, rng: np.random.Generator
-) -> tuple[Ranked, tuple[str, ...]] | None:
+class Choice(NamedTuple):
+    """What to add.
+
+    Attributes:
+        winner: to be added. ties: effects that the logs cannot tell from it, as simple as it is.
+        rivals: all effects that explain nearly as much as the best one, and may be it.
+    """
+
+    winner: Ranked
+    ties: tuple[str, ...] = ()
+    rivals: tuple[Ranked, ...] = ()
+
+
+def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice | None:
     """What to add, and the effects it is tied with.
 
     The simplest of the effects that the logs cannot tell from the best one, those last that must
@@ -58,7 +71,7 @@ def choose(
         named = [r for r in named if _moved(r, current) >= _DOUBT * _least_share(r.name)]
     smooth = [r for r in worth if r.candidate.smooth]
     if smooth and (not named or named[0].held_out_gain < ENOUGH * smooth[0].held_out_gain):
-        return smooth[0], ()
+        return Choice(smooth[0])
     if not named:
         return None
     best = named[0]
@@ -77,7 +90,7 @@ def choose(
         for r, k in zip(close, size, strict=True)
         if r is not winner and k == min(size) and _tied(winner, r, ranking.base_squares, rng)
     )
-    return winner, ties
+    return Choice(winner, ties, tuple(r for r in close if r is not winner))
 
 
 def least_gain(name: str) -> float:

@@ -11,6 +11,7 @@ from frictionjoint.diagnose.choice import (
     LARGE_GAIN,
     LAW_BOUND,
     SMALLEST_GAIN,
+    Choice,
     choose,
     justified,
     large_enough,
@@ -52,6 +53,7 @@ class Step:
         term: what was added (its shape as of the final fit is in the fit).
         evidence: the winner's row. runner_up: the next effect, or None.
         margin: difference in held-out gain to it. ties: effects the logs cannot tell from it.
+        rivals: what explained nearly as much when it was added.
         frequency: share of resamples in which it stayed best.
         fit: the model after the joint refit. ranking: all candidates of this step.
     """
@@ -61,6 +63,7 @@ class Step:
     runner_up: str | None
     margin: float
     ties: tuple[str, ...]
+    rivals: tuple[Ranked, ...]
     frequency: float
     fit: Fit
     ranking: Ranking
@@ -223,8 +226,8 @@ def _grown(
             ranking = barring(rank_all(prepared, current, rng), barred)
             ranking = with_refits(prepared, current, ranking)
             chosen = choose(ranking, current, rng) if number <= _MOST_STEPS else None
-            if chosen and chosen[0].candidate.smooth:
-                ranking, unbent = beside_unbent(prepared, current, ranking, chosen[0])
+            if chosen and chosen.winner.candidate.smooth:
+                ranking, unbent = beside_unbent(prepared, current, ranking, chosen.winner)
                 chosen = choose(ranking, current, rng)
         if chosen is None:
             own = forms
@@ -233,7 +236,11 @@ def _grown(
             if forms is own:
                 return _Grown(prepared, current, steps, ranking, forms)
             continue
-        winner, ties = chosen
+        winner = chosen.winner
+        if exchanged := _exchanged(prepared, current, steps, winner.held_out_gain, rng):
+            progress(f"step {number}: another choice before it")
+            current, steps = exchanged
+            continue
         progress(f"step {number}: adding {winner.name}")
         # after a large change, and with an effect that bends the law's own curves, the old shape
         # may sit in another valley: start from everywhere
@@ -252,12 +259,40 @@ def _grown(
         if not near:
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(*settled(prepared, refitted), forms)
-        steps.append(_step(winner, ties, current, ranking, rng))
+        steps.append(_step(chosen, current, ranking, rng))
 
 
-def _step(
-    winner: Ranked, ties: tuple[str, ...], fitted: Fit, ranking: Ranking, rng: np.random.Generator
-) -> Step:
+def _exchanged(
+    prepared: Prepared, current: Fit, steps: list[Step], gain: float, rng: np.random.Generator
+) -> tuple[Fit, list[Step]] | None:
+    """An early choice given up for a rival that explains nearly as much as an addition would.
+
+    What the logs could not tell apart beside a large residual they may tell beside a small one.
+
+    Args:
+        gain: of the addition, a share of the residual's squares.
+    """
+    names = {t.name for t in current.terms}
+    trials: list[tuple[Fit, int, Ranked]] = []
+    for i, step in enumerate(steps):
+        for rival in step.rivals:
+            if rival.name not in names:
+                terms = (*current.terms[:i], rival.candidate.term, *current.terms[i + 1 :])
+                other = fit(prepared, terms, start=current.shape, closeness=ROUGH)
+                trials.append((other, i, rival))
+    if not trials:
+        return None
+    best, i, rival = min(trials, key=lambda trial: trial[0].drive_rms)
+    if 1.0 - (best.drive_rms / current.drive_rms) ** 2 < ENOUGH * gain:
+        return None
+    current = fit(prepared, best.terms, start=best.shape)
+    others = tuple(r for r in steps[i].rivals if r is not rival)
+    choice = Choice(rival, rivals=(steps[i].evidence, *others))
+    return current, [*steps[:i], _step(choice, current, steps[i].ranking, rng), *steps[i + 1 :]]
+
+
+def _step(choice: Choice, fitted: Fit, ranking: Ranking, rng: np.random.Generator) -> Step:
+    winner = choice.winner
     others = [r for r in ranking.ranked if r is not winner and not r.candidate.smooth]
     runner = others[0] if others else None
     gap = margin(winner, runner, ranking.base_squares, rng)[0] if runner else 0.0
@@ -267,7 +302,8 @@ def _step(
         winner,
         runner.name if runner else None,
         gap,
-        ties,
+        choice.ties,
+        choice.rivals,
         selection_frequency(winner, kin, rng),
         fitted,
         ranking,
@@ -286,21 +322,21 @@ def _reconsidered(
             # what a curve stands in for is asked as it was when the curve was taken
             ranking = with_refits(prepared, without, ranking)
         chosen = choose(ranking, without, rng)
-        if chosen is None or chosen[0].name == steps[i].term.name:
+        if chosen is None or chosen.winner.name == steps[i].term.name:
             continue
-        if chosen[0].candidate.smooth and not steps[i].evidence.candidate.smooth:
+        if chosen.winner.candidate.smooth and not steps[i].evidence.candidate.smooth:
             continue  # a curve stands in where no effect was found, not for one that was
-        term = chosen[0].candidate.term
+        term = chosen.winner.candidate.term
         terms = (*current.terms[:i], term, *current.terms[i + 1 :])
         other = fit(prepared, terms, start=without.shape)
         gains = [without.drive_rms**2 - f.drive_rms**2 for f in (other, current)]
         # an effect beside which a curve is no longer needed is the cause
-        named = steps[i].evidence.candidate.smooth and not chosen[0].candidate.smooth
+        named = steps[i].evidence.candidate.smooth and not chosen.winner.candidate.smooth
         enough = gains[0] >= ENOUGH * gains[1]
         better = (other.drive_rms / current.drive_rms) ** 2 < 1.0 - SMALLEST_GAIN
         if better or (named and enough):
             current = other
-            steps = [*steps[:i], _step(*chosen, other, ranking, rng), *steps[i + 1 :]]
+            steps = [*steps[:i], _step(chosen, other, ranking, rng), *steps[i + 1 :]]
     return current, steps
 
 

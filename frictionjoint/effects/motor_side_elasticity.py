@@ -7,7 +7,7 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, TIME, A
+from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A
 
 
 @njit(cache=True)
@@ -32,6 +32,29 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     X[x + 1] = rate
     X[x + 2] = sig[A]
     return -P[e + 2] * (sig[A] + w * w * X[x] + damping * rate)
+
+
+@njit(cache=True)
+def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
+    sig = np.zeros(N_SIGNALS)
+    X = np.array([d, rate, 0.0])
+    w = 2.0 * math.pi * P[0]
+    out[0] = -P[2] * (w * w * d + 2.0 * P[1] * w * rate)
+    for k in range(1, len(out)):
+        sig[DT] = signals[k, DT]
+        out[k] = torque(P, 0, sig, X, 0)
+
+
+def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Array:
+    """Torque per unit of J of a link that swings when a log begins, shape (n,).
+
+    Args:
+        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample, beside
+            what the motor's motion makes of them. signals: shape (n, N_SIGNALS).
+    """
+    out = np.empty(len(signals))
+    _free(np.array([*shape, 1.0]), *start, signals, out)
+    return out
 
 
 def _resonances(signals: Array) -> list[Shape]:

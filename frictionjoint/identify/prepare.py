@@ -59,6 +59,7 @@ class Segment:
         refine: steps of the law from one sample to the next, see `path`.
         averages: whether the derivatives were taken on this grid, see `lowpass`.
         held: friction at the first sample over Fc, see `start`.
+        swing: deflection of an elastic joint at the first sample and its rate, see `start`.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Segment:
     refine: int = 1
     averages: bool = False
     held: float = 0.0
+    swing: tuple[float, float] = (0.0, 0.0)
 
     @cached_property
     def path(self) -> tuple[Array, Array]:

@@ -1,9 +1,10 @@
-"""What friction held when a log began: a state of the joint that no log tells, so it is sought.
+"""What a joint held when a log began: a state that no log tells, so it is sought.
 
 A joint at rest under a load holds it by a presliding torque that came of the motion before the
 log. A law that begins at zero is wrong until the joint has slid; with the torque of the first
-sample free, it is not. That torque belongs to the log as its first position does, so of a log that
-is only predicted it is sought too.
+sample free, it is not. The link of an elastic joint may swing, for as long as its damping lets it.
+Both belong to the log as its first position does, so of a log that is only predicted they are
+sought too.
 """
 
 from dataclasses import replace
@@ -13,10 +14,12 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.motor_side_elasticity import free_swing
 from frictionjoint.identify.design import ColumnCache, design, law_track, load_torque
 from frictionjoint.identify.fit import Fit, fit
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import EffectTerm
 
 # trial torques at the first sample over Fc, and how near to the best one is near enough
 _TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
@@ -29,16 +32,24 @@ _PASSES = 2
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
-    """The logs with the torques at their first samples that leave a fit least.
+    """The logs with the states at their first samples that leave a fit least.
 
     Returns:
         `prepared` itself where no log tells a better start than it has.
     """
-    held = [_start(prepared.subset([i]), fitted) for i in range(len(prepared))]
-    if all(h == s.held for h, s in zip(held, prepared.segments, strict=True)):
+    begun = [_begun(prepared.subset([i]), fitted) for i in range(len(prepared))]
+    if all(a is b for a, b in zip(begun, prepared.segments, strict=True)):
         return prepared
-    segments = zip(prepared.segments, held, strict=True)
-    return replace(prepared, segments=tuple(replace(s, held=h) for s, h in segments))
+    return replace(prepared, segments=tuple(begun))
+
+
+def _begun(one: Prepared, fitted: Fit) -> Segment:
+    """A log with its start, itself where it tells no better one than it has."""
+    (own,) = one.segments
+    held = _start(one, fitted)
+    segment = own if held == own.held else replace(own, held=held)
+    swing = _swing(replace(one, segments=(segment,)), fitted)
+    return segment if swing == own.swing else replace(segment, swing=swing)
 
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
@@ -66,6 +77,28 @@ def _start(one: Prepared, fitted: Fit) -> float:
     found = minimize_scalar(squares, bounds=near, method="bounded", options={"xatol": _NEAR})
     own = one.segments[0].held
     return float(found.x) if squares(own) - found.fun > _TELLS * whole else own
+
+
+def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
+    """Deflection of an elastic joint at the first sample of a log, and its rate.
+
+    What is left of the log is linear in both.
+    """
+    (segment,) = one.segments
+    at = [i for i, t in enumerate(fitted.terms) if isinstance(t, EffectTerm) and t.swings]
+    inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0
+    if inertia == 0.0:
+        return segment.swing
+    term = fitted.terms[at[0]]
+    X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
+    left = y - X @ fitted.beta
+    size = 2.0 * np.pi * term.shape[0]  # of a rate of the same swing
+    free = [free_swing(term.shape, start, segment.signals) for start in ((1.0, 0.0), (0.0, size))]
+    C = inertia * segment.lowpass(np.column_stack(free), term.differenced)[segment.kept]
+    change = np.linalg.lstsq(C, left, rcond=None)[0]
+    if float(left @ left) - float(np.sum((left - C @ change) ** 2)) <= _TELLS * float(left @ left):
+        return segment.swing
+    return segment.swing[0] + float(change[0]), segment.swing[1] + size * float(change[1])
 
 
 def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:

@@ -9,7 +9,12 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects import back_emf, load_dependent, measurement_delay
+from frictionjoint.effects import (
+    back_emf,
+    load_dependent,
+    measurement_delay,
+    motor_side_elasticity,
+)
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, JERK, LOAD, MOTOR, SNAP, A
@@ -97,12 +102,19 @@ class EffectTerm:
         """Effects that look at a derivative, unless they set the friction level with it."""
         return not self.follows_law and any(c in _DERIVED for c in self.effect.needs)
 
+    @property
+    def swings(self) -> bool:
+        """Whether it is a link that may swing already when a log begins."""
+        return self.effect is motor_side_elasticity.EFFECT
+
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
         if self.effect in load_dependent.FORMS:
             signals = signals.copy()
             signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
+        if self.swings and any(segment.swing):
+            found[:, 0] += motor_side_elasticity.free_swing(self.shape, segment.swing, signals)
         return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found
 
 

@@ -11,6 +11,7 @@ import math
 from pathlib import Path
 
 import mujoco
+import numpy as np
 from numba import njit
 
 from .friction import bristle, gms, stribeck
@@ -77,6 +78,41 @@ def _viscous(c, v, temp):  # type: ignore[no-untyped-def]
     return sigma2 * v + (power if v > 0.0 else -power)
 
 
+@njit(cache=True)
+def sliding(c, k, alpha, z, slip, q, dx, v, load, temp, rested, lagged, last):  # type: ignore[no-untyped-def]
+    """Level and torque of the joint's own friction after a displacement, viscous part included.
+
+    MuJoCo's own friction takes the level instead, and adds its torque itself.
+    """
+    level = _level(c, q, v, load, temp, rested, lagged)
+    if c[_LAW] == 0.0:
+        fric = gms(z, slip, dx, v, c[_H], level, k, alpha, c[_ATTR], c[_S1], last)
+    elif c[_LAW] == PLAIN:
+        fric = 0.0
+    else:
+        plateau = 0.5 if c[_LAW] == 2.0 else 0.0
+        fric = bristle(z, dx, c[_H], level, c[_S0], c[_S1], plateau)
+    return level, fric + _viscous(c, v, temp)
+
+
+@njit(cache=True)
+def behind(c, load, q, a):  # type: ignore[no-untyped-def]
+    """What the gear hands on to the link; 1 ms low pass, as teeth and shaft have."""
+    asked = c[_GRAV] * math.sin(q) + c[_JLINK] * a
+    return load + (asked - load) * c[_H] / (1e-3 + c[_H])
+
+
+@njit(cache=True)
+def worn(c, level, fric, v, temp, rested):  # type: ignore[no-untyped-def]
+    """Temperature and share of aged contact a step later."""
+    h = c[_H]
+    # MuJoCo's own friction is none of `fric`, and warms the joint no less
+    lost = abs(fric * v) + (level * abs(v) if c[_LAW] == PLAIN else 0.0)
+    temp += h * (c[_HEAT] * lost - (temp - c[_AMBIENT]) / c[_COOL])
+    rested += h * (1.0 - rested) / c[_DWELLTAU] - abs(v) * h / c[_DWELLSLIP] * rested
+    return temp, max(rested, 0.0)
+
+
 @njit
 def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qacc, applied, ctrl,
         loss, drive, sample_at, look_at, out):  # type: ignore[no-untyped-def]  # fmt: skip
@@ -103,17 +139,13 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
                 integral -= c[_KI] * error * h * hold
         v, dx = qvel[0], qpos[0] - q_old
         q_old = qpos[0]
-        level = _level(c, q_old, v, load, temp, rested, lagged)
-        if c[_LAW] == 0.0:
-            fric = gms(elements, slip, dx, v, h, level, k, alpha, c[_ATTR], c[_S1], last)
-        elif c[_LAW] == PLAIN:
-            loss[0], fric = level, 0.0
-        else:
-            plateau = 0.5 if c[_LAW] == 2.0 else 0.0
-            fric = bristle(elements, dx, h, level, c[_S0], c[_S1], plateau)
+        level, fric = sliding(
+            c, k, alpha, elements, slip, q_old, dx, v, load, temp, rested, lagged, last
+        )
+        if c[_LAW] == PLAIN:
+            loss[0] = level
         if v != 0.0:
             last = v
-        fric += _viscous(c, v, temp)
         gust = c[_GUST] * math.sin(c[_GUSTF] * n * h + c[_GUSTP])
         given = min(max(command, -c[_ACTUAL]), c[_ACTUAL])
         applied[0] = c[_BIAS] + gust - fric
@@ -131,11 +163,22 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
             out[looked, 0], out[looked, 4] = qpos[0], qpos[-1]
             looked += 1
         _mj_step(model, data)
-        # what the gear hands on to the link; 1 ms low pass, as teeth and shaft have
-        asked = c[_GRAV] * math.sin(qpos[0]) + c[_JLINK] * qacc[0]
-        load += (asked - load) * h / (1e-3 + h)
-        # MuJoCo's own friction is none of `fric`, and warms the joint no less
-        lost = abs(fric * v) + (level * abs(v) if c[_LAW] == PLAIN else 0.0)
-        temp += h * (c[_HEAT] * lost - (temp - c[_AMBIENT]) / c[_COOL])
-        rested += h * (1.0 - rested) / c[_DWELLTAU] - abs(v) * h / c[_DWELLSLIP] * rested
-        rested = max(rested, 0.0)
+        load = behind(c, load, qpos[0], qacc[0])
+        temp, rested = worn(c, level, fric, v, temp, rested)
+
+
+@njit(cache=True)
+def replay(c, k, alpha, position, acceleration, out):  # type: ignore[no-untyped-def]
+    """The friction of `run` along a motion given at every step, from rest; no MuJoCo, no drive."""
+    z, slip, lagged = np.zeros(k.size), np.zeros(k.size, dtype=np.bool_), np.full(1, c[_FS])
+    load, temp, rested, last = 0.0, c[_TEMP0], 1.0, 0.0
+    for n in range(1, position.size):
+        dx = position[n] - position[n - 1]
+        v = dx / c[_H]
+        level, out[n] = sliding(
+            c, k, alpha, z, slip, position[n], dx, v, load, temp, rested, lagged, last
+        )
+        if v != 0.0:
+            last = v
+        load = behind(c, load, position[n], acceleration[n])
+        temp, rested = worn(c, level, out[n], v, temp, rested)

@@ -34,10 +34,15 @@ Log = dict[str, NDArray]
 
 @dataclass(frozen=True)
 class Trial:
-    """Logs of one plant, the MJCF its user believes in, and the sealed truth."""
+    """Logs of one plant, the MJCF its user believes in, and the sealed truth.
+
+    `friction` is the torque of the joint's own friction at the samples of each log, N m, for the
+    judge; MuJoCo's own friction is not in it.
+    """
 
     spec: PlantSpec
     logs: list[Log]
+    friction: list[NDArray]
     mjcf: str
     truth: dict[str, Any]
 
@@ -45,8 +50,8 @@ class Trial:
 def simulate(spec: PlantSpec) -> Trial:
     """Run every motion of `spec` on its plant; same spec, same logs."""
     parts = assemble(spec)
-    logs = [_record(parts, i) for i in range(len(spec.motions))]
-    return Trial(spec, logs, parts.believed(), truth(spec, parts))
+    logs, friction = zip(*(_record(parts, i) for i in range(len(spec.motions))), strict=True)
+    return Trial(spec, list(logs), list(friction), parts.believed(), truth(spec, parts))
 
 
 def assemble(spec: PlantSpec) -> Parts:
@@ -71,10 +76,10 @@ def truth(spec: PlantSpec, parts: Parts) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _record(parts: Parts, number: int) -> Log:
-    """Log `number` as the instrument samples it."""
+def _record(parts: Parts, number: int) -> tuple[Log, NDArray]:
+    """Log `number` as the instrument samples it, and the friction at its samples."""
     wish = parts.spec.motions[number]
-    return follow(parts, motion.target(wish, control_period(parts)), number)
+    return _followed(parts, motion.target(wish, control_period(parts)), number)
 
 
 def control_period(parts: Parts) -> float:
@@ -84,22 +89,31 @@ def control_period(parts: Parts) -> float:
 
 def follow(parts: Parts, target: NDArray, number: int) -> Log:
     """The log of a target of one's own, rad, one value per control period, in place of `number`."""
-    spec, wish = parts.spec, parts.spec.motions[number]
-    c = parts.constants()
-    hold = int(c[loop.INDEX["hold"]])
-    dt = hold * spec.step
+    return _followed(parts, target, number)[0]
+
+
+def constants(parts: Parts, number: int) -> NDArray:
+    """The loop's numbers in log `number`."""
+    c, wish = parts.constants(), parts.spec.motions[number]
     for name in ("kp", "ki", "kd"):
         c[loop.INDEX[name]] *= wish.soft if name != "kd" else np.sqrt(wish.soft)
     if parts.level_by_log:
         c[loop.INDEX["level_factor"]] *= parts.level_by_log[number % len(parts.level_by_log)]
     starts = parts.start_temperatures
     c[loop.INDEX["temp0"]] = starts[number % len(starts)]
+    return c
+
+
+def _followed(parts: Parts, target: NDArray, number: int) -> tuple[Log, NDArray]:
+    spec, wish, c = parts.spec, parts.spec.motions[number], constants(parts, number)
+    hold = int(c[loop.INDEX["hold"]])
+    dt = hold * spec.step
     rng = np.random.default_rng((spec.seed, number))
     steps = _instants(spec, target.size * hold, rng)
     late = np.maximum(steps - round(parts.delay / spec.step), 0)
     other = _other_target(parts, wish, dt, target.size)
     out = _run(parts, c, target, other, steps, late)
-    return _columns(parts, out, steps * spec.step, rng)
+    return _columns(parts, out, steps * spec.step, rng), out[:, 5]
 
 
 def _instants(spec: PlantSpec, total: int, rng: np.random.Generator) -> NDArray:
