@@ -29,7 +29,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from plants import catalogue
 from plants.draw import draw_trial
-from plants.perfect import law_error
+from plants.perfect import truth_error
 from plants.plant import Trial, simulate, write
 from plants.spec import PlantSpec
 
@@ -90,7 +90,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     return result | {
         "gain_unknown": fitted_on.gain_unknown,
         "floor": noise_floor(trial.spec, fitted_on.segments[0]),
-        "true_law": true_law_error(trial, kept.segments[0]),
+        "true_model": true_model_error(trial, kept.segments[0]),
         "law": law_parameters(found.final).law,
         "other_law": errors[2],
         "estimates": {
@@ -121,15 +121,14 @@ def noise_floor(spec: PlantSpec, segment: Segment) -> float:
     return float(np.hypot(torque.std(), inertial.std()))
 
 
-def true_law_error(trial: Trial, held_out: Segment) -> float:
-    """What the plant's own law leaves of the held-out log, the last, driven as logged, N m.
+def true_model_error(trial: Trial, held_out: Segment) -> float:
+    """What the plant's own friction and link leave of the last log, driven by its motion, N m.
 
     Beside `noise_floor` it counts what samples and counts of the position do not tell of the
     motion. Nothing of the loop is in it but the kept samples and the filter.
     """
-    log = trial.logs[-1]
-    time = held_out.signals[:, TIME]
-    error = law_error(trial, -1, time + log["time_s"][0], held_out.signals[:, A])
+    time = held_out.signals[:, TIME] + trial.logs[-1]["time_s"][0]
+    error = truth_error(trial, -1, time, held_out.signals[:, A])
     return float(np.sqrt(np.mean(held_out.lowpass(error)[held_out.kept] ** 2)))
 
 
@@ -164,8 +163,8 @@ def judge(results: list[dict[str, Any]]) -> dict[str, Any]:
         "the same without plants of unknown effects": _median(
             [r["after"] / r["floor"] for r in known]
         ),
-        "error after over what the true law and the noise leave, without unknown effects": _median(
-            [r["after"] / float(np.hypot(r["floor"], r["true_law"])) for r in known]
+        "error after over what a true model and the noise leave, without unknown effects": _median(
+            [r["after"] / float(np.hypot(r["floor"], r["true_model"])) for r in known]
         ),
         "the same with the integrated law": _median(
             [r["other_law"] / r["floor"] for r in answered]

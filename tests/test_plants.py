@@ -17,7 +17,7 @@ from plants import catalogue  # noqa: E402
 from plants.draw import TIES, draw_trial  # noqa: E402
 from plants.friction import bristle, gms, maxwell_elements, stribeck  # noqa: E402
 from plants.parts import MICRO_DAMPING  # noqa: E402
-from plants.perfect import law_error  # noqa: E402
+from plants.perfect import truth_error  # noqa: E402
 from plants.plant import (  # noqa: E402
     Controller,
     Effect,
@@ -230,8 +230,25 @@ def test_its_law_driven_along_a_perfect_log_leaves_next_to_nothing(law):
         trial = simulate(spec)
         time = trial.logs[0]["time_s"]
         position = CubicSpline(time, trial.logs[0]["position_rad"])
-        left.append(np.std(law_error(trial, 0, time, position(time, 2))))
+        left.append(np.std(truth_error(trial, 0, time, position(time, 2))))
     assert left[0] < 0.01 * fine.friction.Fc < left[1]
+
+
+def test_a_true_link_follows_a_spring_by_the_log_and_does_not_follow_a_gap():
+    """Thrown from flank to flank, it is soon anywhere: the log does not say where."""
+    soft = {"stiffness": 60.0, "damping": 0.1}
+    gap = {"stiffness": 2000.0, "gap": 0.02}
+    left = []
+    for effect in (Effect("joint-elasticity", soft), Effect("backlash", gap)):
+        spec = rough(effect, motions=(Motion("multisine", 3, 0.8, 2.0, 10.0),))
+        trial = simulate(spec)
+        time = trial.logs[0]["time_s"]
+        position = CubicSpline(time, trial.logs[0]["position_rad"])
+        left.append(np.std(truth_error(trial, 0, time, position(time, 2))))
+        rigid = spec.inertia * position(time, 2) + spec.gravity_torque * np.sin(position(time))
+        left[-1] /= np.std(trial.inside[0][:, 1] - rigid)
+    assert left[0] < 0.05
+    assert left[1] > 0.5
 
 
 def test_plain_friction_is_mujocos_own():

@@ -30,7 +30,13 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.errors import LogError
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.derivatives import as_differenced, differentiate, uniform, zero_phase
+from frictionjoint.measured.derivatives import (
+    as_differenced,
+    differentiate,
+    uniform,
+    uniform_motion,
+    zero_phase,
+)
 from frictionjoint.measured.log import JointLog
 
 # s, about what a simulation steps with; a slow log is not refined at any cost
@@ -226,7 +232,7 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
     kind, drive = _drive(log)
     others = {}
     for name, position in log.other_positions.items():
-        q = zero_phase(uniform(log.time, position, t), dt, bandwidth_hz)
+        q = zero_phase(uniform_motion(log.time, position, t), dt, bandwidth_hz)
         v = np.gradient(q, dt)
         others[name] = (q, v, np.gradient(v, dt))
     named = {name: track for name, track in others.items() if name in body.joint_names}

@@ -165,7 +165,9 @@ def forms_of(law: str) -> tuple[Shape, ...]:
         return INTEGRATED
     for rival in RIVALS:
         if rival.law == law:
-            return (_start_of(rival),)
+            # a search that may take any lag for a log's friction needs a start that has none
+            prompt = prompt_maxwell_slip() if rival is MaxwellSlipParameters else ()
+            return (_start_of(rival), *prompt)
     raise ParameterError(f"unknown law {law!r}: known are {', '.join(LAWS)}")
 
 

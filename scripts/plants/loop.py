@@ -114,11 +114,12 @@ def worn(c, level, fric, v, temp, rested):  # type: ignore[no-untyped-def]
 
 
 @njit
-def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qacc, applied, ctrl,
-        loss, drive, sample_at, look_at, out):  # type: ignore[no-untyped-def]  # fmt: skip
+def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qacc, applied, passive,
+        ctrl, loss, drive, sample_at, look_at, out):  # type: ignore[no-untyped-def]  # fmt: skip
     """Step the plant through `target` (one value per control period) and fill `out`.
 
-    out columns: joint position, command, temperature, target, other joint's position, friction.
+    out columns: joint position, command, temperature, target, other joint's position, friction,
+    passive torque of the last joint (a shaft's: what the gear hands on to the link).
     `sample_at` are step numbers of the samples, `look_at` those at which position is read.
     `drive` is 1 where ctrl[0] is a voltage handed to MuJoCo's dcmotor, else torque is applied.
     """
@@ -157,7 +158,7 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
             applied[-1] = c[_OKP] * (other_target[n // hold] - qpos[-1]) - c[_OKD] * qvel[-1]
         if taken < sample_at.size and sample_at[taken] == n:
             out[taken, 1], out[taken, 2], out[taken, 3] = command, temp, target[n // hold]
-            out[taken, 5] = fric
+            out[taken, 5], out[taken, 6] = fric, passive[-1]
             taken += 1
         while looked < look_at.size and look_at[looked] == n:
             out[looked, 0], out[looked, 4] = qpos[0], qpos[-1]
@@ -182,3 +183,20 @@ def replay(c, k, alpha, position, acceleration, out):  # type: ignore[no-untyped
             last = v
         load = behind(c, load, position[n], acceleration[n])
         temp, rested = worn(c, level, out[n], v, temp, rested)
+
+
+@njit(cache=True)
+def swing(h, inertia, weights, angles, k, damping, half, q, a, out):  # type: ignore[no-untyped-def]
+    """Torque handed on to a link behind a gap of two halves and springs, its motor moved as given.
+
+    The link begins in the middle of the gap and hangs by `weights`, N m, at `angles` from it.
+    """
+    d, rate = 0.0, 0.0
+    for n in range(q.size):
+        pull = 0.0
+        for i in range(weights.size):
+            pull += weights[i] * math.sin(q[n] + d + angles[i])
+        beyond = d - min(max(d, -half), half)
+        out[n] = -k * beyond - damping * rate
+        rate += h * ((out[n] - pull) / inertia - a[n])
+        d += h * rate

@@ -36,13 +36,13 @@ Log = dict[str, NDArray]
 class Trial:
     """Logs of one plant, the MJCF its user believes in, and the sealed truth.
 
-    `friction` is the torque of the joint's own friction at the samples of each log, N m, for the
-    judge; MuJoCo's own friction is not in it.
+    For the judge: `inside` holds the torque of the joint's own friction (MuJoCo's is not in it) and
+    what a shaft hands on to its link, N m, at the samples of each log, shape (n, 2).
     """
 
     spec: PlantSpec
     logs: list[Log]
-    friction: list[NDArray]
+    inside: list[NDArray]
     mjcf: str
     truth: dict[str, Any]
 
@@ -50,8 +50,8 @@ class Trial:
 def simulate(spec: PlantSpec) -> Trial:
     """Run every motion of `spec` on its plant; same spec, same logs."""
     parts = assemble(spec)
-    logs, friction = zip(*(_record(parts, i) for i in range(len(spec.motions))), strict=True)
-    return Trial(spec, list(logs), list(friction), parts.believed(), truth(spec, parts))
+    logs, inside = zip(*(_record(parts, i) for i in range(len(spec.motions))), strict=True)
+    return Trial(spec, list(logs), list(inside), parts.believed(), truth(spec, parts))
 
 
 def assemble(spec: PlantSpec) -> Parts:
@@ -77,7 +77,7 @@ def truth(spec: PlantSpec, parts: Parts) -> dict[str, Any]:
 
 
 def _record(parts: Parts, number: int) -> tuple[Log, NDArray]:
-    """Log `number` as the instrument samples it, and the friction at its samples."""
+    """Log `number` as the instrument samples it, and what went on inside."""
     wish = parts.spec.motions[number]
     return _followed(parts, motion.target(wish, control_period(parts)), number)
 
@@ -113,7 +113,7 @@ def _followed(parts: Parts, target: NDArray, number: int) -> tuple[Log, NDArray]
     late = np.maximum(steps - round(parts.delay / spec.step), 0)
     other = _other_target(parts, wish, dt, target.size)
     out = _run(parts, c, target, other, steps, late)
-    return _columns(parts, out, steps * spec.step, rng), out[:, 5]
+    return _columns(parts, out, steps * spec.step, rng), out[:, 5:]
 
 
 def _instants(spec: PlantSpec, total: int, rng: np.random.Generator) -> NDArray:
@@ -138,15 +138,15 @@ def _run(parts: Parts, c: NDArray, target: NDArray, other: NDArray, steps: NDArr
     data = mujoco.MjData(model)
     k, alpha = parts.elements()
     z, slip = np.zeros(k.size + 1), np.zeros(k.size, dtype=np.bool_)
-    out = np.zeros((steps.size, 6))
+    out = np.zeros((steps.size, 7))
     ctrl = data.ctrl if model.nu else np.zeros(1)
     ctrl_slot = ctrl[-1:] if parts.voltage else np.zeros(1)
     # the look column holds the encoder's joint: the motor's hinge, or with the encoder on the
     # link the sum of hinge and shaft, formed below
     loop.run(
         model._address, data._address, c, k, alpha, z, slip, target, other, data.qpos, data.qvel,
-        data.qacc, data.qfrc_applied, ctrl_slot, model.dof_frictionloss, int(parts.voltage),
-        steps, late, out,
+        data.qacc, data.qfrc_applied, data.qfrc_passive, ctrl_slot, model.dof_frictionloss,
+        int(parts.voltage), steps, late, out,
     )  # fmt: skip
     if not np.isfinite(out).all():
         raise FloatingPointError(f"the plant diverged: {parts.spec.to_json()}")
