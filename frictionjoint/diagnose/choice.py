@@ -8,6 +8,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.trace import Ranked, Ranking, margin
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.smooth import SmoothTerm
+from frictionjoint.identify.terms import Term
 
 SIGNIFICANCE = 0.05
 # Share of the residual's squares that an effect must take away: what takes less beside a residual
@@ -37,7 +38,7 @@ LARGE_GAIN = 0.5
 _CLOSE = 0.05
 # Two effects nearer than these are one to these logs, whatever the resampling says: shares of what
 # the better one explains, and of what it leaves.
-_SAME, _SAME_LEFT = 0.02, 0.25
+SAME, _SAME_LEFT = 0.02, 0.25
 # An effect that explains less than this share of what a curve explains is not the cause: in trials
 # the true effect reached 0.93 and more.
 ENOUGH = 0.9
@@ -81,9 +82,7 @@ def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice |
         if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain
         and (r is best or _tied(best, r, ranking.base_squares, rng))
     ]
-    terms = [r.candidate.term for r in close]
-    sizes = [len(t.coefficients) + len(t.shape) for t in terms]
-    size = [(r.on_edge, k) for r, k in zip(close, sizes, strict=True)]
+    size = [(r.on_edge, numbers_of(r.candidate.term)) for r in close]
     winner = close[size.index(min(size))]
     ties = tuple(
         r.name
@@ -91,6 +90,11 @@ def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice |
         if r is not winner and k == min(size) and _tied(winner, r, ranking.base_squares, rng)
     )
     return Choice(winner, ties, tuple(r for r in close if r is not winner))
+
+
+def numbers_of(term: Term) -> int:
+    """How many numbers it takes: the fewer, the simpler."""
+    return len(term.coefficients) + len(term.shape)
 
 
 def least_gain(name: str) -> float:
@@ -131,4 +135,4 @@ def _moved(row: Ranked, current: Fit) -> float:
 def _tied(winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator) -> bool:
     gap, chance = margin(winner, other, base, rng)
     g = winner.held_out_gain
-    return chance or gap < min(_SAME * g, _SAME_LEFT * (1.0 - g))
+    return chance or gap < min(SAME * g, _SAME_LEFT * (1.0 - g))

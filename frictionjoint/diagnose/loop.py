@@ -10,12 +10,14 @@ from frictionjoint.diagnose.choice import (
     ENOUGH,
     LARGE_GAIN,
     LAW_BOUND,
+    SAME,
     SMALLEST_GAIN,
     Choice,
     choose,
     justified,
     large_enough,
     least_gain,
+    numbers_of,
 )
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, fit_others, with_better_law
@@ -313,7 +315,10 @@ def _step(choice: Choice, fitted: Fit, ranking: Ranking, rng: np.random.Generato
 def _reconsidered(
     prepared: Prepared, current: Fit, steps: list[Step], first: int, rng: np.random.Generator
 ) -> tuple[Fit, list[Step]]:
-    """The first choices once more, beside those that came after: a better one replaces each."""
+    """The first choices once more, beside those that came after.
+
+    A better one replaces each, or one as good and simpler.
+    """
     for i in range(first):
         rest = tuple(t for k, t in enumerate(current.terms) if k != i)
         without = fit(prepared, rest, start=current.shape, closeness=ROUGH)
@@ -334,7 +339,10 @@ def _reconsidered(
         named = steps[i].evidence.candidate.smooth and not chosen.winner.candidate.smooth
         enough = gains[0] >= ENOUGH * gains[1]
         better = (other.drive_rms / current.drive_rms) ** 2 < 1.0 - SMALLEST_GAIN
-        if better or (named and enough):
+        # beside what is simpler another effect may have nothing left to explain
+        simpler = numbers_of(term) < numbers_of(steps[i].term)
+        as_good = gains[0] >= (1.0 - SAME) * gains[1]
+        if better or (named and enough) or (simpler and as_good):
             current = other
             steps = [*steps[:i], _step(chosen, other, ranking, rng), *steps[i + 1 :]]
     return current, steps
