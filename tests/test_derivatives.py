@@ -45,13 +45,23 @@ def test_a_clock_that_jitters_adds_no_noise_to_the_acceleration() -> None:
     assert left[1] < left[0] + 0.005
 
 
+def test_a_bend_within_the_noise_of_a_count_is_not_made_up() -> None:
+    log = sine(n=600, dt=0.01, jitter=0.3)
+    grid = np.linspace(log.time[0], log.time[-1], 600)
+    for count, straight in ((1e-5, False), (1e-2, True)):
+        position = count * np.round(log.position / count)
+        found = uniform_motion(log.time, position, grid)
+        assert np.array_equal(found, np.interp(grid, log.time, position)) == straight
+
+
 def test_a_gap_in_a_log_makes_no_waves() -> None:
     t = np.delete(0.01 * np.arange(600), slice(300, 315))
     grid = np.linspace(t[0], t[-1], 600)
-    position = np.where(t < 3.0, 0.0, 1.0)
+    position = 0.1 * np.sin(t) + np.where(t < 3.0, 0.0, 1.0)
     smooth = uniform_motion(t, position, grid)
-    assert smooth.min() >= 0.0
-    assert smooth.max() <= 1.0
+    away = np.abs(grid - 3.0) > 0.3
+    np.testing.assert_allclose(smooth[away], (0.1 * np.sin(grid) + (grid > 3.0))[away], atol=1e-5)
+    assert position.min() <= smooth.min() <= smooth.max() <= position.max()
 
 
 def test_the_filter_shifts_nothing_in_time() -> None:

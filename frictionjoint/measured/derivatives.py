@@ -26,6 +26,8 @@ _ORDER = 2  # run twice: fourth order in all
 _HIGHEST = 0.4
 # Bands an octave in which the spectrum is averaged.
 _BANDS = 6
+# share of the travel by which one position, computed twice, may differ
+_ROUNDING = 1e-12
 # (1, 16, 26, 16, 1) / 60: variance 2/3 and fourth moment 16/15, in samples
 _TRIANGLE = np.array([1.0, 16.0, 26.0, 16.0, 1.0]) / 60.0
 
@@ -52,14 +54,20 @@ def uniform(time: Array, x: Array, grid: Array) -> Array:
 
 
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
-    """A measured position on a uniform grid, smooth between the samples.
+    """A measured position on a uniform grid, smooth between the samples where they tell a bend.
 
     A straight line between two samples cuts the bend of the motion, by another amount wherever
     the clock jitters: differentiated twice, that is noise. Modified Akima pieces are local, so
-    that an encoder's count or a gap in the log makes no waves.
+    that a gap in the log makes no waves. Where all of the bend is less than the noise of the
+    encoder's count, smooth pieces follow the counts and not the joint: straight ones are taken.
     """
-    smooth = Akima1DInterpolator(time, position, method="makima")
-    return np.asarray(smooth(np.clip(grid, time[0], time[-1])))
+    straight = uniform(time, position, grid)
+    pieces = Akima1DInterpolator(time, position, method="makima")
+    smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
+    apart = np.diff(np.sort(position))
+    count = float(apart[apart > _ROUNDING * np.ptp(position)].min(initial=np.inf))
+    bend = float(np.sqrt(np.mean((smooth - straight) ** 2)))
+    return smooth if bend > count / np.sqrt(12.0) else straight
 
 
 def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
