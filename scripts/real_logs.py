@@ -23,7 +23,7 @@ HEAD = """# Measured logs
 
 Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores.
 Errors are rms of the torque (force) on held-out data over its rms, with 95% intervals;
-of the held-out data one number a log is sought, what friction held at its start;
+of the held-out data the state at each log's start is sought: what friction held, how a link swung;
 replay is the rms position error of free runs of half a second, driven by the measured torque.
 Before is the integrated law alone, after the law named with the effects added.
 A row whose error is larger after than before is a failure of the loop: what it added held on the

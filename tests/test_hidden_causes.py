@@ -74,3 +74,14 @@ def test_what_fades_as_fast_as_a_warming_may_is_none(tmp_path):
     (warming,) = spec.effects
     spec = replace(spec, effects=(replace(warming, parameters={**warming.parameters, "tau": 2.0}),))
     assert "warm-up-drift" not in [s.term.name for s in traced(spec, tmp_path).steps]
+
+
+def test_of_what_explains_alike_beside_all_others_the_simplest_stays(tmp_path):
+    """A gain and a gravity that are both off would make up an inertia that is."""
+    spec = drawn(106072, "two")
+    assert {e.name for e in spec.effects} == {"inertia-error", "spring"}
+    instrument = replace(spec.instrument, rate=250.0)
+    found = traced(replace(spec, instrument=instrument, motions=spec.motions[:2]), tmp_path)
+    names = {s.term.name for s in found.steps}
+    assert {"inertia-error", "spring"} <= names
+    assert not {"torque-gain", "gravity-error"} & names
