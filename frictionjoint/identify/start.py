@@ -46,9 +46,10 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
 def _begun(one: Prepared, fitted: Fit) -> Segment:
     """A log with its start, itself where it tells no better one than it has."""
     (own,) = one.segments
-    held = _start(one, fitted)
+    cache = ColumnCache()
+    held = _start(one, fitted, cache)
     segment = own if held == own.held else replace(own, held=held)
-    swing = _swing(replace(one, segments=(segment,)), fitted)
+    swing = _swing(replace(one, segments=(segment,)), fitted, cache)
     return segment if swing == own.swing else replace(segment, swing=swing)
 
 
@@ -62,13 +63,14 @@ def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     return prepared, fitted
 
 
-def _start(one: Prepared, fitted: Fit) -> float:
+def _start(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
     """Torque over Fc at the first sample of a log."""
-    whole = _left(one, fitted, ColumnCache())
-    head, cache = replace(one, segments=(_head(one.segments[0], fitted.shape),)), ColumnCache()
+    whole = _squares(_left(one, fitted, cache))
+    head = replace(one, segments=(_head(one.segments[0], fitted.shape),))
+    of_head = ColumnCache()
 
     def squares(held: float) -> float:
-        return _left(_held(head, held), fitted, cache)
+        return _squares(_left(_held(head, held), fitted, of_head))
 
     tried = [squares(held) for held in _TRIALS]
     best = _TRIALS[int(np.argmin(tried))]
@@ -79,7 +81,7 @@ def _start(one: Prepared, fitted: Fit) -> float:
     return float(found.x) if squares(own) - found.fun > _TELLS * whole else own
 
 
-def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
+def _swing(one: Prepared, fitted: Fit, cache: ColumnCache) -> tuple[float, float]:
     """Deflection of an elastic joint at the first sample of a log, and its rate.
 
     What is left of the log is linear in both.
@@ -90,21 +92,24 @@ def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
     if inertia == 0.0:
         return segment.swing
     term = fitted.terms[at[0]]
-    X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
-    left = y - X @ fitted.beta
+    left = _left(one, fitted, cache)
     size = 2.0 * np.pi * term.shape[0]  # of a rate of the same swing
     free = [free_swing(term.shape, start, segment.signals) for start in ((1.0, 0.0), (0.0, size))]
     C = inertia * segment.lowpass(np.column_stack(free), term.differenced)[segment.kept]
     change = np.linalg.lstsq(C, left, rcond=None)[0]
-    if float(left @ left) - float(np.sum((left - C @ change) ** 2)) <= _TELLS * float(left @ left):
+    if _squares(left) - _squares(left - C @ change) <= _TELLS * _squares(left):
         return segment.swing
     return segment.swing[0] + float(change[0]), segment.swing[1] + size * float(change[1])
 
 
-def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
-    """Squares that a fit leaves of a log."""
+def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> Array:
+    """What a fit leaves of a log, in units of the drive."""
     X, y = design(one, fitted.shape, fitted.terms, cache, fitted.beta)
-    return float(np.sum((y - X @ fitted.beta) ** 2))
+    return np.asarray(y - X @ fitted.beta)
+
+
+def _squares(x: Array) -> float:
+    return float(np.sum(x**2))
 
 
 def _held(one: Prepared, held: float) -> Prepared:

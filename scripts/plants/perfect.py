@@ -16,8 +16,6 @@ from .parts import JOINT
 from .plant import Trial, assemble, constants
 from .spec import PlantSpec
 
-GRAVITY = 9.81
-
 
 def truth_error(trial: Trial, number: int, time: NDArray, acceleration: NDArray) -> NDArray:
     """Error of the true friction and the true link along one log, N m, at `time`.
@@ -49,7 +47,7 @@ def truth_error(trial: Trial, number: int, time: NDArray, acceleration: NDArray)
 def _link(spec: PlantSpec, mass: float, angle: float) -> tuple[float, NDArray, NDArray]:
     """Inertia of the link, and the weights that hang at angles from it, N m, rad."""
     arm = spec.length or 0.1
-    weights = np.array([spec.mass * spec.length, mass * arm]) * GRAVITY
+    weights = np.array([spec.gravity_torque, mass * 9.81 * arm])
     return spec.inertia + mass * arm**2, weights, np.array([0.0, angle])
 
 
