@@ -28,6 +28,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from plants import catalogue
+from plants.answers import logged_friction
 from plants.draw import draw_trial
 from plants.perfect import truth_error
 from plants.plant import Trial, simulate, write
@@ -41,9 +42,7 @@ ROWS = "trials.jsonl"
 KINDS = ("none", "one", "two", "unknown")
 SHARES = (0.2, 0.4, 0.2, 0.2)
 # parameters of the law compared with the plant's, by its names
-_ESTIMATED = {"Fc_pos": "Fc_pos", "sigma2_pos": "sigma2"}
-# with these the plant has no one friction level and viscosity to compare with
-_WARM = {"temperature-dependent", "warm-up-drift"}
+_ESTIMATED = {"Fc_pos": "Fc", "sigma2_pos": "sigma2"}
 # Cause and effect of one thing: naming one for the other is a tie in the catalogue's own words.
 TIED = {
     frozenset(("torque-bias", "direction-asymmetry")),
@@ -185,10 +184,11 @@ def _estimated(name: str, results: list[dict[str, Any]]) -> dict[str, float | No
         true = [e["name"] for e in r["truth"]["effects"]]
         if r["kind"].startswith("unknown") or not all(_names(t, r) for t in true):
             continue
-        if _WARM & set(true):
+        friction = logged_friction(r["truth"])
+        if not friction:
             continue
         value, error = r["estimates"][name]
-        truth = r["truth"]["friction"][_ESTIMATED[name]]
+        truth = friction[_ESTIMATED[name]]
         near.append(abs(value / truth - 1.0))
         if error:
             covered.append(abs(value - truth) < 2.0 * error)

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+from plants.answers import logged_friction
 from plants.draw import draw_trial
 from plants.plant import simulate, write
 
@@ -34,6 +35,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.result import law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
 
@@ -48,8 +50,6 @@ _OWN = {
     "measurement-delay": ("delay", "delay", 1.0),
     "position-periodic": ("N", "cycles", 1.0),
 }
-# the plant has no one friction level and viscosity to compare with
-_WARM = {"temperature-dependent", "warm-up-drift"}
 
 
 def one_plant(seed: int, kind: str) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def one_plant(seed: int, kind: str) -> dict[str, Any]:
 def judged(prepared: Prepared, fitted: Fit, truth: Mapping[str, Any]) -> dict[str, Any]:
     """What was named, and each estimate as [truth, value, stderr by blocks, stderr stated]."""
     blocks = make_blocks(fitted.residual, fitted.log_index).of_sample
-    said = [term.name for term in fitted.terms]
+    said = [t.name for t in fitted.terms if isinstance(t, EffectTerm)]
     rows: dict[str, list[float]] = {}
     for cov in (by_blocks(fitted, blocks), covariance(prepared, fitted, blocks)):
         law = law_estimates(fitted, cov, prepared.slide)
@@ -83,14 +83,11 @@ def _compared(
     fitted: Fit, law: Mapping[str, Any], cov: Array, prepared: Prepared, truth: Mapping[str, Any]
 ) -> dict[str, tuple[float, Any]]:
     effects = {e["name"]: e for e in truth["effects"]}
-    found = {}
-    if not effects.keys() & _WARM:
-        # a gain that is off scales the friction that is measured
-        gain = 1.0 + effects.get("torque-gain", {}).get("error", 0.0)
-        friction = truth["friction"]
-        found["Fc"] = (gain * friction["Fc_pos"], law["Fc_pos"])
-        if "sigma2_pos" in law:
-            found["sigma2"] = (gain * friction["sigma2"], law["sigma2_pos"])
+    found = {
+        name: (true, law[f"{name}_pos"])
+        for name, true in logged_friction(truth).items()
+        if f"{name}_pos" in law
+    }
     for i, term in enumerate(fitted.terms):
         if term.name in effects and term.name in _OWN:
             own, true, ratio = _OWN[term.name]

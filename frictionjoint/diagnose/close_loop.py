@@ -12,7 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.intervals import rms_interval
-from frictionjoint.diagnose.loop import Step, Trace, trace
+from frictionjoint.diagnose.loop import Trace, trace
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
 from frictionjoint.diagnose.report_data import (
@@ -27,6 +27,8 @@ from frictionjoint.diagnose.report_data import (
     Role,
     Verdict,
 )
+from frictionjoint.diagnose.step import Step
+from frictionjoint.diagnose.timing import Delay, timing_of
 from frictionjoint.diagnose.trace import Ranking
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
@@ -140,7 +142,23 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=(*_notes(fitted_on, moving), *_law_note(found, body.slide)),
+        notes=(
+            *_notes(fitted_on, moving),
+            *_timing_note(timing_of(moving, found.final)),
+            *_law_note(found, body.slide),
+        ),
+    )
+
+
+def _timing_note(delay: Delay | None) -> tuple[str, ...]:
+    """What the fit made of the clocks of its channels."""
+    if not delay:
+        return ()
+    of_two, first = ("torque", "position") if delay.value > 0.0 else ("position", "torque")
+    return (
+        f"In these logs a {first} belongs to the {of_two} of {1e3 * abs(delay.value):.2g} ms "
+        f"before (standard error {1e3 * delay.stderr:.1g}): less than a sample, as where a "
+        "controller holds its torque from one tick to the next. The final fit allows for it.",
     )
 
 

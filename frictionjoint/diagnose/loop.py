@@ -7,17 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.diagnose.choice import (
-    ENOUGH,
     LARGE_GAIN,
     LAW_BOUND,
-    SAME,
     SMALLEST_GAIN,
-    Choice,
     choose,
     justified,
     large_enough,
     least_gain,
-    numbers_of,
 )
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, fit_others, with_better_law
@@ -28,7 +24,10 @@ from frictionjoint.diagnose.ranking import (
     rank_all,
     with_refits,
 )
-from frictionjoint.diagnose.trace import Ranked, Ranking, margin, selection_frequency
+from frictionjoint.diagnose.revision import exchanged, reconsidered, without_idle
+from frictionjoint.diagnose.step import Step, step_of
+from frictionjoint.diagnose.timing import timed
+from frictionjoint.diagnose.trace import Ranked, Ranking
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rest import resolved
@@ -45,30 +44,6 @@ INTEGRATED_LAW = FrictionParameters.law
 # An effect that explains less than this beside nothing else is of no use.
 _USELESS = 0.02
 _MOST_STEPS = 8
-
-
-@dataclass(frozen=True)
-class Step:
-    """One addition.
-
-    Attributes:
-        term: what was added (its shape as of the final fit is in the fit).
-        evidence: the winner's row. runner_up: the next effect, or None.
-        margin: difference in held-out gain to it. ties: effects the logs cannot tell from it.
-        rivals: what explained nearly as much when it was added.
-        frequency: share of resamples in which it stayed best.
-        fit: the model after the joint refit. ranking: all candidates of this step.
-    """
-
-    term: Term
-    evidence: Ranked
-    runner_up: str | None
-    margin: float
-    ties: tuple[str, ...]
-    rivals: tuple[Ranked, ...]
-    frequency: float
-    fit: Fit
-    ranking: Ranking
 
 
 @dataclass(frozen=True)
@@ -138,19 +113,20 @@ def trace(
         # where the curves bent the law, it may now lie in a poor valley
         final = _better(prepared, tuple(s.term for s in named), (current, alone))
         # what explained something beside a curve may explain nothing without it
-        named, final = _without_idle(prepared, named, final, lambda name: _USELESS, last=True)
+        named, final = without_idle(prepared, named, final, lambda name: _USELESS, last=True)
         if not named:
             final = base if forms_alone is forms else fit(prepared, start=alone.shape)
     # what came first may be idle beside what came later
-    named, final = _without_idle(prepared, named, final, least_gain, last=False)
+    named, final = without_idle(prepared, named, final, least_gain, last=False)
+    untimed, final = final, timed(prepared, final)
     if final is not current:
         ranking = with_refits(prepared, final, rank_all(prepared, final, rng))
     unexplained = _unexplained(ranking, final, steps)
     other = None
     if law_parameters(final).law != law_parameters(base).law:
         if law:
-            named, other = _restated(prepared, base, named, final)
-            final, other = other, final
+            named, restated = _restated(prepared, base, named, untimed)
+            final, other = timed(prepared, restated), final
         else:
             other = fit(prepared, final.terms, start=base.shape, closeness=ROUGH)
     return Trace(prepared, base, tuple(named), final, unexplained, ranking, other)
@@ -191,7 +167,7 @@ def _traced(
     if not again:
         return grown
     progress("looking again at what was added first")
-    current, steps = _reconsidered(grown.prepared, grown.fit, grown.steps, len(again), rng)
+    current, steps = reconsidered(grown.prepared, grown.fit, grown.steps, len(again), rng)
     if steps is grown.steps:
         return grown
     return _grown(grown.prepared, current, steps, rng, progress, grown.forms)
@@ -239,9 +215,9 @@ def _grown(
                 return _Grown(prepared, current, steps, ranking, forms)
             continue
         winner = chosen.winner
-        if exchanged := _exchanged(prepared, current, steps, winner.held_out_gain, rng):
+        if better := exchanged(prepared, current, steps, winner.held_out_gain, rng):
             progress(f"step {number}: another choice before it")
-            current, steps = exchanged
+            current, steps = better
             continue
         progress(f"step {number}: adding {winner.name}")
         # after a large change, and with an effect that bends the law's own curves, the old shape
@@ -261,115 +237,12 @@ def _grown(
         if not near:
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(*settled(prepared, refitted), forms)
-        steps.append(_step(chosen, current, ranking, rng))
-
-
-def _exchanged(
-    prepared: Prepared, current: Fit, steps: list[Step], gain: float, rng: np.random.Generator
-) -> tuple[Fit, list[Step]] | None:
-    """An early choice given up for a rival that explains nearly as much as an addition would.
-
-    What the logs could not tell apart beside a large residual they may tell beside a small one.
-
-    Args:
-        gain: of the addition, a share of the residual's squares.
-    """
-    names = {t.name for t in current.terms}
-    trials: list[tuple[Fit, int, Ranked]] = []
-    for i, step in enumerate(steps):
-        for rival in step.rivals:
-            if rival.name not in names:
-                terms = (*current.terms[:i], rival.candidate.term, *current.terms[i + 1 :])
-                other = fit(prepared, terms, start=current.shape, closeness=ROUGH)
-                trials.append((other, i, rival))
-    if not trials:
-        return None
-    best, i, rival = min(trials, key=lambda trial: trial[0].drive_rms)
-    if 1.0 - (best.drive_rms / current.drive_rms) ** 2 < ENOUGH * gain:
-        return None
-    current = fit(prepared, best.terms, start=best.shape)
-    others = tuple(r for r in steps[i].rivals if r is not rival)
-    choice = Choice(rival, rivals=(steps[i].evidence, *others))
-    return current, [*steps[:i], _step(choice, current, steps[i].ranking, rng), *steps[i + 1 :]]
-
-
-def _step(choice: Choice, fitted: Fit, ranking: Ranking, rng: np.random.Generator) -> Step:
-    winner = choice.winner
-    others = [r for r in ranking.ranked if r is not winner and not r.candidate.smooth]
-    runner = others[0] if others else None
-    gap = margin(winner, runner, ranking.base_squares, rng)[0] if runner else 0.0
-    kin = tuple(r for r in ranking.ranked if r.candidate.smooth == winner.candidate.smooth)
-    return Step(
-        winner.candidate.term,
-        winner,
-        runner.name if runner else None,
-        gap,
-        choice.ties,
-        choice.rivals,
-        selection_frequency(winner, kin, rng),
-        fitted,
-        ranking,
-    )
-
-
-def _reconsidered(
-    prepared: Prepared, current: Fit, steps: list[Step], first: int, rng: np.random.Generator
-) -> tuple[Fit, list[Step]]:
-    """The first choices once more, beside those that came after.
-
-    A better one replaces each, or one as good and simpler.
-    """
-    for i in range(first):
-        rest = tuple(t for k, t in enumerate(current.terms) if k != i)
-        without = fit(prepared, rest, start=current.shape, closeness=ROUGH)
-        ranking = rank_all(prepared, without, rng)
-        if steps[i].evidence.candidate.smooth:
-            # what a curve stands in for is asked as it was when the curve was taken
-            ranking = with_refits(prepared, without, ranking)
-        chosen = choose(ranking, without, rng)
-        if chosen is None or chosen.winner.name == steps[i].term.name:
-            continue
-        if chosen.winner.candidate.smooth and not steps[i].evidence.candidate.smooth:
-            continue  # a curve stands in where no effect was found, not for one that was
-        term = chosen.winner.candidate.term
-        terms = (*current.terms[:i], term, *current.terms[i + 1 :])
-        other = fit(prepared, terms, start=without.shape)
-        gains = [without.drive_rms**2 - f.drive_rms**2 for f in (other, current)]
-        # an effect beside which a curve is no longer needed is the cause
-        named = steps[i].evidence.candidate.smooth and not chosen.winner.candidate.smooth
-        enough = gains[0] >= ENOUGH * gains[1]
-        better = (other.drive_rms / current.drive_rms) ** 2 < 1.0 - SMALLEST_GAIN
-        # beside what is simpler another effect may have nothing left to explain
-        simpler = numbers_of(term) < numbers_of(steps[i].term)
-        as_good = gains[0] >= (1.0 - SAME) * gains[1]
-        if better or (named and enough) or (simpler and as_good):
-            current = other
-            steps = [*steps[:i], _step(chosen, other, ranking, rng), *steps[i + 1 :]]
-    return current, steps
+        steps.append(step_of(chosen, current, ranking, rng))
 
 
 def _better(prepared: Prepared, terms: tuple[Term, ...], starts: Sequence[Fit]) -> Fit:
     """The better of the fits from some places."""
     return min((fit(prepared, terms, start=s.shape) for s in starts), key=lambda f: f.drive_rms)
-
-
-def _without_idle(
-    prepared: Prepared, steps: list[Step], current: Fit, least: Callable[[str], float], last: bool
-) -> tuple[list[Step], Fit]:
-    """Drop additions that take less than a least share away beside the others.
-
-    Args:
-        least: share of the squares by the name of an effect. last: the last one may go too.
-    """
-    for i, step in enumerate(steps if last else steps[:-1]):
-        terms = tuple(t for k, t in enumerate(current.terms) if k != i)
-        without = fit(prepared, terms, start=current.shape, closeness=ROUGH)
-        if 1.0 - (current.drive_rms / without.drive_rms) ** 2 < least(step.term.name):
-            kept = [s for s in steps if s is not step]
-            return _without_idle(
-                prepared, kept, fit(prepared, terms, start=without.shape), least, last
-            )
-    return steps, current
 
 
 def _unexplained(ranking: Ranking, current: Fit, steps: Sequence[Step]) -> tuple[Ranked, ...]:

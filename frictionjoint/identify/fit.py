@@ -25,7 +25,7 @@ from frictionjoint.identify.design import (
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import Term
 from frictionjoint.threads import one_thread
 
 # share of a range within which a search has arrived at the range's end
@@ -109,10 +109,7 @@ class Fit:
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
     """Physical range of each shape number that a search may move."""
-    own: tuple[tuple[float, float], ...] = ()
-    if isinstance(term, EffectTerm):
-        own = term.effect.shape_bounds if term.free_shape else ()
-    return own or ((-np.inf, np.inf),) * len(term.free_shape)
+    return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
 
 
 @one_thread

@@ -60,6 +60,11 @@ class SmoothTerm:
         return self.shape
 
     @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """None: these numbers have no physical range."""
+        return ()
+
+    @property
     def follows_law(self) -> bool:
         """Most columns do not change with the law."""
         return False

@@ -6,7 +6,9 @@ only while the motor's circuit is closed.
 """
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
+
+import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects import (
@@ -45,6 +47,11 @@ class Term(Protocol):
     @property
     def free_shape(self) -> tuple[float, ...]:
         """Those of them a fit may refine."""
+        ...
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """Physical range of each of those; none where empty."""
         ...
 
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
@@ -88,6 +95,11 @@ class EffectTerm:
         """None where the shape is a fixed reference."""
         return () if self.effect.shape_fixed else self.shape
 
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """Those of the effect."""
+        return self.effect.shape_bounds if self.free_shape else ()
+
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
         """The same effect elsewhere on its grid."""
         return replace(self, shape=shape)
@@ -118,6 +130,41 @@ class EffectTerm:
         return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found
 
 
+@dataclass(frozen=True)
+class Timing:
+    """When in a sample a log's torque belongs to its position: no effect, but never quite known.
+
+    Attributes:
+        most: s, one sample; a delay that is longer is the effect `measurement-delay`.
+    """
+
+    most: float
+    shape: tuple[float, ...] = (0.0,)
+    name: ClassVar[str] = "timing"
+    coefficients: ClassVar[tuple[str, ...]] = ()
+    follows_law: ClassVar[bool] = False
+    differenced: ClassVar[bool] = False
+
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """The delay, s."""
+        return self.shape
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """A sample either way."""
+        return ((-self.most, self.most),)
+
+    def with_shape(self, shape: tuple[float, ...]) -> "Timing":
+        """The same with another delay."""
+        return replace(self, shape=shape)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """None: it moves the drive."""
+        return np.zeros((len(signals), 0))
+
+
 def delay_of(terms: tuple[Term, ...]) -> float:
     """Time by which the position is logged later than the drive, s."""
-    return sum(t.shape[0] for t in terms if t.name == measurement_delay.EFFECT.name)
+    delays = (measurement_delay.EFFECT.name, Timing.name)
+    return sum(t.shape[0] for t in terms if t.name in delays)
