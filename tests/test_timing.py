@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionjoint.diagnose.close_loop import _timing_note
+from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.diagnose.timing import Delay, timed, timing_of
 from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
@@ -97,7 +97,7 @@ def test_a_fit_that_was_timed_is_not_timed_again(held):
     [(0.5e-3, "a position belongs to the torque of 0.5 ms"), (-2e-4, "a torque belongs to the")],
 )
 def test_the_report_says_which_channel_is_late_and_by_how_much(delay, words):
-    (note,) = _timing_note(Delay(delay, 2e-5))
+    (note,) = timing_note(Delay(delay, 2e-5))
     assert words in note
     assert "0.02" in note
-    assert _timing_note(None) == ()
+    assert timing_note(None) == ()

@@ -35,7 +35,7 @@ def shown(report: Report) -> Curve:
 def stages(report: Report) -> tuple[tuple[str, str, str], ...]:
     """Label, attribute of a curve and colour of each prediction; one where nothing was changed."""
     if not report.changed:
-        return (("law alone", "before", AFTER),)
+        return (("law alone", "after", AFTER),)
     return ("before", "before", BEFORE), ("after", "after", AFTER)
 
 

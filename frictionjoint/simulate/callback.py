@@ -27,7 +27,7 @@ from frictionjoint.simulate.carrier import (
     ROW,
 )
 from frictionjoint.simulate.layout import offsets
-from frictionjoint.simulate.motors import asked_torque, saturates
+from frictionjoint.simulate.motor_demand import asked_torque, saturates
 from frictionjoint.simulate.pointers import (
     array,
     field,

@@ -27,7 +27,7 @@ from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.motors import check_motors, saturates
+from frictionjoint.simulate.motor_demand import check_motors, saturates
 from frictionjoint.simulate.row import row_size
 
 MAGIC = 199797.0

@@ -23,7 +23,7 @@ from frictionjoint.simulate.carrier import (
     rows_of_block,
     write_parameters,
 )
-from frictionjoint.simulate.motors import saturates
+from frictionjoint.simulate.motor_demand import saturates
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be told from repeated ones.

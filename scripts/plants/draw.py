@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import catalogue
-from .spec import LAWS, Controller, Friction, Instrument, Motion, PlantSpec
+from .spec import GRAVITY, LAWS, Controller, Friction, Instrument, Motion, PlantSpec
 
 # Pairs that no motion parts, or only with a known load: not drawn together.
 TIES = frozenset(
@@ -99,7 +99,7 @@ def _plant(rng: np.random.Generator, names: tuple[str, ...]) -> PlantSpec:
     loaded = bool(wanted & LOADED) or rng.uniform() < 0.75
     length = float(rng.uniform(0.1, 0.5)) if loaded else 0.0
     gravity = fc * rng.uniform(1.0 if wanted & LOADED else 0.4, 3.0)
-    mass = float(gravity / (9.81 * length)) if loaded else float(fc * rng.uniform(0.2, 1.0))
+    mass = float(gravity / (GRAVITY * length)) if loaded else float(fc * rng.uniform(0.2, 1.0))
     least = fc * (0.06 if wanted & DYNAMIC else 0.02)
     inertia = float(1.1 * mass * length**2 + least * rng.uniform(1.0, 2.5))
     armature = float(inertia * rng.uniform(0.3, 0.8))

@@ -109,8 +109,7 @@ def _joint(name: str, values: dict[str, str]) -> str:
 
 
 def _inertial(s: PlantSpec, mass: float, angle: float) -> str:
-    """The link about its own centre; an extra point mass at that distance from the axis (0.1 m
-    where there is no arm), turned by `angle` from the centre."""
+    """The link about its own centre; an extra point mass on its arm, turned by `angle` from it."""
     own = max(s.inertia - s.mass * s.length**2, 1e-7)
     body = (
         f'<inertial pos="0 0 {-s.length:.9g}" mass="{s.mass:.9g}" '
@@ -118,8 +117,7 @@ def _inertial(s: PlantSpec, mass: float, angle: float) -> str:
     )
     if mass == 0.0:
         return body
-    arm = s.length or 0.1
-    place = f"{-arm * np.sin(angle):.9g} 0 {-arm * np.cos(angle):.9g}"
+    place = f"{-s.arm * np.sin(angle):.9g} 0 {-s.arm * np.cos(angle):.9g}"
     return body + (
         f'<body pos="{place}"><inertial pos="0 0 0" mass="{mass:.9g}" '
         'diaginertia="1e-9 1e-9 1e-9"/></body>'

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from . import loop
 from .parts import JOINT
 from .plant import Trial, assemble, constants
-from .spec import PlantSpec
+from .spec import GRAVITY, PlantSpec
 
 
 def truth_error(trial: Trial, number: int, time: NDArray, acceleration: NDArray) -> NDArray:
@@ -46,9 +46,8 @@ def truth_error(trial: Trial, number: int, time: NDArray, acceleration: NDArray)
 
 def _link(spec: PlantSpec, mass: float, angle: float) -> tuple[float, NDArray, NDArray]:
     """Inertia of the link, and the weights that hang at angles from it, N m, rad."""
-    arm = spec.length or 0.1
-    weights = np.array([spec.gravity_torque, mass * 9.81 * arm])
-    return spec.inertia + mass * arm**2, weights, np.array([0.0, angle])
+    weights = np.array([spec.gravity_torque, mass * GRAVITY * spec.arm])
+    return spec.inertia + mass * spec.arm**2, weights, np.array([0.0, angle])
 
 
 def _spring(spec: PlantSpec) -> tuple[float, float]:

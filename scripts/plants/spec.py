@@ -6,6 +6,8 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+# m/s^2, as MuJoCo has it
+GRAVITY = 9.81
 LAWS = ("gms", "lugre", "elasto-plastic", "plain")
 MOTIONS = ("steps", "ramps", "sines", "multisine", "pick-and-place", "stick-slip", "dwell")
 
@@ -115,7 +117,12 @@ class PlantSpec:
     @property
     def gravity_torque(self) -> float:
         """Largest gravity torque, N m."""
-        return self.mass * 9.81 * self.length
+        return self.mass * GRAVITY * self.length
+
+    @property
+    def arm(self) -> float:
+        """m from the axis to where an extra mass is put: 0.1 where the joint has no arm."""
+        return self.length or 0.1
 
     def to_json(self) -> str:
         """Text form; `from_json` gives back an equal spec."""

@@ -9,16 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..parts import Parts
-from ..spec import PlantSpec
+from ..spec import GRAVITY, PlantSpec
 
 NAME = "gravity-error"
 
 
 def draw(rng: np.random.Generator, spec: PlantSpec) -> dict[str, float]:
     """Up to 30 to 80 % of the Coulomb level, off to one side."""
-    arm = spec.length or 0.1
     return {
-        "mass": float(rng.uniform(0.3, 0.8) * spec.friction.Fc / (9.81 * arm)),
+        "mass": float(rng.uniform(0.3, 0.8) * spec.friction.Fc / (GRAVITY * spec.arm)),
         "angle": float(rng.uniform(0.7, 1.6) * rng.choice([-1.0, 1.0])),
     }
 
