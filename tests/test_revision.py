@@ -1,4 +1,4 @@
-"""An early choice is looked at again: a rival takes its place where it explains more, only there."""
+"""An early choice is looked at again: a rival that explains more takes its place, no other does."""
 
 import sys
 from dataclasses import replace

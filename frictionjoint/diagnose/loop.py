@@ -10,6 +10,7 @@ from frictionjoint.diagnose.choice import (
     LARGE_GAIN,
     LAW_BOUND,
     SMALLEST_GAIN,
+    Choice,
     choose,
     justified,
     large_enough,
@@ -17,6 +18,7 @@ from frictionjoint.diagnose.choice import (
 )
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
 from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, fit_others, with_better_law
+from frictionjoint.diagnose.pairs import first_of_two
 from frictionjoint.diagnose.ranking import (
     at_an_end,
     barring,
@@ -34,6 +36,7 @@ from frictionjoint.identify.rest import resolved
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.smooth import ExcessTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameters import FrictionParameters
@@ -102,7 +105,9 @@ def trace(
         # an effect that hides behind one law may show behind another
         second = _traced(prepared, others, OTHERS, rng, progress)
         alike = second.fit.residual.size == grown.fit.residual.size
-        if alike and clearly_better(second.fit, grown.fit):
+        # what holds the measured torque itself leaves little of it, whatever else is wrong
+        circular = any(isinstance(t, ExcessTerm) for t in second.fit.terms)
+        if alike and not circular and clearly_better(second.fit, grown.fit):
             alone, forms_alone, grown = others, OTHERS, second
     prepared, current, steps, ranking = grown.prepared, grown.fit, grown.steps, grown.ranking
     if base.residual.size != current.residual.size:
@@ -207,6 +212,9 @@ def _grown(
             if chosen and chosen.winner.candidate.smooth:
                 ranking, unbent = beside_unbent(prepared, current, ranking, chosen.winner)
                 chosen = choose(ranking, current, rng)
+            if chosen and chosen.winner.candidate.smooth:
+                first = first_of_two(prepared, current, ranking, chosen.winner)
+                chosen = Choice(first) if first else chosen
         if chosen is None:
             own = forms
             if steps:
