@@ -25,8 +25,8 @@ def timing_note(delay: Delay | None) -> tuple[str, ...]:
         return ()
     of_two, first = ("torque", "position") if delay.value > 0.0 else ("position", "torque")
     return (
-        f"In these logs a {first} belongs to the {of_two} of {1e3 * abs(delay.value):.2g} ms "
-        f"before (standard error {1e3 * delay.stderr:.1g}): less than a sample, as where a "
+        f"In these logs a {first} belongs to the {of_two} logged {1e3 * abs(delay.value):.2g} ms "
+        f"earlier (standard error {1e3 * delay.stderr:.1g} ms): less than a sample, as where a "
         "controller holds its torque from one tick to the next. The final fit allows for it.",
     )
 
