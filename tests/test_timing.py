@@ -94,7 +94,10 @@ def test_a_fit_that_was_timed_is_not_timed_again(held):
 
 @pytest.mark.parametrize(
     ("delay", "words"),
-    [(0.5e-3, "a position belongs to the torque logged 0.5 ms earlier"), (-2e-4, "a torque belongs to the")],
+    [
+        (0.5e-3, "a position belongs to the torque logged 0.5 ms earlier"),
+        (-2e-4, "a torque belongs to the"),
+    ],
 )
 def test_the_report_says_which_channel_is_late_and_by_how_much(delay, words):
     (note,) = timing_note(Delay(delay, 2e-5))
