@@ -54,7 +54,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     """Make one plant, show its logs to the loop, note what it said beside the truth."""
     seed, kind = job
     warnings.simplefilter("ignore")
-    from frictionjoint.diagnose.blocks import make_blocks
+    from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.diagnose.loop import trace
     from frictionjoint.errors import FrictionJointError
     from frictionjoint.identify.prepare import prepare
@@ -62,7 +62,6 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
     from frictionjoint.identify.result import law_estimates, law_parameters
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.start import predict
-    from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.readers import read_log
 
     trial = simulate(draw_trial(np.random.default_rng(seed), kind))
@@ -81,8 +80,7 @@ def one_trial(job: tuple[int, str]) -> dict[str, Any]:
             errors = []
             for fitted in (found.base, found.final, found.other or found.final):
                 errors.append(float(np.sqrt(np.mean(predict(kept, fitted).error ** 2))))
-            blocks = make_blocks(found.final.residual, found.final.log_index)
-            cov = covariance(found.prepared, found.final, blocks.of_sample)
+            cov = stated_covariance(found.prepared, found.final)
             estimates = law_estimates(found.final, cov, body.slide)
     except FrictionJointError as error:
         return result | {"error": str(error)}

@@ -1,10 +1,14 @@
-"""Fixtures shared by all tests: where measured logs lie, if they are here at all."""
+"""What all tests share: where the trial plants and the measured logs lie."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+# the trial plants live beside the scripts that use them
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
 # first examples compile kernels: a deadline would time the compiler
 settings.register_profile("frictionjoint", deadline=None)

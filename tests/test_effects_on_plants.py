@@ -1,21 +1,13 @@
 """Every effect is told from all others on a plant, of MuJoCo's parts, that has exactly it."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from plants.draw import draw_trial
+from trial_logs import prepared_logs
 
 from frictionjoint.diagnose.loop import trace
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.readers import read_log
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.draw import draw_trial
-from plants.plant import simulate, write
 
 # A plant each, by the seed it is drawn from: the first of 1, 2, 3 with which the effect shows in
 # two short logs. Concave or quadratic viscosity mostly looks like the law's own curve there.
@@ -50,7 +42,5 @@ def plant(name, seed, friction="lugre", seconds=None):
 @pytest.mark.parametrize(("name", "seed"), PLANTS.items())
 def test_it_is_named_first(name, seed, tmp_path):
     warm = name in ("temperature-dependent", "warm-up-drift")
-    trial = simulate(plant(name, seed, seconds=40.0 if warm else 12.0))
-    logs = [read_log(path, "joint") for path in write(trial, tmp_path)]
-    found = trace(prepare(logs, RigidBody(tmp_path / "joint.xml", "joint")))
+    found = trace(prepared_logs(plant(name, seed, seconds=40.0 if warm else 12.0), tmp_path))
     assert [s.term.name for s in found.steps][:1] == [name]

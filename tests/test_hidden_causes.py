@@ -1,22 +1,15 @@
 """Causes that hide: met in one log only, at the edge of a limit, or behind a bent law."""
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from plants.draw import draw_trial
+from plants.spec import Effect, PlantSpec
+from trial_logs import prepared_logs
 
 from frictionjoint.diagnose.loop import Trace, trace
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.readers import read_log
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.draw import draw_trial
-from plants.plant import simulate, write
-from plants.spec import Effect, PlantSpec
 
 
 def drawn(seed: int, kind: str) -> PlantSpec:
@@ -25,8 +18,7 @@ def drawn(seed: int, kind: str) -> PlantSpec:
 
 def traced(spec: PlantSpec, folder: Path) -> Trace:
     """The loop on three of a plant's four logs."""
-    logs = [read_log(path, "joint") for path in write(simulate(spec), folder)[:3]]
-    return trace(prepare(logs, RigidBody(folder / "joint.xml", "joint")))
+    return trace(prepared_logs(spec, folder, 3))
 
 
 def test_an_end_stop_that_one_log_meets_is_named(tmp_path):

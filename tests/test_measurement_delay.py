@@ -1,27 +1,19 @@
 """A delay between the channels: the whole model is late, edges of friction and all."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
 from plants.draw import draw_trial
-from plants.plant import simulate, write
+from trial_logs import prepared_logs
 
 from frictionjoint.diagnose.candidates import columns_of, signals_of
 from frictionjoint.effects.measurement_delay import EFFECT
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.fit import fit
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.measured.readers import read_log
 
 DELAY = 8e-3
 
@@ -33,9 +25,7 @@ def late(tmp_path_factory):
     spec = draw_trial(np.random.default_rng(31), "one:measurement-delay")
     effect = replace(spec.effects[0], parameters={"delay": DELAY})
     spec = replace(spec, friction=replace(spec.friction, law="lugre"), effects=(effect,))
-    trial = simulate(spec)
-    logs = [read_log(path, "joint") for path in write(trial, folder)]
-    return prepare(logs[:2], RigidBody(folder / "joint.xml", "joint")), spec
+    return prepared_logs(spec, folder, 2), spec
 
 
 def test_the_drive_of_an_earlier_time(late):

@@ -1,24 +1,17 @@
 """A delay of less than a sample: found, allowed for and told, and never taken for an effect."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
+from trial_logs import prepared_logs
 
+from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.diagnose.timing import Delay, timed, timing_of
 from frictionjoint.identify.fit import fit
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.terms import delay_of
-from frictionjoint.measured.readers import read_log
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.plant import simulate, write
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 # The plants' controller holds its torque for a millisecond.
 HALF_A_TICK = 0.5e-3
@@ -37,24 +30,17 @@ PLANT = PlantSpec(
 )
 
 
-def prepared(spec, folder):
-    paths = write(simulate(spec), folder)
-    return prepare(
-        [read_log(path, "joint") for path in paths], RigidBody(folder / "joint.xml", "joint")
-    )
-
-
 @pytest.fixture(scope="module")
 def held(tmp_path_factory):
     """Logs of a torque held between ticks, and the fit of the law alone."""
-    logs = prepared(PLANT, tmp_path_factory.mktemp("held"))
+    logs = prepared_logs(PLANT, tmp_path_factory.mktemp("held"))
     return logs, fit(logs, forms=forms_of("lugre"))
 
 
 def test_a_torque_held_between_ticks_acts_half_a_tick_later(held):
     logs, alone = held
     found = timed(logs, alone)
-    delay = timing_of(logs, found)
+    delay = timing_of(found, stated_covariance(logs, found))
     assert delay.value == pytest.approx(HALF_A_TICK, abs=3.0 * delay.stderr)
     assert delay.stderr < 0.2 * HALF_A_TICK
     assert found.rms < alone.rms
@@ -75,12 +61,12 @@ def test_where_the_torque_is_on_time_nothing_is_added(held):
     )
     alone = fit(on_time, forms=forms_of("lugre"))
     assert timed(on_time, alone) is alone
-    assert timing_of(on_time, alone) is None
+    assert timing_of(alone, stated_covariance(on_time, alone)) is None
 
 
 def test_a_delay_of_more_than_a_sample_is_left_to_the_effect_of_that_name(tmp_path):
     late = replace(PLANT, effects=(Effect("measurement-delay", {"delay": 5e-3}),))
-    logs = prepared(late, tmp_path)
+    logs = prepared_logs(late, tmp_path)
     alone = fit(logs, forms=forms_of("lugre"))
     assert timed(logs, alone) is alone
 

@@ -1,23 +1,15 @@
 """Rest that the position does not resolve is left out, and what the filter mixes with it."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from plants.draw import draw_trial
+from trial_logs import prepared_logs
 
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.fit import fit
-from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rest import resolved, without_rest
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.readers import read_log
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.draw import draw_trial
-from plants.plant import simulate, write
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +18,7 @@ def stuck(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stuck")
     spec = draw_trial(np.random.default_rng(409), "none")
     spec = replace(spec, friction=replace(spec.friction, law="plain"))
-    logs = [read_log(path, "joint") for path in write(simulate(spec), folder)]
-    return prepare(logs[:2], RigidBody(folder / "joint.xml", "joint"))
+    return prepared_logs(spec, folder, 2)
 
 
 def test_a_rest_harms_as_far_as_the_filter_reaches(stuck):

@@ -182,7 +182,7 @@ def identify(
 
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
-    from frictionjoint.diagnose.blocks import make_blocks
+    from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text
     from frictionjoint.identify.fit import fit
     from frictionjoint.identify.prepare import prepare
@@ -190,7 +190,6 @@ def identify(
     from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
-    from frictionjoint.identify.uncertainty import covariance
     from frictionjoint.measured.bounded import bounded
     from frictionjoint.report.write import write_files
 
@@ -203,10 +202,7 @@ def identify(
         found = fit(prepared, progress=told, forms=forms)
         prepared, fitted = resolved(prepared, found, forms)
         require_gain(fitted)
-        blocks = make_blocks(fitted.residual, fitted.log_index)
-        estimates = law_estimates(
-            fitted, covariance(prepared, fitted, blocks.of_sample), body.slide
-        )
+        estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
     if as_json:
         rows = {name: x.to_dict() for name, x in estimates.items()}

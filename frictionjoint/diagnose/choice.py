@@ -64,7 +64,7 @@ def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice |
     go to the end of their physical range for it. Where a curve without a name explains much more
     than any effect, none is the cause: the curve stands in for it.
     """
-    worth = [r for r in ranking.ranked if justified(r) and large_enough(r, current)]
+    worth = [r for r in ranking.ranked if worth_naming(r, current)]
     named = [r for r in worth if not r.candidate.smooth]
     if any(isinstance(t, SmoothTerm) for t in current.terms):
         # something without a name is at work, and its by-products look like effects
@@ -120,6 +120,11 @@ def beyond_chance(row: Ranked) -> bool:
 def large_enough(row: Ranked, current: Fit) -> bool:
     """Whether an effect moves the torque by a share of the friction worth naming."""
     return _moved(row, current) >= _least_share(row.name)
+
+
+def worth_naming(row: Ranked, current: Fit) -> bool:
+    """By itself: beyond chance, by what it takes of the residual and by what it moves."""
+    return justified(row) and large_enough(row, current)
 
 
 def _least_share(name: str) -> float:

@@ -11,7 +11,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import correlation_time, make_blocks
 from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
-from frictionjoint.diagnose.intervals import rms_interval
+from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.loop import Trace, trace
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
@@ -47,7 +47,6 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
@@ -113,7 +112,7 @@ def close_loop(
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = _unexplained(found)
     floor = noise_floor(moving, found.final.gain)
-    cov = _covariance(moving, found.final)
+    cov = stated_covariance(moving, found.final)
     final = law_estimates(found.final, cov, body.slide)
     open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
     progress("what to record next")
@@ -122,7 +121,7 @@ def close_loop(
         joint=joint,
         slide=body.slide,
         logs=tuple(entries),
-        base=law_estimates(found.base, _covariance(moving, found.base), body.slide),
+        base=law_estimates(found.base, stated_covariance(moving, found.base), body.slide),
         final=final,
         before_torque=torque[0],
         before_replay=before,
@@ -142,7 +141,7 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=notes(found, fitted_on),
+        notes=notes(found, fitted_on, cov),
     )
 
 
@@ -163,11 +162,6 @@ def _entry(log: JointLog, role: Role) -> LogEntry:
 
 def _read(log: LogLike, joint: str) -> JointLog:
     return log if isinstance(log, JointLog) else read_log(log, joint)
-
-
-def _covariance(prepared: Prepared, fitted: Fit) -> Array:
-    blocks = make_blocks(fitted.residual, fitted.log_index)
-    return covariance(prepared, fitted, blocks.of_sample)
 
 
 def _replays(

@@ -1,11 +1,21 @@
-"""Intervals of an rms whose samples are not independent."""
+"""Intervals of what comes of samples that are not independent: parameters, and an rms."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.uncertainty import covariance
 
 _RESAMPLES = 400
+
+
+def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
+    """Covariance of a fit's parameters as it is stated, see `covariance`, by its own blocks."""
+    blocks = make_blocks(fitted.residual, fitted.log_index)
+    return covariance(prepared, fitted, blocks.of_sample)
 
 
 def rms_interval(e: Array, block: NDArray[np.int64]) -> tuple[float, float]:

@@ -1,20 +1,21 @@
 """What a reader must know of a result beside its figures, a sentence or two each."""
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.loop import Trace
 from frictionjoint.diagnose.timing import Delay, timing_of
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.result import law_parameters
 
 
-def notes(found: Trace, prepared: Prepared) -> tuple[str, ...]:
+def notes(found: Trace, prepared: Prepared, cov: Array) -> tuple[str, ...]:
     """All that there is to say.
 
     Args:
-        prepared: the logs with all their samples.
+        prepared: the logs with all their samples. cov: of all parameters of the final fit.
     """
     return (
         *_rest_note(prepared, found.prepared),
-        *timing_note(timing_of(found.prepared, found.final)),
+        *timing_note(timing_of(found.final, cov)),
         *_law_note(found),
     )
 

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.choice import justified, large_enough, numbers_of
-from frictionjoint.diagnose.trace import Ranked, Ranking
+from frictionjoint.diagnose.choice import numbers_of, worth_naming
+from frictionjoint.diagnose.trace import Ranked, Ranking, scaled, solve_gram
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
 
@@ -15,7 +15,6 @@ from frictionjoint.identify.prepare import Prepared
 _FITTED, _LEAVES = 3, 0.5
 # what two pairs may leave over each other to be as good
 _ALIKE = 1.1
-_RCOND = 1e-6
 
 
 def first_of_two(
@@ -47,14 +46,12 @@ def first_of_two(
 def _leading(ranking: Ranking, current: Fit) -> list[tuple[Ranked, Ranked]]:
     """Pairs of effects that explain most together, the first of each worth naming by itself."""
     named = [r for r in ranking.ranked if not r.candidate.smooth]
-    worth = [justified(r) and large_enough(r, current) for r in named]
+    worth = [worth_naming(r, current) for r in named]
     if not any(worth):
         return []
-    J = current.free_jacobian
-    Q_, _ = np.linalg.qr(J / np.maximum(np.linalg.norm(J, axis=0), 1e-300))
+    Q_, _ = np.linalg.qr(scaled(current.free_jacobian))
     columns = [r.candidate.columns for r in named]
-    X = np.column_stack([*columns, current.residual])
-    X = X / np.maximum(np.linalg.norm(X, axis=0), 1e-300)
+    X = scaled(np.column_stack([*columns, current.residual]))
     X = X - Q_ @ (Q_.T @ X)
     gram = X.T @ X
     ends = np.cumsum([0, *(c.shape[1] for c in columns)])
@@ -70,6 +67,4 @@ def _leading(ranking: Ranking, current: Fit) -> list[tuple[Ranked, Ranked]]:
 
 def _explained(gram: Array, columns: list[int]) -> float:
     """Share of the last column's squares that some others explain."""
-    b = gram[columns, -1]
-    G = gram[np.ix_(columns, columns)]
-    return float(b @ np.linalg.pinv(G, rcond=_RCOND, hermitian=True) @ b / gram[-1, -1])
+    return float(gram[columns, -1] @ solve_gram(gram, np.array(columns)) / gram[-1, -1])

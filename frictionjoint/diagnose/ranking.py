@@ -14,7 +14,7 @@ from frictionjoint.diagnose.candidates import (
     smooth_candidates,
     wave_candidates,
 )
-from frictionjoint.diagnose.choice import ENOUGH, LAW_BOUND, beyond_chance, justified, large_enough
+from frictionjoint.diagnose.choice import ENOUGH, LAW_BOUND, beyond_chance, justified, worth_naming
 from frictionjoint.diagnose.trace import FLIPS, Ranked, Ranking, held_out_squares, rank
 from frictionjoint.identify.fit import ROUGH, Fit, fit, shape_limits
 from frictionjoint.identify.prepare import Prepared
@@ -63,7 +63,7 @@ def with_refits(prepared: Prepared, current: Fit, ranking: Ranking) -> Ranking:
     law: the freedom of a refit lets any effect take what is wrong with the law.
     """
     named = [r for r in ranking.ranked if not r.candidate.smooth]
-    leading = [r for r in named if justified(r) and large_enough(r, current)][:_SHORTLIST]
+    leading = [r for r in named if worth_naming(r, current)][:_SHORTLIST]
     if leading:
         least = _LEAST_OF_LEADER * leading[0].held_out_gain
         leading = [r for r in leading if r.held_out_gain >= least]

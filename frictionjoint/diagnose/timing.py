@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.identify.fit import Fit, fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import Timing, delay_of
-from frictionjoint.identify.uncertainty import covariance
 
 # share of a sample within which the delay must stay to be one of sampling
 _WITHIN = 0.98
@@ -40,15 +40,17 @@ def timed(prepared: Prepared, fitted: Fit) -> Fit:
         return fitted
     term = Timing(min(s.dt for s in prepared.segments))
     found = fit(prepared, (*fitted.terms, term), start=fitted.shape)
-    delay = timing_of(prepared, found)
+    delay = timing_of(found, stated_covariance(prepared, found))
     told = delay and _BEYOND * delay.stderr < abs(delay.value) < _WITHIN * term.most
     return found if told else fitted
 
 
-def timing_of(prepared: Prepared, fitted: Fit) -> Delay | None:
-    """The delay within a sample that a fit has, if it has one."""
+def timing_of(fitted: Fit, cov: Array) -> Delay | None:
+    """The delay within a sample that a fit has, if it has one.
+
+    Args:
+        cov: of all parameters of the fit, in the order of its jacobian.
+    """
     if not fitted.terms or not isinstance(fitted.terms[-1], Timing):
         return None
-    blocks = make_blocks(fitted.residual, fitted.log_index)
-    variance = covariance(prepared, fitted, blocks.of_sample)[-1, -1]
-    return Delay(fitted.terms[-1].shape[0], float(np.sqrt(variance)))
+    return Delay(fitted.terms[-1].shape[0], float(np.sqrt(cov[-1, -1])))

@@ -82,8 +82,8 @@ def rank(
     Args:
         jacobian: sensitivities of the model so far, shape (n, p); residual: shape (n,).
     """
-    J = _scaled(jacobian)
-    Z = [_scaled(c.columns) for c in candidates]
+    J = scaled(jacobian)
+    Z = [scaled(c.columns) for c in candidates]
     U = np.column_stack([J, *Z, residual])
     grams = blocks.gram(U)
     white = blocks.gram(whiten(U, log_index, whitener(residual, log_index)))
@@ -106,7 +106,7 @@ def rank(
         total = float(base_squares[within].sum())
         scale = np.linalg.norm(candidate.columns, axis=0)
         scale[scale == 0.0] = 1.0
-        beta = _solve(whole, np.concatenate([base, own]))[p:] / scale
+        beta = solve_gram(whole, np.concatenate([base, own]))[p:] / scale
         p_value = max(p_values[i], min(1.0, 2.0 * candidate.search_p))
         gain = 1.0 - float(squares.sum()) / total if total > 0.0 else 0.0
         rows.append(Ranked(candidate, gain, p_value, beta, _admissible(candidate, beta), squares))
@@ -124,20 +124,20 @@ def held_out_squares(
     Returns:
         shape (B,); to first order in the change of the parameters.
     """
-    grams = blocks.gram(np.column_stack([_scaled(jacobian), residual]))
+    grams = blocks.gram(np.column_stack([scaled(jacobian), residual]))
     folds = blocks.within if within_logs else blocks.fold
     moved = _held_out(grams, np.arange(jacobian.shape[1]), folds)
     return _least(moved, grams[:, -1, -1])
 
 
-def _scaled(X: Array) -> Array:
+def scaled(X: Array) -> Array:
+    """Columns of length one; those that are zero stay so."""
     norm = np.linalg.norm(X, axis=0)
     norm[norm == 0.0] = 1.0
-    scaled: Array = X / norm
-    return scaled
+    return np.asarray(X / norm)
 
 
-def _solve(G: Array, columns: NDArray[np.int64]) -> Array:
+def solve_gram(G: Array, columns: NDArray[np.int64]) -> Array:
     """Least squares of the last column on some others, from their Gram matrix.
 
     Columns the data cannot tell apart share their coefficient (minimum norm).
@@ -164,7 +164,7 @@ def _held_out(grams: Array, columns: NDArray[np.int64], folds: NDArray[np.int64]
     for fold in np.unique(folds):
         inside = folds == fold
         G = own[inside]
-        beta = _solve(total - G.sum(axis=0), inputs)
+        beta = solve_gram(total - G.sum(axis=0), inputs)
         cross = G[:, :-1, -1] @ beta
         quadratic = np.einsum("i,bij,j->b", beta, G[:, :-1, :-1], beta)
         squares[inside] = G[:, -1, -1] - 2.0 * cross + quadratic
