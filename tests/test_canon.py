@@ -1,16 +1,11 @@
 """Key cells of the canon, quick ones."""
 
-import sys
-from pathlib import Path
-
+import canon
 import numpy as np
 import pytest
 from reference.integrated_solver import reference_torque
 
 import frictionjoint as fj
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
-import canon
 
 INTEGRATED = ("integrated 1997", "integrated 2002")
 

@@ -1,8 +1,5 @@
 """Gymnasium: friction starts afresh at every reset, alone and in vectors of environments."""
 
-import sys
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
@@ -12,8 +9,6 @@ from frictionjoint.errors import ModelError
 from frictionjoint.simulate.stick_slip import kuka_model, native_model
 
 gymnasium = pytest.importorskip("gymnasium")
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
 from gym_joint import JointTracking  # noqa: E402
 
 from frictionjoint.simulate.gymnasium import Friction  # noqa: E402

@@ -1,31 +1,25 @@
 """Every law can be identified: the one a plant has is the one that explains its logs best."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from plants.plant import Friction, Motion, simulate, write
 from test_cli import LOG, MODEL, run
+from test_plants import quiet
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from plants.plant import Friction, Motion, simulate, write  # noqa: E402
-from test_plants import quiet  # noqa: E402
-
-from frictionjoint import friction_torque  # noqa: E402
-from frictionjoint.errors import ParameterError  # noqa: E402
-from frictionjoint.files import read_parameters  # noqa: E402
-from frictionjoint.identify.fit import fit  # noqa: E402
-from frictionjoint.identify.prepare import prepare  # noqa: E402
-from frictionjoint.identify.result import law_estimates, law_parameters  # noqa: E402
-from frictionjoint.identify.rigid_body import RigidBody  # noqa: E402
-from frictionjoint.identify.rival_shape import forms_of  # noqa: E402
-from frictionjoint.identify.start import predict  # noqa: E402
-from frictionjoint.identify.uncertainty import covariance  # noqa: E402
-from frictionjoint.laws import LAWS  # noqa: E402
-from frictionjoint.measured.readers import read_log  # noqa: E402
+from frictionjoint import friction_torque
+from frictionjoint.errors import ParameterError
+from frictionjoint.files import read_parameters
+from frictionjoint.identify.fit import fit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.start import predict
+from frictionjoint.identify.uncertainty import covariance
+from frictionjoint.laws import LAWS
+from frictionjoint.measured.readers import read_log
 
 FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
 # the plants' names of laws that the package has too

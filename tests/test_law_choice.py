@@ -1,19 +1,13 @@
 """The law itself is asked about: another one takes its place where it is clearly better."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from plants.draw import draw_trial
+from plants.plant import simulate, write
 
 from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.measured.readers import read_log
 from frictionjoint.report.wording import sentence
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.draw import draw_trial
-from plants.plant import simulate, write
 
 # a Maxwell-slip joint without any effect
 SEED = 6

@@ -1,13 +1,8 @@
 """What native friction gets wrong, ours does not: the figures of the documentation's page."""
 
-import sys
-from pathlib import Path
-
+import native_complaints as native
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
-import native_complaints as native
 
 
 def test_holding_half_the_breakaway_for_a_minute_ends_where_it_settled():

@@ -1,15 +1,10 @@
 """The claims of Ganseman et al. (1997), each held to a number (scripts/paper draws them)."""
 
 import itertools
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
 from paper import (
     constant_velocity,
     general,

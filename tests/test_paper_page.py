@@ -5,12 +5,10 @@ import re
 import sys
 from pathlib import Path
 
+import paper_figures
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-import paper_figures  # noqa: E402
 
 ONLY = ["--only", "reversal"]
 

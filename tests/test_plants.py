@@ -1,24 +1,18 @@
 """Trial plants against MuJoCo and against closed forms; never against the law under test."""
 
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
-
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from plants import catalogue  # noqa: E402
-from plants.draw import TIES, draw_trial  # noqa: E402
-from plants.friction import bristle, gms, maxwell_elements, stribeck  # noqa: E402
-from plants.parts import MICRO_DAMPING  # noqa: E402
-from plants.perfect import truth_error  # noqa: E402
-from plants.plant import (  # noqa: E402
+from plants import catalogue
+from plants.draw import TIES, draw_trial
+from plants.friction import bristle, gms, maxwell_elements, stribeck
+from plants.parts import MICRO_DAMPING
+from plants.perfect import truth_error
+from plants.plant import (
     Controller,
     Effect,
     Friction,
@@ -29,6 +23,9 @@ from plants.plant import (  # noqa: E402
     simulate,
     write,
 )
+from scipy.interpolate import CubicSpline
+
+ROOT = Path(__file__).resolve().parents[1]
 
 CANONICAL = {
     "position-periodic", "load-dependent", "temperature-dependent", "warm-up-drift",

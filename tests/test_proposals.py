@@ -1,19 +1,12 @@
 """What to record next, computed: ties made on purpose, the record proposed made on the plant."""
 
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import toeplitz
-
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from plants import motion as paths  # noqa: E402
-from plants.plant import (  # noqa: E402
+from plants import motion as paths
+from plants.plant import (
     Controller,
     Effect,
     Friction,
@@ -23,22 +16,23 @@ from plants.plant import (  # noqa: E402
     control_period,
     follow,
 )
-from test_plants import quiet  # noqa: E402
+from scipy.linalg import toeplitz
+from test_plants import quiet
 
-from frictionjoint.diagnose.close_loop import _rivals  # noqa: E402
-from frictionjoint.diagnose.loop import trace  # noqa: E402
-from frictionjoint.diagnose.motions import Carried, Limits  # noqa: E402
-from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_part  # noqa: E402
-from frictionjoint.diagnose.separation import (  # noqa: E402
+from frictionjoint.diagnose.close_loop import _rivals
+from frictionjoint.diagnose.loop import trace
+from frictionjoint.diagnose.motions import Carried, Limits
+from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_part
+from frictionjoint.diagnose.separation import (
     Noise,
     moments,
     separation,
     with_further,
 )
-from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V  # noqa: E402
-from frictionjoint.identify.prepare import prepare  # noqa: E402
-from frictionjoint.identify.rigid_body import RigidBody  # noqa: E402
-from frictionjoint.measured.log import JointLog  # noqa: E402
+from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
 
 PLANT = replace(
     quiet(),

@@ -1,13 +1,13 @@
 """What a joint held when a log began: law and swinging link begin there, and the fit finds it."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from plants.plant import simulate, write
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 from frictionjoint.effects import motor_side_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
@@ -20,11 +20,6 @@ from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
-from plants.plant import simulate, write
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 FC = 0.5
 # a pendulum that friction holds aside: moves from one rest to another

@@ -1,13 +1,7 @@
 """The known weaknesses of the 1997 law: their size, and what stands against them."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-
 from paper import weaknesses
 
 
