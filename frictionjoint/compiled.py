@@ -16,10 +16,10 @@ from llvmlite import binding, ir
 from numba import cfunc, config, njit, types
 from numba.extending import intrinsic
 
-# division by zero is as in C: the test for it would be most of a small kernel
-compiled = njit(cache=True, error_model="numpy")
+# division by zero is as in C: the test for it would be most of a small kernel; other threads go on
+compiled = njit(cache=True, error_model="numpy", nogil=True)
 # of a function on the way of every step: its call would cost as much as its work
-in_line = njit(cache=True, error_model="numpy", forceinline=True)
+in_line = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
 
 # without annotations of its own
 _types: Any = types

@@ -24,6 +24,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -209,11 +210,16 @@ def elsewhere(folder: str, job: tuple[int, str]) -> dict[str, Any]:
     return one_trial(job)
 
 
+def _on_one_thread() -> None:
+    """Trials side by side fill the cores: threads within them would wait for each other."""
+    numba.config.NUMBA_NUM_THREADS = 1
+
+
 @contextlib.contextmanager
 def _runner(scheduler: str | None, jobs: int) -> Iterator[Callable[..., Iterator[dict[str, Any]]]]:
     """What maps jobs to results in order: processes here, or workers of a Dask scheduler."""
     if scheduler is None:
-        with ProcessPoolExecutor(jobs) as pool:
+        with ProcessPoolExecutor(jobs, initializer=_on_one_thread) as pool:
             yield lambda trials: pool.map(one_trial, trials)
         return
     from distributed import Client

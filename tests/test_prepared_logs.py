@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
 
 from frictionjoint.effects.signals import LOAD, A, Q, V
 from frictionjoint.identify.design import design
-from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured.log import JointLog
-from frictionjoint.threads import one_thread
 
 INERTIA, DT = 0.3, 5e-3
 XML = f"""
@@ -69,19 +66,6 @@ def test_a_coarse_copy_keeps_the_slow_motion(prepared, most):
     torque = coarse.lowpass(coarse.drive)[inner]
     load = coarse.lowpass(INERTIA * coarse.signals[:, A], differenced=True)[inner]
     assert np.std(torque - load) < 0.03 * np.std(torque)
-
-
-def test_a_fit_takes_one_thread_and_gives_the_others_back(prepared):
-    def blas():
-        return [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
-
-    before = blas()
-    assert one_thread(blas)() == [1] * len(before)
-    seen = []
-    fit(prepared, progress=lambda _: seen.append(blas()), forms=INTEGRATED[:1])
-    assert seen
-    assert all(threads == [1] * len(before) for threads in seen)
-    assert blas() == before
 
 
 def test_columns_and_target_have_the_samples_kept(prepared):

@@ -1,6 +1,7 @@
 """What to try against a residual: the catalogue's effects, periods in position, smooth curves."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import DTAU, MOTOR, TIME, H, Q
 from frictionjoint.identify.design import full_signals
 from frictionjoint.identify.fit import Fit
@@ -24,6 +26,7 @@ from frictionjoint.identify.smooth import (
     quantity,
 )
 from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.threads import side_by_side
 
 _PERIODIC = (11, 12)
 _BACK_EMF = 10
@@ -123,24 +126,32 @@ def effect_candidates(
     """Every effect that the logs can speak of and that is not in the model yet."""
     everything = np.concatenate(signals)
     names = {term.name for term in taken}
-    found = []
-    for effect in CATALOGUE:
-        if effect.effect_id in _PERIODIC or effect.name in names:
-            continue
-        if effect.effect_id == _BACK_EMF and not prepared.voltage_driven:
-            continue  # sigma2 has taken what is linear in velocity
-        if prepared.gain_unknown and effect.name == "torque-gain":
-            continue  # the gain is a parameter of the fit already
-        if effect.effect_id == _SATURATION and not prepared.gain_unknown:
-            continue  # where the torque was measured, no motor stands between it and the joint
-        if not all(_varies(everything[:, c]) for c in effect.needs):
-            continue
-        for shape in effect.shapes(everything):
-            term = EffectTerm(effect, shape)
-            columns = columns_of(prepared, signals, term)
-            alone = _in_one_log(prepared, columns)
-            found.append(Candidate(term, columns, in_one_log=alone))
-    return [c for c in found if np.all(np.isfinite(c.columns)) and np.any(c.columns)]
+    terms = [
+        EffectTerm(effect, shape)
+        for effect in CATALOGUE
+        if effect.name not in names and _spoken_of(prepared, effect, everything)
+        for shape in effect.shapes(everything)
+    ]
+    with side_by_side() as each:
+        columns = list(each(partial(columns_of, prepared, signals), terms))
+    return [
+        Candidate(term, x, in_one_log=_in_one_log(prepared, x))
+        for term, x in zip(terms, columns, strict=True)
+        if np.all(np.isfinite(x)) and np.any(x)
+    ]
+
+
+def _spoken_of(prepared: Prepared, effect: Effect, signals: Array) -> bool:
+    """Whether the logs can tell of an effect; periodic ones have a search of their own."""
+    if effect.effect_id in _PERIODIC:
+        return False
+    if effect.effect_id == _BACK_EMF and not prepared.voltage_driven:
+        return False  # sigma2 has taken what is linear in velocity
+    if effect.name == "torque-gain" and prepared.gain_unknown:
+        return False  # the gain is a parameter of the fit already
+    if effect.effect_id == _SATURATION and not prepared.gain_unknown:
+        return False  # where the torque was measured, no motor stands between it and the joint
+    return all(_varies(signals[:, c]) for c in effect.needs)
 
 
 def _in_one_log(prepared: Prepared, columns: Array) -> bool:

@@ -13,6 +13,7 @@
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whiten, whitener
 from frictionjoint.diagnose.candidates import Candidate
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.threads import side_by_side
 
 FLIPS = 1999
 _RESAMPLES = 300
@@ -188,16 +190,23 @@ def _flip_test(
     blocks = len(kinds[0])
     signs = np.vstack([np.ones(blocks), rng.choice([-1.0, 1.0], size=(FLIPS, blocks))])
     largest = np.full((len(sets), FLIPS + 1), -np.inf)
-    for grams in kinds:
-        for i, score in enumerate(_scores(grams, base, sets)):
-            spread = score.T @ score
-            inverse = np.linalg.pinv(spread, rcond=1e-9, hermitian=True)
-            s = signs @ score
-            statistic = np.sum((s @ inverse) * s, axis=1)
-            freedom = max(1, int(np.linalg.matrix_rank(spread, hermitian=True)))
-            largest[i] = np.maximum(largest[i], -np.log(chdtrc(freedom, statistic)))
+    with side_by_side() as each:
+        for grams in kinds:
+            scores = _scores(grams, base, sets)
+            for i, surprise in enumerate(each(partial(_surprise, signs), scores)):
+                largest[i] = np.maximum(largest[i], surprise)
     null = largest[:, 1:].max(axis=0)
     return np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in largest[:, 0]])
+
+
+def _surprise(signs: Array, score: Array) -> Array:
+    """Of each row of signs how far out a candidate's score is, shape (flips + 1,)."""
+    spread = score.T @ score
+    inverse = np.linalg.pinv(spread, rcond=1e-9, hermitian=True)
+    s = signs @ score
+    statistic = np.sum((s @ inverse) * s, axis=1)
+    freedom = max(1, int(np.linalg.matrix_rank(spread, hermitian=True)))
+    return np.asarray(-np.log(chdtrc(freedom, statistic)))
 
 
 def _scores(

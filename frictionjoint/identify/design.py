@@ -12,6 +12,7 @@ that damping would stand in for it.
 
 from collections.abc import Callable
 from functools import partial
+from threading import Lock
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -101,14 +102,19 @@ class ColumnCache:
     def __init__(self, logs: int = 1) -> None:
         self._most = max(self._LEAST, self._A_LOG * logs)
         self._kept: dict[object, Array] = {}
+        self._lock = Lock()
 
     def get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The columns under a key, made if need be."""
-        if key not in self._kept:
+        """The columns under a key, made if need be; points of a search ask side by side."""
+        kept = self._kept.get(key)
+        if kept is not None:
+            return kept
+        made = make()
+        with self._lock:
             while len(self._kept) >= self._most:
                 self._kept.pop(next(iter(self._kept)))
-            self._kept[key] = make()
-        return self._kept[key]
+            self._kept[key] = made
+        return made
 
 
 def design(

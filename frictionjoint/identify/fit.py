@@ -26,7 +26,7 @@ from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term
-from frictionjoint.threads import one_thread
+from frictionjoint.threads import one_thread, side_by_side
 
 # share of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
@@ -176,16 +176,18 @@ class _Place(NamedTuple):
 
 def _refined(outer: "_Outer", x: Array, steps: int, closeness: float) -> _Place:
     """Where some steps of a search from x lead."""
-    found = least_squares(
-        outer.residual,
-        x,
-        bounds=outer.bounds,
-        diff_step=1e-3,
-        x_scale=outer.scale,
-        max_nfev=steps,
-        xtol=1e-4,
-        ftol=closeness,
-    )
+    with side_by_side() as each:
+        found = least_squares(
+            outer.residual,
+            x,
+            bounds=outer.bounds,
+            diff_step=1e-3,
+            x_scale=outer.scale,
+            max_nfev=steps,
+            xtol=1e-4,
+            ftol=closeness,
+            workers=each,
+        )
     return _Place(float(found.cost), outer, found.x)
 
 
@@ -247,11 +249,10 @@ class _Outer:
 
     def best_of_grid(self) -> Array:
         """Best point of a coarse grid."""
-        trials: list[tuple[float, int, Array]] = []
-        for law in self.law.grid(self.vmax, self.span):
-            x = self.vector(law)
-            trials.append((float(np.sum(self.residual(x) ** 2)), len(trials), x))
-        return min(trials)[2]
+        points = [self.vector(law) for law in self.law.grid(self.vmax, self.span)]
+        with side_by_side() as each:
+            squares = [float(np.sum(e**2)) for e in each(self.residual, points)]
+        return points[int(np.argmin(squares))]
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
         shape, terms = self.split(x)
@@ -273,8 +274,8 @@ class _Outer:
         names = column_names(self.prepared, shape, terms)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
         model = X @ beta
-        shape_columns = []
-        for i in range(len(x)):
+
+        def by_number(i: int) -> Array:
             h = 1e-3 * self.scale[i]
             inward = -h if x[i] + h > self.bounds[1][i] else h
             moved = x.copy()
@@ -282,7 +283,10 @@ class _Outer:
             other_shape, other_terms = self.split(moved)
             X2, y2 = design(self.prepared, other_shape, other_terms, self.cache, beta)
             # a delay moves the drive
-            shape_columns.append(((X2 @ beta - y2) - (model - y)) / inward)
+            return np.asarray(((X2 @ beta - y2) - (model - y)) / inward)
+
+        with side_by_side() as each:
+            shape_columns = list(each(by_number, range(len(x))))
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )

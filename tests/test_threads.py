@@ -1,0 +1,65 @@
+"""Threads: one for linear algebra, several for the points of a search, and the same numbers."""
+
+import multiprocessing
+
+import numpy as np
+import pytest
+from numba import config
+from threadpoolctl import threadpool_info
+from trial_logs import PENDULUM, prepared_logs
+
+from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.threads import one_thread, side_by_side
+
+FORMS = (*INTEGRATED[:2], *forms_of("lugre"))
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory) -> Prepared:
+    return prepared_logs(PENDULUM, tmp_path_factory.mktemp("pendulum"))
+
+
+def fitted(prepared: Prepared, threads: int, monkeypatch) -> Fit:
+    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", threads)
+    return fit(prepared, forms=FORMS)
+
+
+def test_linear_algebra_takes_one_thread_and_gives_the_others_back(prepared):
+    def blas():
+        return [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
+
+    before = blas()
+    assert one_thread(blas)() == [1] * len(before)
+    seen = []
+    fit(prepared, progress=lambda _: seen.append(blas()), forms=FORMS[:1])
+    assert seen
+    assert all(threads == [1] * len(before) for threads in seen)
+    assert blas() == before
+
+
+def test_any_number_of_threads_gives_the_same_fit(prepared, monkeypatch):
+    alone, *others = (fitted(prepared, threads, monkeypatch) for threads in (1, 2, 7))
+    for other in others:
+        assert other.shape == alone.shape
+        np.testing.assert_array_equal(other.beta, alone.beta)
+        np.testing.assert_array_equal(other.jacobian, alone.jacobian)
+
+
+def test_a_process_forked_after_a_fit_fits_too(prepared, monkeypatch):
+    """It has none of the threads of the process it came from."""
+    rms = fitted(prepared, 2, monkeypatch).rms
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.apply_async(_rms, (prepared,)).get(timeout=120) == rms
+
+
+def _rms(prepared: Prepared) -> float:
+    return fit(prepared, forms=FORMS).rms
+
+
+def test_an_error_in_a_thread_is_raised(monkeypatch):
+    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", 3)
+    with side_by_side() as each, pytest.raises(ZeroDivisionError):
+        list(each(lambda x: 1 / x, [2, 1, 0]))
