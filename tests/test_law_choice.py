@@ -6,6 +6,12 @@ from plants.draw import draw_trial
 from plants.plant import simulate, write
 
 from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.diagnose.law_choice import OTHERS, clearly_better, with_better_law
+from frictionjoint.identify.fit import fit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.measured.readers import read_log
 from frictionjoint.report.wording import sentence
 
@@ -56,3 +62,13 @@ def test_a_law_asked_for_stays(kept, chosen):
     assert not kept.changed
     assert found["after"]["torque_rms"] == pytest.approx(chosen.to_dict()["before"]["torque_rms"])
     assert any("--law maxwell_slip" in note for note in kept.notes)
+
+
+def test_a_law_that_took_the_place_of_the_integrated_one_may_lose_it_to_another(plant):
+    logs, model = plant
+    prepared = prepare(logs[:2], RigidBody(model, "joint"))
+    lugre = fit(prepared, forms=forms_of("lugre"))
+    found, forms = with_better_law(prepared, lugre, OTHERS, lambda text: None)
+    assert clearly_better(found, lugre)
+    assert law_parameters(found).law == "maxwell_slip"
+    assert with_better_law(prepared, found, forms, lambda text: None) == (found, OTHERS)

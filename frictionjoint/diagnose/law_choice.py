@@ -31,8 +31,11 @@ def clearly_better(other: Fit, own: Fit) -> bool:
 def with_better_law(
     prepared: Prepared, own: Fit, forms: Sequence[Shape], progress: Callable[[str], None]
 ) -> tuple[Fit, Sequence[Shape]]:
-    """A fit of the same terms with another law, and what that tries, where it is clearly better."""
-    if forms is OTHERS or _CLEARLY * own.rms < noise_floor(prepared, own.gain):
+    """A fit of the same terms with another law, and what that tries, where it is clearly better.
+
+    Another of the other laws, too: an effect not yet added may have bent the law first chosen.
+    """
+    if _CLEARLY * own.rms < noise_floor(prepared, own.gain):
         return own, forms
     other = fit_others(prepared, own, progress)
     return (other, OTHERS) if clearly_better(other, own) else (own, forms)

@@ -216,10 +216,10 @@ def _grown(
                 first = first_of_two(prepared, current, ranking, chosen.winner)
                 chosen = Choice(first) if first else chosen
         if chosen is None:
-            own = forms
+            own = current
             if steps:
                 current, forms = with_better_law(prepared, current, forms, progress)
-            if forms is own:
+            if current is own:
                 return _Grown(prepared, current, steps, ranking, forms)
             continue
         winner = chosen.winner
@@ -242,7 +242,8 @@ def _grown(
             # what a log holds later
             barred.add(winner.name)
             continue
-        if not near:
+        if not near and forms is not OTHERS:
+            # those were all tried just now
             refitted, forms = with_better_law(prepared, refitted, forms, progress)
         prepared, current = resolved(*settled(prepared, refitted), forms)
         steps.append(step_of(chosen, current, ranking, rng))
