@@ -21,7 +21,8 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Measured logs
 
-Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores.
+Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores,
+two joints at a time.
 Errors are rms of the torque (force) on held-out data over its rms, with 95% intervals;
 of the held-out data the state at each log's start is sought: what friction held, how a link swung;
 replay is the rms position error of free runs of half a second, driven by the measured torque.
