@@ -16,7 +16,8 @@ from llvmlite import binding, ir
 from numba import cfunc, config, njit, types
 from numba.extending import intrinsic
 
-# division by zero is as in C: the test for it would be most of a small kernel; other threads go on
+# Division by zero is as in C: the test for it would be most of a small kernel. Other threads go on
+# meanwhile, see `threads.side_by_side`.
 compiled = njit(cache=True, error_model="numpy", nogil=True)
 # of a function on the way of every step: its call would cost as much as its work
 in_line = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)

@@ -22,6 +22,7 @@ from scipy.special import chdtrc
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whiten, whitener
 from frictionjoint.diagnose.candidates import Candidate
+from frictionjoint.identify.design import lengths
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.threads import side_by_side
 
@@ -106,9 +107,7 @@ def rank(
             _held_out(grams, own, folds[within]),
         )
         total = float(base_squares[within].sum())
-        scale = np.linalg.norm(candidate.columns, axis=0)
-        scale[scale == 0.0] = 1.0
-        beta = solve_gram(whole, np.concatenate([base, own]))[p:] / scale
+        beta = solve_gram(whole, np.concatenate([base, own]))[p:] / lengths(candidate.columns)
         p_value = max(p_values[i], min(1.0, 2.0 * candidate.search_p))
         gain = 1.0 - float(squares.sum()) / total if total > 0.0 else 0.0
         rows.append(Ranked(candidate, gain, p_value, beta, _admissible(candidate, beta), squares))
@@ -134,9 +133,7 @@ def held_out_squares(
 
 def scaled(X: Array) -> Array:
     """Columns of length one; those that are zero stay so."""
-    norm = np.linalg.norm(X, axis=0)
-    norm[norm == 0.0] = 1.0
-    return np.asarray(X / norm)
+    return np.asarray(X / lengths(X))
 
 
 def solve_gram(G: Array, columns: NDArray[np.int64]) -> Array:

@@ -130,7 +130,8 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return total
 
 
-@njit(cache=True)
+# other threads go on: a search asks for columns side by side
+@njit(cache=True, nogil=True)
 def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
     X = np.zeros(MEMORY)
     for c in range(out.shape[1]):

@@ -34,7 +34,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return -P[e + 2] * (sig[A] + w * w * X[x] + damping * rate)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
     sig = np.zeros(N_SIGNALS)
     X = np.array([d, rate, 0.0])

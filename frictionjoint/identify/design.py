@@ -222,10 +222,16 @@ def coefficient_bounds(
     return np.array(low), np.array(high)
 
 
+def lengths(X: Array) -> Array:
+    """Norms of the columns to divide them by: 1 for those that are zero, shape (k,)."""
+    norm: Array = np.linalg.norm(X, axis=0)
+    norm[norm == 0.0] = 1.0
+    return norm
+
+
 def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     """Linear least squares, bounded only where the free solution breaks a bound."""
-    scale = np.linalg.norm(X, axis=0)
-    scale[scale == 0.0] = 1.0
+    scale = lengths(X)
     beta: Array = np.linalg.lstsq(X / scale, y, rcond=1e-10)[0] / scale
     if np.all(beta >= low) and np.all(beta <= high):
         return beta

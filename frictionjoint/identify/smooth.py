@@ -241,7 +241,7 @@ class HysteresisTerm(SmoothTerm):
         return _elements(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _elements(q: Array, reaches: Array) -> Array:
     out = np.zeros((len(q), len(reaches)))
     for j in range(len(reaches)):
