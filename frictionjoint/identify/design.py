@@ -231,10 +231,12 @@ def lengths(X: Array) -> Array:
 
 def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     """Linear least squares, bounded only where the free solution breaks a bound."""
-    scale = lengths(X)
-    beta: Array = np.linalg.lstsq(X / scale, y, rcond=1e-10)[0] / scale
+    scale, k = lengths(X), X.shape[1]
+    # the triangle says all that the columns do, free or bounded, and is small
+    triangle = np.asarray(np.linalg.qr(np.column_stack([X / scale, y]), mode="r"))
+    R, z = triangle[:k, :k], triangle[:k, k]
+    beta: Array = np.linalg.lstsq(R, z, rcond=1e-10)[0] / scale
     if np.all(beta >= low) and np.all(beta <= high):
         return beta
-    Q_, R = np.linalg.qr(X / scale)
-    found = lsq_linear(R, Q_.T @ y, (low * scale, high * scale), method="bvls")
+    found = lsq_linear(R, z, (low * scale, high * scale), method="bvls")
     return np.asarray(found.x / scale)
