@@ -11,6 +11,7 @@ import pytest
 from frictionjoint.cli.terminal import show_report
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
@@ -134,6 +135,12 @@ def test_the_sentence_owns_up(found, nothing):
     touching = replace(found, torque_interval=((0.1, 0.3), (0.05, 0.12)))
     assert "may be chance" in sentence(touching)
     assert "falls" not in sentence(touching)
+    # what the held-out logs contradict is not claimed
+    worse = replace(found, after_torque=Rms(0.03, 0.3), torque_interval=((0.2, 0.25), (0.28, 0.33)))
+    assert "held-out ones do not bear that out: with it the error goes from 0.23" in sentence(worse)
+    astray = replace(found, replay_interval=((0.01, 0.02), (0.03, 0.04)))
+    assert sentence(astray).endswith("further off than before.")
+    assert "further off" not in sentence(found)
     # a residual far above the noise is not "nothing missing"
     assert "No effect was found" in sentence(nothing)
     assert "times the torque's own noise" in sentence(nothing)

@@ -134,7 +134,7 @@ def close_loop(
         bandwidth_hz=bandwidth,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=_verdict(found, unexplained, moving, floor),
+        verdict=_verdict(found, unexplained, moving, floor, *torque),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
@@ -248,12 +248,18 @@ def _verdict(
     unexplained: tuple[tuple[str, float], ...],
     prepared: Prepared,
     floor: float,
+    before: Rms,
+    after: Rms,
 ) -> Verdict:
-    """Explained is said only of a residual down to the torque's noise, or as white as noise."""
+    """Explained is said only of a residual down to the torque's noise, or as white as noise.
+
+    Nor is it said where held-out logs contradict.
+    """
     if not found.steps and not unexplained:
         return "no-effect-found"
     at_floor = found.final.rms <= AT_THE_FLOOR * floor
-    done = found.steps and not unexplained and (at_floor or _is_white(found.final, prepared))
+    white = at_floor or _is_white(found.final, prepared)
+    done = found.steps and not unexplained and white and not after.worse_than(before)
     return "explained" if done else "partly-explained"
 
 

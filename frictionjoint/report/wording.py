@@ -66,7 +66,19 @@ def sentence(report: Report) -> str:
     own, law = (law.law for law in report.laws)
     if own != law:
         it += f", and the friction law {law} in place of {own},"
-    return f"The model lacked {names}: with {it} {change}.{rest}"
+    if report.after_torque.worse_than(report.before_torque):
+        ask = f"The fitted logs ask for {names}, but the held-out ones do not bear that out"
+    else:
+        ask = f"The model lacked {names}"
+    return f"{ask}: with {it} {change}.{rest}{_replay(report)}"
+
+
+def _replay(report: Report) -> str:
+    """A warning where the simulated motion contradicts, beyond chance."""
+    if report.replay_interval is None:
+        return ""
+    (_, most), (least, _) = report.replay_interval
+    return " The replayed position is further off than before." if least > most else ""
 
 
 def _law(report: Report) -> str:
