@@ -224,21 +224,30 @@ def test_no_half_valid_log_can_be_made(change: dict[str, object]) -> None:
         replace(make_log(), **change)  # type: ignore[arg-type]
 
 
-def stuck_log(tmp_path, ratio):
+def following_log(tmp_path, ratio, reach, unit="rad", drive="torque_nm"):
     t = 0.01 * np.arange(500)
-    target = 0.05 * np.sin(2 * np.pi * 0.5 * t)
-    path = tmp_path / "stuck.csv"
+    target = reach * np.sin(2 * np.pi * 0.5 * t)
+    path = tmp_path / "following.csv"
     columns = np.column_stack([t, ratio * target, target, 3.0 * target])
-    head = "time_s,position_rad,target_rad,torque_nm"
+    head = f"time_s,position_{unit},target_{unit},{drive}"
     np.savetxt(path, columns, delimiter=",", header=head, comments="")
     return path
 
 
-def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path):
-    assert len(read_log(stuck_log(tmp_path, 5e-4), "j").time) == 500
+@pytest.mark.parametrize("ratio", [5e-4, 1e-3, np.pi / 180])
+def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path, ratio):
+    # held by presliding it follows its controller's target by whatever share, in step
+    assert len(read_log(following_log(tmp_path, ratio, 0.5), "j").time) == 500
 
 
-@pytest.mark.parametrize("ratio", [np.pi / 180, 180 / np.pi])
-def test_target_and_position_in_different_units_are_refused(tmp_path, ratio):
+@pytest.mark.parametrize(
+    ("ratio", "reach", "unit", "drive"),
+    [
+        pytest.param(np.pi / 180, 30.0, "rad", "torque_nm", id="target in degrees"),
+        pytest.param(180 / np.pi, 0.05, "rad", "torque_nm", id="position in degrees"),
+        pytest.param(1e-3, 15.0, "m", "force_n", id="target in millimetres"),
+    ],
+)
+def test_target_and_position_in_different_units_are_refused(tmp_path, ratio, reach, unit, drive):
     with pytest.raises(LogError, match="units of the two"):
-        read_log(stuck_log(tmp_path, ratio), "j")
+        read_log(following_log(tmp_path, ratio, reach, unit, drive), "j")

@@ -37,8 +37,10 @@ _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 # A joint does not run this many times as far as its target.
 _TOO_FAR = 20.0
-# Ratios to a target in degrees or millimetres: wrong units, where the joint follows it so well.
-_MISTAKEN_UNITS, _NEAR, _FOLLOWS = (np.pi / 180, 1e-3), 0.2, 0.95
+# Ratio to a target in degrees or millimetres, and a way of the target that is long only in these:
+# wrong units, where the joint follows it so well. A joint held by friction follows a short one.
+_MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
+_NEAR, _FOLLOWS = 0.2, 0.95
 _BLOCK = 1 << 16
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
@@ -181,7 +183,8 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     """A position follows its target, so that their units can be compared.
 
     A joint may stick and hardly move at all, but not run far beyond its target; where it moves
-    less, only the very factors of degrees and of millimetres are taken for a wrong unit.
+    less, only the very factor of degrees or of millimetres is taken for a wrong unit, and only of
+    a target that goes far.
     """
     prefix, dot, unit = name.rpartition(".")
     target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"
@@ -192,7 +195,9 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
         return
     ratio = spans[0] / spans[1]
     follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > _FOLLOWS
-    mistaken = follows and any(abs(ratio / unit - 1.0) < _NEAR for unit in _MISTAKEN_UNITS)
+    factor, far = _MISTAKEN_UNIT[unit]
+    long = float(np.ptp(columns[target_name])) > far
+    mistaken = follows and long and abs(ratio / factor - 1.0) < _NEAR
     if ratio > _TOO_FAR or mistaken:
         raise LogError(
             f"{source}: {name} moves {ratio:.3g} times as far as {target_name}: "
