@@ -49,7 +49,7 @@ class Choice(NamedTuple):
 
     Attributes:
         winner: to be added. ties: effects that the logs cannot tell from it, as simple as it is.
-        rivals: all effects that explain nearly as much as the best one, and may be it.
+        rivals: all other effects that explain nearly as much as the best one.
     """
 
     winner: Ranked
@@ -76,12 +76,8 @@ def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice |
     if not named:
         return None
     best = named[0]
-    close = [
-        r
-        for r in named
-        if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain
-        and (r is best or _tied(best, r, ranking.base_squares, rng))
-    ]
+    near = [r for r in named if r.held_out_gain >= (1.0 - _CLOSE) * best.held_out_gain]
+    close = [r for r in near if r is best or _tied(best, r, ranking.base_squares, rng)]
     size = [(r.on_edge, numbers_of(r.candidate.term)) for r in close]
     winner = close[size.index(min(size))]
     ties = tuple(
@@ -89,7 +85,7 @@ def choose(ranking: Ranking, current: Fit, rng: np.random.Generator) -> Choice |
         for r, k in zip(close, size, strict=True)
         if r is not winner and k == min(size) and _tied(winner, r, ranking.base_squares, rng)
     )
-    return Choice(winner, ties, tuple(r for r in close if r is not winner))
+    return Choice(winner, ties, tuple(r for r in near if r is not winner))
 
 
 def numbers_of(term: Term) -> int:

@@ -11,6 +11,10 @@ from frictionjoint.diagnose.step import Step, step_of
 from frictionjoint.diagnose.trace import Ranked
 from frictionjoint.identify.fit import ROUGH, Fit, fit
 from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.smooth import SmoothTerm
+
+# error of a fit over that of another, both without their curves, beyond which it leans on them
+_LEANS = 2.0
 
 T = TypeVar("T")
 
@@ -74,10 +78,28 @@ def reconsidered(
         # beside what is simpler another effect may have nothing left to explain
         simpler = numbers_of(term) < numbers_of(steps[i].term)
         as_good = gains[0] >= (1.0 - SAME) * gains[1]
-        if better or (named and enough) or (simpler and as_good):
+        if (
+            better
+            or (named and enough)
+            or (simpler and as_good and not _leans(prepared, other, current))
+        ):
             current = other
             steps = list(_with(steps, i, step_of(chosen, other, ranking, rng)))
     return current, steps
+
+
+def _leans(prepared: Prepared, other: Fit, current: Fit) -> bool:
+    """Whether one fit is as good as the other only for the curves in both.
+
+    A curve in the position takes what gravity does there, and beside it a bias is as good.
+    """
+    if not any(isinstance(t, SmoothTerm) for t in current.terms):
+        return False
+    alone = []
+    for whole in (other, current):
+        terms = tuple(t for t in whole.terms if not isinstance(t, SmoothTerm))
+        alone.append(fit(prepared, terms, start=whole.shape, closeness=ROUGH).drive_rms)
+    return alone[0] > _LEANS * alone[1]
 
 
 def without_idle(
