@@ -21,12 +21,17 @@ from frictionjoint.identify.start import settled
 LITTLE, NEARLY_ALL = 0.1, 0.99
 
 
-def looked_again(effect, folder, taken, rival, gain):
-    """What is made of `taken`, chosen on a plant that has `effect`, beside a rival of it."""
+def first_look(effect, folder):
+    """Logs of a plant that has `effect`, the fit of the law alone, and what explains its rest."""
     logs = prepared_logs(replace(PENDULUM, effects=(effect,)), folder)
     rng = np.random.default_rng(0)
     alone = fit(logs)
-    ranking = rank_all(logs, alone, rng)
+    return logs, alone, rank_all(logs, alone, rng), rng
+
+
+def looked_again(effect, folder, taken, rival, gain):
+    """What is made of `taken`, chosen on a plant that has `effect`, beside a rival of it."""
+    logs, alone, ranking, rng = first_look(effect, folder)
     rows = {r.name: r for r in ranking.ranked if not r.candidate.smooth}
     current = fit(logs, (rows[taken].candidate.term,), start=alone.shape)
     choice = Choice(rows[taken], rivals=(rows[rival],))
@@ -73,11 +78,7 @@ def test_beside_a_curve_of_its_quantity_an_effect_does_not_give_way_to_a_lesser_
 
 
 def test_what_explained_nearly_as_much_stays_a_rival_though_chance_does_not_make_the_gap(tmp_path):
-    bias = Effect("torque-bias", {"bias": 0.2})
-    logs = prepared_logs(replace(PENDULUM, effects=(bias,)), tmp_path)
-    rng = np.random.default_rng(0)
-    alone = fit(logs)
-    ranking = rank_all(logs, alone, rng)
+    _, alone, ranking, rng = first_look(Effect("torque-bias", {"bias": 0.2}), tmp_path)
     rows = list(ranking.ranked)
     second = next(r for r in rows if r.name == "gravity-error")
     # a little less on every block

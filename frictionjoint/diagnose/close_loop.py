@@ -9,8 +9,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.diagnose.blocks import correlation_time, make_blocks
-from frictionjoint.diagnose.floor import AT_THE_FLOOR, noise_floor
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.floor import noise_floor
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.loop import Trace, trace
 from frictionjoint.diagnose.notes import notes
@@ -26,10 +26,10 @@ from frictionjoint.diagnose.report_data import (
     Report,
     Rms,
     Role,
-    Verdict,
 )
 from frictionjoint.diagnose.step import Step
 from frictionjoint.diagnose.trace import Ranking
+from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
@@ -52,7 +52,6 @@ from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.threads import one_thread
 
-_WHITE = 3.0
 # share of an effect's gain from which on another one is worth a record that parts the two
 _NEAR = 0.95
 
@@ -134,7 +133,7 @@ def close_loop(
         bandwidth_hz=bandwidth,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=_verdict(found, unexplained, moving, floor, *torque),
+        verdict=verdict(found, bool(unexplained), moving, floor, *torque),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
@@ -241,35 +240,6 @@ def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
     for row in found.unexplained:
         shares[row.name] = max(shares.get(row.name, 0.0), row.held_out_gain)
     return tuple(shares.items())
-
-
-def _verdict(
-    found: Trace,
-    unexplained: tuple[tuple[str, float], ...],
-    prepared: Prepared,
-    floor: float,
-    before: Rms,
-    after: Rms,
-) -> Verdict:
-    """Explained is said only of a residual down to the torque's noise, or as white as noise.
-
-    Nor is it said where held-out logs contradict.
-    """
-    if not found.steps and not unexplained:
-        return "no-effect-found"
-    at_floor = found.final.rms <= AT_THE_FLOOR * floor
-    white = at_floor or _is_white(found.final, prepared)
-    done = found.steps and not unexplained and white and not after.worse_than(before)
-    return "explained" if done else "partly-explained"
-
-
-def _is_white(fitted: Fit, prepared: Prepared) -> bool:
-    """Whether a residual is correlated hardly longer than filtered white noise is."""
-    for i, s in enumerate(prepared.segments):
-        filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))
-        if correlation_time(fitted.residual[fitted.log_index == i]) > _WHITE * filtered_noise:
-            return False
-    return True
 
 
 def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
