@@ -24,4 +24,9 @@ EFFECT = Effect(
     signature="voltage-driven joint; linear in velocity, larger than viscous friction",
     separating_motion="measure the current, or the winding resistance at standstill",
     bounds=((0.0, float("inf")),),
+    # sigma2 has taken what is linear in velocity elsewhere
+    drives=("voltage",),
+    first=True,
+    opposes_voltage=True,
+    on_motor=True,
 )

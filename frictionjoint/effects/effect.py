@@ -41,6 +41,18 @@ class Effect:
         slow: it changes over minutes, so that a log may hold one value of it: its gain is judged
             on stretches of every log, not on whole logs.
         memory: float64 of state the kernel keeps.
+        sought: how its shape numbers are proposed: on the grid of `shapes`, or, for what is fixed in
+            angle, from the spectrum of the residual over position.
+        drives: what a log must hold of the motor for the effect to show.
+        first: it is decided before anything else, for without it every torque is off.
+        opposes_voltage: it takes from the voltage what turns with the motor; it acts only while the
+            motor's circuit is closed.
+        on_motor: it stands between the drive and the motor's torque.
+        delays: its shape number is a time by which the drive is logged early, s.
+        geared: the load it looks at is what the gear transmits, without what turns the armature.
+        of_inertia: bounds are in units of the joint's inertia.
+        free: its motion without excitation, for a log that begins in the middle of one: torque per
+            unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
         separating_motion: what to record when it cannot be told from its nearest neighbours.
     """
 
@@ -63,6 +75,15 @@ class Effect:
     shape_bounds: tuple[tuple[float, float], ...] = ()
     slow: bool = False
     memory: int = 0
+    sought: Literal["grid", "spectrum"] = "grid"
+    drives: tuple[str, ...] = ("torque", "voltage", "current")
+    first: bool = False
+    opposes_voltage: bool = False
+    on_motor: bool = False
+    delays: bool = False
+    geared: bool = False
+    of_inertia: bool = False
+    free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
 
     @property
     def size(self) -> int:

@@ -1,27 +1,87 @@
-"""joint-elasticity: motor and link joined by a spring."""
+"""joint-elasticity seen from the motor: the link swings on its spring behind the encoder."""
 
+import math
+
+import numpy as np
 from numba import njit
 
-from frictionjoint.arrays import Vector
-from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import JERK, SNAP
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """a snap + b jerk: below the resonance the link lags its motor in these derivatives."""
-    return P[e] * sig[SNAP] + P[e + 1] * sig[JERK]
+    """J (a_link - a_motor), the link on a spring and damper driven by the motor's motion.
+
+    With d = q_link - q_motor: d'' + 2 zeta w d' + w^2 d = -a_motor, by the trapezoidal rule,
+    which adds no damping of its own. X[x] d, X[x+1] d', X[x+2] the last a_motor.
+    """
+    w = 2.0 * math.pi * P[e]
+    damping = 2.0 * P[e + 1] * w
+    h = sig[DT]
+    if h <= 0.0:
+        X[x] = X[x + 1] = 0.0
+        X[x + 2] = sig[A]
+        return 0.0
+    old = X[x + 1]
+    rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * w * w)
+    rate -= h * w * w * X[x] + 0.5 * h * (X[x + 2] + sig[A])
+    rate /= 1.0 + 0.5 * h * damping + 0.25 * h * h * w * w
+    X[x] += 0.5 * h * (old + rate)
+    X[x + 1] = rate
+    X[x + 2] = sig[A]
+    return -P[e + 2] * (sig[A] + w * w * X[x] + damping * rate)
+
+
+@njit(cache=True, nogil=True)
+def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
+    sig = np.zeros(N_SIGNALS)
+    X = np.array([d, rate, 0.0])
+    w = 2.0 * math.pi * P[0]
+    out[0] = -P[2] * (w * w * d + 2.0 * P[1] * w * rate)
+    for k in range(1, len(out)):
+        sig[DT] = signals[k, DT]
+        out[k] = torque(P, 0, sig, X, 0)
+
+
+def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Array:
+    """Torque per unit of J of a link that swings when a log begins, shape (n,).
+
+    Args:
+        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample, beside
+            what the motor's motion makes of them. signals: shape (n, N_SIGNALS).
+    """
+    out = np.empty(len(signals))
+    _free(np.array([*shape, 1.0]), *start, signals, out)
+    return out
+
+
+def _resonances(signals: Array) -> list[Shape]:
+    nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
+    frequencies = 2.0 * 1.35 ** np.arange(10)
+    return [(float(f), zeta) for f in frequencies if f < 0.5 * nyquist for zeta in (0.03, 0.15)]
 
 
 EFFECT = Effect(
     name="joint-elasticity",
-    effect_id=15,
-    coefficients=("snap", "jerk"),
-    units=("T s^4/x", "T s^3/x"),
-    cause="compliant gear or shaft between motor and link",
-    form="a d4q/dt4 + b d3q/dt3, valid below the resonance",
-    source="Spong (1987), elastic-joint model expanded below resonance",
-    signature="follows the fourth derivative; grows with frequency to the fourth",
-    separating_motion="fast motion with frequencies up to a third of the resonance",
-    needs=(SNAP, JERK),
+    effect_id=20,
+    coefficients=("link_inertia",),
+    units=("T s^2/x",),
+    cause="compliant gear or shaft between motor and link, encoder on the motor",
+    form="J (d2q_link/dt2 - d2q/dt2), the link on a spring and damper driven by q",
+    source="Spong (1987), two-mass model solved for the link",
+    signature="a resonance of the torque at one frequency of the motion, whatever its size",
+    separating_motion="fast motion with frequencies around the resonance, 3 to 30 Hz",
+    shape=("resonance", "damping_ratio"),
+    shape_units=("Hz", "1"),
+    shapes=_resonances,
+    needs=(A,),
+    # the link is a part of the joint's inertia
+    bounds=((0.0, 1.0),),
+    # gears and shafts are lightly damped: a spring damped more is another thing, as play is
+    shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
+    of_inertia=True,
+    memory=3,
+    free=free_swing,
 )

@@ -17,11 +17,10 @@ from frictionjoint.effects import (
     frictional_lag,
     gravity_error,
     inertia_error,
-    joint_elasticity,
     load_dependent,
     measurement_delay,
     motor_saturation,
-    motor_side_elasticity,
+    joint_elasticity,
     nonlinear_viscous,
     position_periodic,
     spring,
@@ -51,19 +50,21 @@ _periodic = position_periodic.torque
 _periodic_level = position_periodic.level_torque
 _gain = torque_gain.torque
 _delay = measurement_delay.torque
-_elasticity = joint_elasticity.torque
 _upper_stop = end_stop.upper_torque
 _lower_stop = end_stop.lower_torque
 _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
 _saturation = motor_saturation.torque
-_motor_side = motor_side_elasticity.torque
+_motor_side = joint_elasticity.torque
 
 
 @njit(cache=True)
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Torque of one effect; numba cannot cache a table of functions, hence the chain."""
+    """Torque of one effect; numba cannot cache a table of functions, hence the chain.
+
+    15 was an expansion of the elastic joint in derivatives of its motion.
+    """
     if effect_id == 1:
         return _bias(P, e, sig, X, x)
     if effect_id == 2:
@@ -92,8 +93,6 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _gain(P, e, sig, X, x)
     if effect_id == 14:
         return _delay(P, e, sig, X, x)
-    if effect_id == 15:
-        return _elasticity(P, e, sig, X, x)
     if effect_id == 16:
         return _upper_stop(P, e, sig, X, x)
     if effect_id == 17:

@@ -64,6 +64,7 @@ EFFECT = Effect(
     bounds=((0.0, 2.0),),
     shape_bounds=((0.0, float("inf")),),
     memory=2,
+    geared=True,
 )
 
 COULOMB = replace(

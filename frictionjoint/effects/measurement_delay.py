@@ -32,6 +32,7 @@ EFFECT = Effect(
     signature="proportional to the rate of the whole torque; one T explains all speeds",
     separating_motion="two motions of the same shape at different speeds",
     entry="acts on the measurement",
+    delays=True,
     needs=(DTAU,),
     shape=("delay",),
     shape_units=("s",),

@@ -48,6 +48,8 @@ EFFECT = Effect(
     signature="odd in the motor's torque, at whatever speed and position",
     separating_motion="the same motion with a known extra load",
     entry="acts on the motor",
+    drives=("voltage", "current"),
+    on_motor=True,
     needs=(MOTOR,),
     bounds=((0.0, float("inf")),),
 )

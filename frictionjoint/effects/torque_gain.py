@@ -24,5 +24,6 @@ EFFECT = Effect(
     signature="scales inertia and gravity torque alike",
     separating_motion="a known extra load, and motion both fast and slow",
     entry="acts on the measurement",
+    drives=("torque",),
     needs=(LOAD,),
 )

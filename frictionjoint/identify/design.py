@@ -1,16 +1,12 @@
-"""The linear side of the torque balance: columns and target of each log at given shapes.
+"""The torque balance of a model: columns and target of each log, and how they move.
 
     torque  = load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms       (torque known)
     current = (load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms) / g
     voltage = (load + Fc H(q; shape) + sigma1 dz/dt + sum of terms) / g            (gains unknown)
 
-A voltage-driven joint has sigma2 only where the logs hold motion with the motor let go: elsewhere
-what is linear in velocity is the effect `back-emf`, which a log of voltages cannot tell from
-viscous friction. Nor has it sigma1 before that effect is in the model: on a soft transition curve
-that damping would stand in for it.
+All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
-from collections.abc import Callable
 from functools import partial
 from threading import Lock
 
@@ -18,23 +14,182 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DTAU, LOAD, MOTOR, RATE, H, Q, V
+from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
+from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import saturated
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import EffectTerm, Term, delay_of
+from frictionjoint.threads import side_by_side
 
 # displacements, over the travel, over which friction may have come to what it held at first
-_WAYS, _WAY_POINTS = (1e-7, 3.0), 60
+_REACHED, _POINTS = (1e-7, 3.0), 60
+# relative step of a term's shape number, and of H along a law's tangent: the kernels of effects
+# carry no tangents of their own
+_STEP = 1e-4
+# columns of the latest points of a search are kept: most stay from one point to the next
+_KEPT_A_LOG = 24
+
+
+class Balance:
+    """The balance of some logs, for models of one law and one list of terms.
+
+    Attributes:
+        prepared: the logs. layout: of the model's parameters.
+    """
+
+    def __init__(self, prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> None:
+        self.prepared = prepared
+        self.layout: Layout = layout_of(prepared, law, terms)
+        self._kept: dict[object, Array] = {}
+        self._lock = Lock()
+
+    def columns(
+        self, law: Shape, terms: tuple[Term, ...], beta: Array | None = None
+    ) -> tuple[Array, Array]:
+        """Columns, shape (n, k), and target, shape (n,), on the kept samples of all logs.
+
+        Args:
+            beta: coefficients that tell the torque of the motor; without them what depends on it
+                is zero, see `motor_torque`.
+        """
+        delay = delay_of(terms)
+        with side_by_side() as each:
+            X = list(each(partial(self._log_columns, law, terms), range(len(self.prepared))))
+        y = [target(s, self.prepared, delay) for s in self.prepared.segments]
+        whole = np.concatenate(X)
+        if beta is not None:
+            whole = saturated(whole, beta, self.layout)
+        return whole, np.concatenate(y)
+
+    def moves(self, law: Shape, terms: tuple[Term, ...], beta: Array) -> Array:
+        """Derivative of columns times `beta` less target by every nonlinear number, shape (n, m).
+
+        The law's own are carried through its kernel along with its torque.
+        """
+        with side_by_side() as each:
+            found = list(each(partial(self._log_moves, law, terms, beta), range(len(self.prepared))))
+        return np.concatenate(found)
+
+    def _log_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
+        s, names = self.prepared.segments[i], self.layout.base
+        parts = []
+        if "load" in names:
+            parts.append(load_torque(s)[:, None])
+        if "sigma2" in names:
+            parts.append(s.balanced_velocity[:, None])
+        parts.append(self._get(("law", i, law), partial(self._law, law, i)))
+        for term in terms:
+            if term.coefficients:
+                key = (i, id_of(term), law if term.follows_law else None)
+                parts.append(self._get(key, partial(self._term, term, law, i)))
+        return np.column_stack(parts)
+
+    def _law(self, law: Shape, i: int) -> Array:
+        s = self.prepared.segments[i]
+        track = self._track(law, i)
+        if "sigma1" not in self.layout.base:
+            return kept(s, track[:, :1])
+        return kept(s, np.column_stack([track[:, 0], track[:, 1] * s.signals[:, V]]))
+
+    def _term(self, term: Term, law: Shape, i: int) -> Array:
+        s = self.prepared.segments[i]
+        return kept(s, term.columns(s, self._signals(term, law, i)))
+
+    def _signals(self, term: Term, law: Shape, i: int) -> Array:
+        signals = self.prepared.segments[i].signals
+        if term.follows_law:
+            signals = signals.copy()
+            signals[:, H], signals[:, RATE] = self._track(law, i).T
+        return signals
+
+    def _track(self, law: Shape, i: int) -> Array:
+        return self._get(
+            ("track", i, law), lambda: law_track(self.prepared.segments[i], law)
+        )
+
+    def _log_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
+        s, layout = self.prepared.segments[i], self.layout
+        found = list(self._law_moves(law, terms, beta, i).T)
+        for k, term in enumerate(terms):
+            for j, x in enumerate(term.free_shape):
+                if term.delay or not term.coefficients:
+                    # the drive of an earlier time
+                    found.append(s.balanced_drive(delay_of(terms), 1)[s.kept])
+                    continue
+                h = _STEP * abs(x) or _STEP
+                pair = [
+                    self._term(term.with_shape(_with(term.free_shape, j, x + d)), law, i)
+                    for d in (h, -h)
+                ]
+                found.append((pair[0] - pair[1]) @ beta[layout.coefficients(k)] / (2.0 * h))
+        return np.column_stack(found) if found else np.zeros((int(s.kept.sum()), 0))
+
+    def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
+        """By the numbers of the law, shape (n, number)."""
+        s, layout = self.prepared.segments[i], self.layout
+        dH, drate = law_tangents(s, law)
+        torque = beta[layout.base.index("Fc")] * dH
+        if "sigma1" in layout.base:
+            torque += beta[layout.base.index("sigma1")] * drate * s.signals[:, V]
+        for k, term in enumerate(terms):
+            if not term.follows_law:
+                continue
+            signals = self._signals(term, law, i).copy()
+            own, weights = signals[:, H].copy(), beta[layout.coefficients(k)]
+            for j, tangent in enumerate(dH):
+                h = _STEP / (float(np.abs(tangent).max()) or 1.0)
+                pair = []
+                for d in (h, -h):
+                    signals[:, H] = own + d * tangent
+                    pair.append(term.columns(s, signals) @ weights)
+                torque[j] += (pair[0] - pair[1]) / (2.0 * h)
+        return kept(s, torque.T)
+
+    def _get(self, key: object, make: "partial[Array]") -> Array:
+        """The columns under a key, made if need be; logs ask side by side."""
+        found = self._kept.get(key)
+        if found is not None:
+            return found
+        made = make()
+        with self._lock:
+            while len(self._kept) >= _KEPT_A_LOG * len(self.prepared):
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[key] = made
+        return made
+
+
+def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
+    """What makes the columns of a term what they are."""
+    return term.name, term.shape, term
+
+
+def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
+    return (*shape[:j], x, *shape[j + 1 :])
+
+
+def kept(segment: Segment, x: Array) -> Array:
+    """What the balance keeps of signals of a log."""
+    return segment.lowpass(x)[segment.kept]
+
+
+def target(segment: Segment, prepared: Prepared, delay: float) -> Array:
+    """What the columns are to add up to on the kept samples of a log."""
+    drive = segment.balanced_drive(delay)[segment.kept]
+    return drive if prepared.gain_unknown else drive - load_torque(segment)
+
+
+def load_torque(segment: Segment) -> Array:
+    """Torque of the rigid body on the kept samples, N m."""
+    return segment.balanced_load
 
 
 def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
-    """Signals with H, RATE, MOTOR and DTAU filled in for a law."""
+    """Signals with H, RATE and MOTOR filled in for a law."""
     track = law_track(segment, shape)
     signals = segment.signals.copy()
     signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
     signals[:, MOTOR] = balance(signals, Fc, sigma2)
-    signals[:, DTAU] = np.gradient(signals[:, MOTOR], segment.dt)
     return signals
 
 
@@ -45,13 +200,36 @@ def balance(signals: Array, Fc: float, sigma2: float) -> Array:
 
 def law_track(segment: Segment, shape: Shape) -> Array:
     """H and dz/dq along a log, shape (n, 2)."""
+    time, q, before = _whole_path(segment, shape)
+    found = shape.hysteresis(time, q)
+    return np.column_stack([x[before :: segment.refine] for x in found])
+
+
+def law_tangents(segment: Segment, shape: Shape) -> tuple[Array, Array]:
+    """Derivatives of H and dz/dq by the numbers of a shape along a log, each of shape (k, n)."""
+    time, q, before = _whole_path(segment, shape)
+    if not hasattr(shape, "tangents"):
+        x=shape.vector(); dH=np.empty((len(x),len(q))); drate=np.empty_like(dH)
+        for k in range(len(x)):
+            h=1e-4
+            up,lo=x.copy(),x.copy(); lo[k]-=h
+            if not ("bend" in shape.variables[k] or shape.variables[k]=="excess"): up[k]+=h
+            if shape.variables[k]=="excess": up[k]+=h; lo[k]+=h
+            a=shape.moved(up).hysteresis(time,q); b=shape.moved(lo).hysteresis(time,q)
+            dH[k]=(a[0]-b[0])/(up[k]-lo[k]); drate[k]=(a[1]-b[1])/(up[k]-lo[k])
+    else:
+        _, _, dH, drate = shape.tangents(time, q)
+    return dH[:, before :: segment.refine], drate[:, before :: segment.refine]
+
+
+def _whole_path(segment: Segment, shape: Shape) -> tuple[Array, Array, int]:
+    """Time and position that a law is driven along, and how many of them come before the log."""
     time, q = segment.path
-    if segment.held:
-        before = _approach(shape, segment)
-        time = np.concatenate([time[0] + np.arange(-len(before), 0.0), time])
-        q = np.concatenate([before, q])
-    after = len(time) - len(segment.path[0])
-    return np.column_stack([x[after :: segment.refine] for x in shape.hysteresis(time, q)])
+    if not segment.held:
+        return time, q, 0
+    before = _approach(shape, segment)
+    time = np.concatenate([time[0] + np.arange(-len(before), 0.0), time])
+    return time, np.concatenate([before, q]), len(before)
 
 
 def _approach(shape: Shape, segment: Segment) -> Array:
@@ -61,164 +239,34 @@ def _approach(shape: Shape, segment: Segment) -> Array:
     law that never holds as much is brought to the most it holds.
     """
     q = segment.signals[:, Q]
-    way = np.concatenate([[0.0], np.geomspace(*_WAYS, _WAY_POINTS) * (np.ptp(q) or 1.0)])
+    way = np.concatenate([[0.0], np.geomspace(*_REACHED, _POINTS) * (np.ptp(q) or 1.0)])
     way *= np.sign(segment.held)
     level = np.abs(shape.hysteresis(np.arange(float(len(way))), way)[0])
     enough = np.flatnonzero(level >= abs(segment.held))
     k = max(1, int(enough[0] if enough.size else np.argmax(level)))
-    share = (abs(segment.held) - level[k - 1]) / ((level[k] - level[k - 1]) or 1.0)
-    end = way[k - 1] + min(share, 1.0) * (way[k] - way[k - 1])
+    fraction = (abs(segment.held) - level[k - 1]) / ((level[k] - level[k - 1]) or 1.0)
+    end = way[k - 1] + min(fraction, 1.0) * (way[k] - way[k - 1])
     return np.asarray(q[0] - end + way[:k])
 
 
-def base_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
-    """Columns of the law alone: the load where the gain is unknown; v; H; dz/dt."""
-    voltage = prepared.voltage_driven
-    damped = law.damped and (not voltage or any(t.name == "back-emf" for t in terms))
-    used = {
-        "load": prepared.gain_unknown,
-        "sigma2": prepared.let_go or not voltage,
-        "Fc": True,
-        "sigma1": damped,
-    }
-    return tuple(name for name, is_used in used.items() if is_used)
-
-
-def column_names(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> tuple[str, ...]:
-    """Columns of the law and the terms, those of a term as ``i.name``."""
-    names = tuple(f"{i}.{c}" for i, term in enumerate(terms) for c in term.coefficients)
-    return base_names(prepared, law, terms) + names
-
-
-class ColumnCache:
-    """Filtered columns of the latest points of a search: most stay from one point to the next.
-
-    The rate of the torque (DTAU) in a fit is that of the rigid body alone, so that a search does
-    not chase its own tail.
-    """
-
-    _LEAST, _A_LOG = 64, 24
-
-    def __init__(self, logs: int = 1) -> None:
-        self._most = max(self._LEAST, self._A_LOG * logs)
-        self._kept: dict[object, Array] = {}
-        self._lock = Lock()
-
-    def get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The columns under a key, made if need be; points of a search ask side by side."""
-        kept = self._kept.get(key)
-        if kept is not None:
-            return kept
-        made = make()
-        with self._lock:
-            while len(self._kept) >= self._most:
-                self._kept.pop(next(iter(self._kept)))
-            self._kept[key] = made
-        return made
-
-
-def design(
-    prepared: Prepared,
-    shape: Shape,
-    terms: tuple[Term, ...],
-    cache: ColumnCache | None = None,
-    beta: Array | None = None,
-) -> tuple[Array, Array]:
-    """Columns and target on the kept samples of all logs, filtered and decimated.
-
-    Args:
-        beta: coefficients that tell the torque of the motor; without them what depends on it is
-            zero, see `motor_torque`.
-    """
-    cache = cache or ColumnCache(len(prepared))
-    delay = delay_of(terms)
-    X, y = [], []
-    for i, segment in enumerate(prepared.segments):
-        X.append(_log_columns(prepared, i, shape, terms, cache))
-        target = partial(_target, segment, delay, prepared.gain_unknown)
-        y.append(cache.get(("target", i, delay), target))
-    whole = np.concatenate(X)
-    if beta is not None:
-        whole = saturated(whole, beta, column_names(prepared, shape, terms), terms)
-    return whole, np.concatenate(y)
-
-
-def _target(segment: Segment, delay: float, gain_unknown: bool) -> Array:
-    drive = _filtered(segment, lambda: segment.drive_before(delay))
-    return drive if gain_unknown else drive - load_torque(segment)
-
-
-def load_torque(segment: Segment) -> Array:
-    """Torque of the rigid body on the kept samples, filtered and decimated, N m."""
-    return _filtered(segment, lambda: segment.signals[:, LOAD], differenced=True)
-
-
-def _filtered(segment: Segment, make: Callable[[], Array], differenced: bool = False) -> Array:
-    return segment.lowpass(make(), differenced)[segment.kept]
-
-
-def _log_columns(
-    prepared: Prepared, i: int, shape: Shape, terms: tuple[Term, ...], cache: ColumnCache
-) -> Array:
-    """Columns of one log, in the order of `base_names`, then the terms."""
-    segment = prepared.segments[i]
-    names = base_names(prepared, shape, terms)
-    linear = [signal for name, signal in (("load", LOAD), ("sigma2", V)) if name in names]
-    damped = "sigma1" in names
-
-    def track() -> Array:
-        return cache.get(("track", i, shape, segment.held), lambda: law_track(segment, shape))
-
-    def law() -> Array:
-        H_, rate = track().T
-        return np.column_stack([H_, rate * segment.signals[:, V]] if damped else [H_])
-
-    def still() -> Array:
-        """Signals but for H: these do not change with the law."""
-        signals = segment.signals.copy()
-        signals[:, DTAU] = np.gradient(signals[:, LOAD], segment.dt)
-        return signals
-
-    def columns(term: Term) -> Array:
-        signals = cache.get(("signals", i), still)
-        if term.follows_law:
-            signals = signals.copy()
-            signals[:, H], signals[:, RATE] = track().T
-        return term.columns(segment, signals)
-
-    parts = [
-        cache.get(
-            ("linear", i),
-            lambda: _filtered(segment, lambda: segment.signals[:, linear], differenced=True),
-        ),
-        cache.get(("law", i, shape, damped, segment.held), lambda: _filtered(segment, law)),
-    ]
-    for k, term in enumerate(terms):
-        if not term.coefficients:
-            continue  # it moves the drive
-        key = (k, i, term.shape, (shape, segment.held) if term.follows_law else None)
-        parts.append(
-            cache.get(key, partial(_filtered, segment, partial(columns, term), term.differenced))
-        )
-    return np.column_stack(parts)
-
-
-def coefficient_bounds(
-    prepared: Prepared, law: Shape, terms: tuple[Term, ...]
-) -> tuple[Array, Array]:
+def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
     least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
-    low = [least[name] for name in base_names(prepared, law, terms)]
+    low = [least[name] for name in layout.base]
     high = [np.inf] * len(low)
-    for term in terms:
+    inertia = float(np.median([s.noise.inertia for s in prepared.segments]))
+    for term in layout.terms:
         bounds: tuple[tuple[float, float], ...] = ()
+        unit = 1.0
         if isinstance(term, EffectTerm):
             bounds = term.effect.bounds
+            unit = inertia if term.effect.of_inertia else 1.0
         free = ((-np.inf, np.inf),) * len(term.coefficients)
         # with an unknown gain only the sign of a bound survives
+        survives = not prepared.gain_unknown or unit != 1.0
         for lo, hi in bounds or free:
-            low.append(lo if lo == 0.0 or not prepared.gain_unknown else -np.inf)
-            high.append(hi if not prepared.gain_unknown else np.inf)
+            low.append(lo * unit if lo == 0.0 or survives else -np.inf)
+            high.append(hi * unit if survives else np.inf)
     return np.array(low), np.array(high)
 
 

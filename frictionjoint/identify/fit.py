@@ -1,10 +1,9 @@
 """Least squares of the torque balance: friction law plus terms, on one or several logs.
 
 Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
-trial point (variable projection, Golub and Pereyra 1973); `design` has the linear side.
+point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,32 +13,23 @@ from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.identify.design import (
-    ColumnCache,
-    coefficient_bounds,
-    column_names,
-    design,
-    load_torque,
-    solve,
-)
+from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, solve
+from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
-from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.terms import Term
-from frictionjoint.threads import one_thread, side_by_side
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import EffectTerm, Term, Timing
+from frictionjoint.threads import one_thread
 
-# share of a range within which a search has arrived at the range's end
+# fraction of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
-# samples that a search among many starts looks at
-_COARSE = 6000
-# how many of the starts of a search go on, after how many steps of each
-_HALVING = ((6, 3), (3, 8))
-# steps of those on all samples before the best goes on alone, and the share of the best one's cost
-# up to which they are tried there
-_FINAL_STEPS, _NEAR_BEST = 3, 1.5
-_MOST_STEPS, _FEW_STEPS = 15, 6
+_MOST_STEPS = 20
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
+# how far a term's shape number may move in one search, over itself
+_REACH = 0.6
+# resonances that the band of the balance can still tell, over its corner
+_ABOVE_BAND = 1.5
 
 
 @dataclass(frozen=True)
@@ -50,7 +40,7 @@ class Fit:
         shape: of the law; terms: beside it. drive: what the logs hold of the motor.
         beta: linear coefficients, one a column, in the drive's units (see `gain`).
         gain: torque per unit of drive; 1 where the torque is measured.
-        names: of the columns, those of `base_names` first.
+        layout: where each parameter lies.
         residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
         bound: which parameters sit on a bound of their range, shape (p,).
@@ -63,12 +53,22 @@ class Fit:
     drive: Drive
     beta: Array
     gain: float
-    names: tuple[str, ...]
+    layout: Layout
     residual: Array
     jacobian: Array
     bound: NDArray[np.bool_]
     log_index: NDArray[np.int64]
     target_rms: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the linear columns."""
+        return self.layout.names[self.layout.linear]
+
+    @property
+    def effects(self) -> tuple[Term, ...]:
+        """The terms without the timing of the logs."""
+        return tuple(t for t in self.terms if not isinstance(t, Timing))
 
     @property
     def rms(self) -> float:
@@ -103,8 +103,7 @@ class Fit:
 
     def term_coefficients(self, i: int) -> Array:
         """Coefficients of term i in N m per unit of their columns."""
-        first = len(self.names) - sum(len(t.coefficients) for t in self.terms[i:])
-        return self.beta[first : first + len(self.terms[i].coefficients)] * self.gain
+        return self.beta[self.layout.coefficients(i)] * self.gain
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -112,120 +111,94 @@ def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
     return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
 
 
+def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms, and when in a sample a torque belongs to its position where no effect says so.
+
+    A controller holds its torque from one tick to the next, and channels are read one after the
+    other: a property of a log, never quite known.
+    """
+    if any(isinstance(t, Timing) or t.delay or _delays(t) for t in terms):
+        return terms
+    return (*terms, Timing(min(s.sample for s in prepared.segments)))
+
+
+def _delays(term: Term) -> bool:
+    return isinstance(term, EffectTerm) and term.effect.delays
+
+
 @one_thread
-def fit(
+def refit(
     prepared: Prepared,
-    terms: tuple[Term, ...] = (),
-    start: Shape | None = None,
-    progress: Callable[[str], None] = lambda text: None,
+    terms: tuple[Term, ...],
+    start: Shape,
     closeness: float = CLOSE,
-    forms: Sequence[Shape] = INTEGRATED,
+    steps: int = _MOST_STEPS,
 ) -> Fit:
-    """Fit the law and the terms.
+    """Fit the terms and a law from one start.
 
     Args:
-        start: shape to start from (a refit); without one several starts are tried.
-        closeness: share of the squares by which the last step may still lower them; a refit that
-            is only compared with others does with `ROUGH`.
-        forms: of the law, each tried where there is no `start`.
+        start: shape to start from; terms start from their own shapes.
+        closeness: fraction of the squares by which the last step may still lower them.
+        steps: at most.
     """
-    if start:
-        outer = _Outer(prepared, terms, start)
-        steps = _MOST_STEPS if closeness == CLOSE else _FEW_STEPS
-        return outer.result(_refined(outer, outer.start, steps, closeness).x)
-    coarse, cache = prepared.thinned(_COARSE), ColumnCache(len(prepared))
-    # laws of different variables ripen at different speeds: the best of each is compared when done
-    laws: dict[tuple[str, ...], list[tuple[_Outer, Array]]] = {}
-    for i, form in enumerate(forms):
-        progress(f"fit: form {i + 1} of {len(forms)}")
-        outer = _Outer(coarse, terms, form, cache)
-        laws.setdefault(form.variables, []).append((outer, outer.best_of_grid()))
-    ripe: list[_Place] = []
-    for i, places in enumerate(laws.values()):
-        for keep, steps in _HALVING:
-            progress(f"fit: law {i + 1} of {len(laws)}, the better of {len(places)} starts")
-            found = [_refined(outer, x, steps, ROUGH) for outer, x in places]
-            found.sort(key=lambda place: place.cost)
-            places = [(place.outer, place.x) for place in found[:keep]]
-        if len(laws) > 1:
-            found = [_refined(*places[0], _MOST_STEPS, ROUGH)]
-        ripe += found[: len(places)]
-    best = min(place.cost for place in ripe)
-    ripe = [place for place in ripe if place.cost <= _NEAR_BEST * best]
-    final = []
-    for i, place in enumerate(ripe):
-        progress(f"fit: all samples, start {i + 1} of {len(ripe)}")
-        shape, terms = place.outer.split(place.x)
-        outers = [_Outer(prepared, terms, choice) for choice in shape.last_choices()]
-        outer = min(outers, key=lambda o: float(np.sum(o.residual(o.start) ** 2)))
-        alone = _Place(0.0, outer, outer.start)
-        final.append(_refined(*alone[1:], _FINAL_STEPS, ROUGH) if len(ripe) > 1 else alone)
-    progress("fit: refining")
-    place = min(final, key=lambda place: place.cost)
-    place = _refined(place.outer, place.x, _MOST_STEPS, closeness)
-    return place.outer.result(place.x)
+    search = Search(prepared, timed(prepared, terms), start)
+    return search.result(search.run(search.start, steps, closeness).x)
 
 
-class _Place(NamedTuple):
+class Place(NamedTuple):
     """Where a search has come to: half the sum of squares there, its search, the numbers."""
 
     cost: float
-    outer: "_Outer"
+    search: "Search"
     x: Array
 
 
-def _refined(outer: "_Outer", x: Array, steps: int, closeness: float) -> _Place:
-    """Where some steps of a search from x lead."""
-    with side_by_side() as each:
-        found = least_squares(
-            outer.residual,
-            x,
-            bounds=outer.bounds,
-            diff_step=1e-3,
-            x_scale=outer.scale,
-            max_nfev=steps,
-            xtol=1e-4,
-            ftol=closeness,
-            workers=each,
-        )
-    return _Place(float(found.cost), outer, found.x)
-
-
-class _Outer:
+class Search:
     """The search over shapes, from a law and terms; the rest is solved for at each point."""
 
-    def __init__(
-        self,
-        prepared: Prepared,
-        terms: tuple[Term, ...],
-        law: Shape,
-        cache: ColumnCache | None = None,
-    ) -> None:
+    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> None:
         self.prepared = prepared
         self.terms = terms
         self.law = law
-        self.cache = cache or ColumnCache(len(prepared))
+        self.layout = layout_of(prepared, law, terms)
+        self.balance = Balance(prepared, law, terms)
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
         low, high = (list(x) for x in law.bounds(self.vmax, self.span))
         for term in terms:
-            limits = shape_limits(term)
-            for i, (x, (least, most)) in enumerate(zip(term.free_shape, limits, strict=True)):
-                reach = self._reach(term, i)
+            for (least, most), (x, reach) in zip(
+                self._limits(term), self._reaches(term), strict=True
+            ):
                 low.append(max(x - reach, least))
                 high.append(min(x + reach, most))
         self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
-        self.low, self.high = coefficient_bounds(prepared, law, terms)
+        self.low, self.high = coefficient_bounds(prepared, self.layout)
+        self._last: tuple[bytes, tuple[Array, Array, Array]] | None = None
 
-    def _reach(self, term: Term, i: int) -> float:
-        x = term.free_shape[i]
-        if term.name == "position-periodic" and i == 0:
-            return np.pi / self.span / 2.0
-        if x == 0.0:
-            return np.inf  # not sought yet: the physical range decides
-        return 0.6 * abs(x) + 1e-12
+    def _limits(self, term: Term) -> list[tuple[float, float]]:
+        """Physical ranges; a frequency in time no higher than the balance can still tell."""
+        limits = list(shape_limits(term))
+        if isinstance(term, EffectTerm):
+            top = _ABOVE_BAND * self.prepared.band.balance
+            for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
+                if unit == "Hz":
+                    limits[i] = (limits[i][0], max(min(limits[i][1], top), 1.01 * limits[i][0]))
+        return limits
+
+    def _reaches(self, term: Term) -> list[tuple[float, float]]:
+        """Each number and how far it may move in one search."""
+        found = []
+        for i, x in enumerate(term.free_shape):
+            if isinstance(term, EffectTerm) and term.effect.sought == "spectrum" and i == 0:
+                reach = np.pi / self.span / 2.0  # between the lines of a spectrum
+            elif x == 0.0:
+                reach = np.inf  # not sought yet: the physical range decides
+            else:
+                reach = _REACH * abs(x) + 1e-12
+            found.append((x, np.inf if not isinstance(term, EffectTerm) else reach))
+        return found
 
     @property
     def start(self) -> Array:
@@ -233,73 +206,84 @@ class _Outer:
         return self.vector(self.law)
 
     def vector(self, law: Shape) -> Array:
+        """Numbers of a law and of the terms given, inside their bounds."""
         x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
         inside = 1e-6 * (self.bounds[1] - self.bounds[0])
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
-        at, terms = len(self.law.variables), []
-        shape = self.law.moved(x[:at])
-        for term in self.terms:
-            k = len(term.free_shape)
-            moved = tuple(float(n) for n in x[at : at + k])
-            terms.append(term.with_shape(moved) if k else term)
-            at += k
-        return shape, tuple(terms)
+        """The law and the terms at a point."""
+        first = self.layout.linear.stop
+        terms = []
+        for i, term in enumerate(self.terms):
+            at = self.layout.numbers(i)
+            moved = tuple(float(n) for n in x[at.start - first : at.stop - first])
+            terms.append(term.with_shape(moved) if moved else term)
+        return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
 
-    def best_of_grid(self) -> Array:
-        """Best point of a coarse grid."""
-        points = [self.vector(law) for law in self.law.grid(self.vmax, self.span)]
-        with side_by_side() as each:
-            squares = [float(np.sum(e**2)) for e in each(self.residual, points)]
-        return points[int(np.argmin(squares))]
+    def run(self, x: Array, steps: int, closeness: float) -> Place:
+        """Where some steps from x lead."""
+        found = least_squares(
+            self.residual,
+            x,
+            jac=self.derivative,
+            bounds=self.bounds,
+            x_scale=self.scale,
+            max_nfev=steps,
+            xtol=1e-4,
+            ftol=closeness,
+        )
+        return Place(float(found.cost), self, found.x)
 
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
+        """Columns, target and coefficients at a point."""
+        key = x.tobytes()
+        if self._last and self._last[0] == key:
+            return self._last[1]
         shape, terms = self.split(x)
-        X, y = design(self.prepared, shape, terms, self.cache)
+        X, y = self.balance.columns(shape, terms)
         beta = solve(X, y, self.low, self.high)
         for _ in range(solutions(terms) - 1):
-            X, _ = design(self.prepared, shape, terms, self.cache, beta)
+            X, _ = self.balance.columns(shape, terms, beta)
             beta = solve(X, y, self.low, self.high)
+        self._last = (key, (X, y, beta))
         return X, y, beta
 
     def residual(self, x: Array) -> Array:
+        """Target less model."""
         X, y, beta = self.solved(x)
         out: Array = y - X @ beta
         return out
 
+    def derivative(self, x: Array) -> Array:
+        """Of the residual by the numbers searched, the coefficients solved for all along."""
+        X, _, beta = self.solved(x)
+        moves = self.balance.moves(*self.split(x), beta)
+        free = X[:, (beta > self.low) & (beta < self.high)]
+        length = np.linalg.norm(free, axis=0)
+        Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
+        Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]
+        return np.asarray(Q_ @ (Q_.T @ moves) - moves)
+
     def result(self, x: Array) -> Fit:
+        """The fit at a point."""
         X, y, beta = self.solved(x)
         shape, terms = self.split(x)
-        names = column_names(self.prepared, shape, terms)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
-        model = X @ beta
-
-        def by_number(i: int) -> Array:
-            h = 1e-3 * self.scale[i]
-            inward = -h if x[i] + h > self.bounds[1][i] else h
-            moved = x.copy()
-            moved[i] += inward
-            other_shape, other_terms = self.split(moved)
-            X2, y2 = design(self.prepared, other_shape, other_terms, self.cache, beta)
-            # a delay moves the drive
-            return np.asarray(((X2 @ beta - y2) - (model - y)) / inward)
-
-        with side_by_side() as each:
-            shape_columns = list(each(by_number, range(len(x))))
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )
-        total = y + (0.0 if self.prepared.gain_unknown else self._load())
+        total = y if self.prepared.gain_unknown else y + self._load()
+        moves = self.balance.moves(shape, terms, beta)
         return Fit(
             shape=shape,
             terms=terms,
             drive=self.prepared.drive,
             beta=beta,
             gain=gain,
-            names=names,
-            residual=(y - model) * gain,
-            jacobian=np.column_stack([X, *shape_columns]) * gain,
+            layout=layout_of(self.prepared, shape, terms),
+            residual=(y - X @ beta) * gain,
+            jacobian=np.column_stack([X, moves]) * gain,
             bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
             log_index=index,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),

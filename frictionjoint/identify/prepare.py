@@ -1,11 +1,12 @@
 """From a log to the arrays a fit works on: smooth motion, rigid-body torque, signals.
 
-Both sides of the torque balance pass the same zero-phase low-pass filter and the same
-decimation, so that what the filter removes is missing on both sides.
+Motion and drive pass one steep filter that is flat where torques are balanced; the balance, all of
+its columns and its target, passes a second one. So no side of it is filtered more than the other,
+and a law sees a motion sharper than the balance.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -18,10 +19,8 @@ from frictionjoint.effects.signals import (
     GEAR,
     GX,
     GY,
-    JERK,
     LOAD,
     N_SIGNALS,
-    SNAP,
     TEMP,
     TIME,
     A,
@@ -29,22 +28,38 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.errors import LogError
+from frictionjoint.identify.noise import Noise, count_of, noise_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import (
-    as_differenced,
-    differentiate,
+    HIGHEST,
+    MOTION_ORDER,
+    MotionBand,
+    motion_band,
+    on_a_grid,
     uniform,
     uniform_motion,
-    zero_phase,
 )
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.lowpass import LowPass, Spectrum
 
-# s, about what a simulation steps with; a slow log is not refined at any cost
-_LAW_STEP, _MOST_REFINED = 1e-3, 8
-# the motion and what follows from it
-_SMOOTH = [Q, V, A, JERK, SNAP, LOAD, GEAR, GX, GY]
+# s, about what a law is driven with; a slow log is not refined at any cost
+_LAW_STEP, _MOST_REFINED = 2.5e-3, 8
+# the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
+# the second; above it only time is spent.
+_LEAST_HZ, _MOST_HZ = 5.0, 60.0
+BALANCE_ORDER = 4
+# samples in a period of each corner
+_A_MOTION, _A_BALANCE = 4.0, 4.0
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
+
+
+@dataclass(frozen=True)
+class Band:
+    """Corners of the two filters, Hz: of the balance, and of the motion that makes it."""
+
+    balance: float
+    motion: float
 
 
 @dataclass(frozen=True)
@@ -53,17 +68,17 @@ class Segment:
 
     Attributes:
         name: of the log.
-        dt: s between samples of the uniform grid.
-        bandwidth_hz: of the filter on both sides of the balance.
-        step: one in `step` filtered samples is kept for the fit.
-        signals: shape (n, N_SIGNALS) on the uniform grid; H and DTAU are filled by a fit.
-        drive: measured torque, voltage or current, shape (n,), unfiltered.
+        dt: s between samples of the grid.
+        bandwidth_hz: corner of the filter that the balance passes.
+        step: one in `step` samples of the balance is kept for the fit.
+        signals: shape (n, N_SIGNALS) on the grid; H and DTAU are filled by a fit.
+        drive: torque, voltage or current behind the filter of the motion, shape (n,).
         driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
             neither a voltage nor the back-EMF acts.
         mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
+        noise: of the instruments. sample: s between the samples of the log itself.
         refine: steps of the law from one sample to the next, see `path`.
-        averages: whether the derivatives were taken on this grid, see `lowpass`.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
     """
@@ -77,8 +92,9 @@ class Segment:
     driven: NDArray[np.bool_]
     mask: NDArray[np.bool_]
     others: dict[str, Array]
+    noise: Noise
+    sample: float
     refine: int = 1
-    averages: bool = False
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
 
@@ -95,6 +111,14 @@ class Segment:
         fine = np.linspace(time[0], time[-1], (len(time) - 1) * self.refine + 1)
         return fine, np.ascontiguousarray(CubicSpline(time, q)(fine))
 
+    @cached_property
+    def _drive_spectrum(self) -> tuple[Spectrum, Array]:
+        return self._filter.spectrum(self.drive)
+
+    def balanced_drive(self, delay: float = 0.0, derivative: int = 0) -> Array:
+        """The drive as it was `delay` seconds before each sample, behind the balance's filter."""
+        return self._filter.back(self._drive_spectrum, derivative, delay)
+
     def drive_before(self, delay: float) -> Array:
         """The drive as it was `delay` seconds before each sample, shape (n,)."""
         if delay == 0.0:
@@ -103,16 +127,23 @@ class Segment:
         earlier = np.clip(time - delay, time[0], time[-1])
         return np.asarray(CubicSpline(time, self.drive)(earlier))
 
-    def lowpass(self, x: Array, differenced: bool = False) -> Array:
-        """Filter along axis 0 and decimate.
+    @cached_property
+    def balanced_load(self) -> Array:
+        """Torque of the rigid body on the kept samples, N m."""
+        return self.lowpass(self.signals[:, LOAD])[self.kept]
 
-        Args:
-            differenced: x is made of derivatives, which are averages over neighbouring samples
-                already; all else is averaged alike, see `derivatives`.
-        """
-        if self.averages and not differenced:
-            x = as_differenced(x)
-        return zero_phase(x, self.dt, self.bandwidth_hz)[:: self.step]
+    @cached_property
+    def balanced_velocity(self) -> Array:
+        """Velocity on the kept samples, rad/s."""
+        return self.lowpass(self.signals[:, V])[self.kept]
+
+    def lowpass(self, x: Array) -> Array:
+        """What the balance has of a signal: filtered along axis 0 and decimated."""
+        return self._filter(x)
+
+    @property
+    def _filter(self) -> LowPass:
+        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, self.step)
 
     @property
     def kept(self) -> NDArray[np.bool_]:
@@ -129,6 +160,7 @@ class Prepared:
         joint: name; slide: True for a slide joint.
         drive: what the logs hold of the motor. The torque that a voltage or a current makes is
             known only up to a gain.
+        band: of the filters.
         rest_speed: rad/s; slower samples are masked, see `rest`.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
             acts without back-EMF, so that the two can be told apart.
@@ -138,6 +170,7 @@ class Prepared:
     joint: str
     slide: bool
     drive: Drive
+    band: Band
     rest_speed: float = 0.0
     let_go: bool = False
 
@@ -160,10 +193,10 @@ class Prepared:
         return self.drive == "voltage"
 
     def thinned(self, most: int) -> "Prepared":
-        """The logs for a coarse search: at the rate a fit keeps, and in a narrower band where that
-        is more than about `most` samples in all; finer motion is lost.
+        """The logs for a coarse search, in a narrower band where there are more samples than
+        about `most`; finer motion is lost.
         """
-        factor = max(1, round(self.samples / most))
+        factor = max(1.0, self.samples / most)
         return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
 
     def subset(self, indices: list[int]) -> "Prepared":
@@ -171,35 +204,38 @@ class Prepared:
         return replace(self, segments=tuple(self.segments[i] for i in indices))
 
 
-def _thinned(s: Segment, factor: int) -> Segment:
-    step = s.step * factor
-    dt, bandwidth_hz = s.dt * step, s.bandwidth_hz / factor
-    # half an octave of grace, so that the fit's own filter still decides
-    grace_hz = 1.5 * bandwidth_hz
-    averages = step == 1
-    signals = s.signals.copy()
-    if factor > 1:
-        signals[:, _SMOOTH] = zero_phase(s.signals[:, _SMOOTH], s.dt, grace_hz)
-    signals = signals[::step]
-    signals[1:, DT] = dt
+@lru_cache(maxsize=256)
+def _lowpass(n: int, dt: float, corner_hz: float, step: int) -> LowPass:
+    """A search filters with the same few many thousand times."""
+    return LowPass(n, dt, corner_hz, BALANCE_ORDER, step)
+
+
+def _thinned(s: Segment, factor: float) -> Segment:
+    """A log in a band narrower by a factor, on a grid to match."""
+    bandwidth_hz = s.bandwidth_hz / factor
+    step = max(1, int(1.0 / (s.dt * 4.0 * _A_BALANCE * bandwidth_hz)))
+    steep = LowPass(len(s.drive), s.dt, min(4.0 * bandwidth_hz, HIGHEST / s.dt), MOTION_ORDER, step)
+    signals = s.signals[::step].copy()
+    signals[1:, DT] = dt = s.dt * step
     return replace(
         s,
         dt=dt,
         bandwidth_hz=bandwidth_hz,
-        step=1,
+        step=max(1, int(1.0 / (dt * _A_BALANCE * bandwidth_hz))),
         signals=signals,
-        drive=zero_phase(s.drive if averages else as_differenced(s.drive), s.dt, grace_hz)[::step],
+        drive=steep(s.drive),
         driven=s.driven[::step],
         mask=s.mask[::step],
         others={name: x[::step] for name, x in s.others.items()},
         refine=1,
-        averages=averages,
     )
 
 
-def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = None) -> Prepared:
-    """Prepare logs of one joint; the median of the logs' bandwidths serves all.
+def prepare(logs: list[JointLog], body: RigidBody, band: Band | None = None) -> Prepared:
+    """Prepare logs of one joint.
 
+    Args:
+        band: of logs that these are compared with; None: what the logs themselves allow.
     Raises:
         LogError: not the same drive in all logs.
     """
@@ -208,12 +244,22 @@ def prepare(logs: list[JointLog], body: RigidBody, bandwidth_hz: float | None = 
         if drive != drives[0]:
             what = f"{logs[0].name} has a {drives[0]} and {log.name} a {drive}"
             raise LogError(f"{what}: give logs of one kind")
-    if bandwidth_hz is None:
-        bandwidth_hz = float(np.median([differentiate(log).bandwidth_hz for log in logs]))
-    segments = tuple(_segment(log, body, bandwidth_hz) for log in logs)
+    if band is None:
+        motions = [motion_band(*on_a_grid(log)[1:]) for log in logs]
+        motion = max(max(m.whole for m in motions), 2.0 * _LEAST_HZ)
+        first = [_segment(log, body, Band(motion / 2.0, motion)) for log in logs]
+        band = Band(_balance_hz(first, motions, motion), motion)
+    segments = tuple(_segment(log, body, band) for log in logs)
     free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
     let_go = free and drives[0] == "voltage"
-    return Prepared(segments, body.joint, bool(body.slide), drives[0], let_go=let_go)
+    return Prepared(segments, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
+
+
+def _balance_hz(segments: list[Segment], motions: list[MotionBand], motion: float) -> float:
+    """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
+    most = min(_MOST_HZ, motion / 2.0)
+    least = min(max(_LEAST_HZ, max(m.main for m in motions)), most)
+    return float(np.median([s.noise.band_hz(least, most, BALANCE_ORDER) for s in segments]))
 
 
 def _drive(log: JointLog) -> tuple[Drive, Array]:
@@ -225,63 +271,87 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
     raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
 
 
-def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
-    motion = differentiate(log, bandwidth_hz)
-    t = motion.time
-    n, dt = len(t), float(t[1] - t[0])
-    kind, drive = _drive(log)
-    others = {}
-    for name, position in log.other_positions.items():
-        q = zero_phase(uniform_motion(log.time, position, t), dt, bandwidth_hz)
-        v = np.gradient(q, dt)
-        others[name] = (q, v, np.gradient(v, dt))
-    named = {name: track for name, track in others.items() if name in body.joint_names}
-    rigid = body.torque(motion.position, motion.velocity, motion.acceleration, named)
+def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
+    grid, raw, sample = on_a_grid(log)
+    step = max(1, int(1.0 / (sample * _A_MOTION * band.motion)))
+    smooth = LowPass(len(grid), sample, min(band.motion, HIGHEST / sample), MOTION_ORDER, step)
+    t, dt = grid[::step], sample * step
+    n = len(t)
+
+    def track(position: Array) -> tuple[Array, Array, Array]:
+        spectrum = smooth.spectrum(position)
+        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2)
+
+    q, v, a = track(raw)
+    others = {
+        name: track(uniform_motion(log.time, position, grid))
+        for name, position in log.other_positions.items()
+    }
+    named = {name: triple for name, triple in others.items() if name in body.joint_names}
+    rigid = body.torque(q, v, a, named)
     signals = np.zeros((n, N_SIGNALS))
     signals[:, TIME] = t - t[0]
-    signals[:, Q] = motion.position
-    signals[:, V] = motion.velocity
-    signals[:, A] = motion.acceleration
-    signals[:, JERK] = np.gradient(motion.acceleration, dt)
-    signals[:, SNAP] = np.gradient(signals[:, JERK], dt)
+    signals[:, Q], signals[:, V], signals[:, A] = q, v, a
     signals[:, LOAD] = rigid.load
-    signals[:, GEAR] = rigid.load - body.armature * motion.acceleration
-    signals[:, GX] = rigid.gx
-    signals[:, GY] = rigid.gy
+    signals[:, GEAR] = rigid.load - body.armature * a
+    signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
     signals[:, DT] = dt
     signals[0, DT] = 0.0
     if log.temperature is not None:
         signals[:, TEMP] = uniform(log.time, log.temperature, t)
     mask = np.ones(n, dtype=bool)
     # a zero-phase filter is not to be trusted within about one period of its corner of the ends
-    edge = min(n // 10, max(2, int(1.0 / (bandwidth_hz * dt))))
+    edge = min(n // 10, max(2, int(1.0 / (band.balance * dt))))
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
+    kind, values = _drive(log)
+    measured = uniform(log.time, values, grid)
     if log.torque_enabled is not None:
         enabled = uniform(log.time, log.torque_enabled.astype(float), t)
         driven = enabled > 0.999
         # a motor without voltage gives no torque; of any other drive that is off nothing is known
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
-    measured = uniform(log.time, drive, t)
-    if kind == "voltage":
-        measured = np.where(driven, measured, 0.0)
+        if kind == "voltage":
+            measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
+    drive = smooth(measured)
+    per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
     return Segment(
         name=log.name,
         dt=dt,
-        bandwidth_hz=bandwidth_hz,
-        step=max(1, int(1.0 / (dt * 4.0 * bandwidth_hz))),
+        bandwidth_hz=band.balance,
+        step=max(1, int(1.0 / (dt * _A_BALANCE * band.balance))),
         signals=signals,
-        drive=measured,
+        drive=drive,
         driven=driven,
         mask=mask,
         others={
-            f"{name}.{kind}": track[i]
-            for name, track in others.items()
+            f"{name}.{kind}": triple[i]
+            for name, triple in others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         },
+        noise=noise_of(
+            measured,
+            raw,
+            np.interp(grid, t, q),
+            sample,
+            count_of(log.position),
+            _inertia(rigid.load, a) * per_drive,
+        ),
+        sample=sample,
         refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
-        averages=True,
     )
+
+
+def _inertia(load: Array, acceleration: Array) -> float:
+    """Torque of the rigid body over its acceleration, kg m^2."""
+    columns = np.column_stack([acceleration, np.ones_like(load)])
+    return abs(float(np.linalg.lstsq(columns, load, rcond=None)[0][0]))
+
+
+def _per_torque(drive: Array, load: Array, velocity: Array) -> float:
+    """Drive per unit of torque, roughly: of the load beside viscous and Coulomb friction."""
+    columns = np.column_stack([load, velocity, np.sign(velocity), np.ones_like(load)])
+    return abs(float(np.linalg.lstsq(columns, drive, rcond=None)[0][0]))
 
 
 def _away_from_switching(enabled: Array, edge: int) -> NDArray[np.bool_]:

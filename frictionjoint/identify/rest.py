@@ -14,10 +14,11 @@ from scipy.ndimage import binary_opening, maximum_filter1d
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.start import predict
+from frictionjoint.identify.starts import fit
 
 # speeds, over the top speed: below the second a joint may count as at rest
 _SLOWEST, _REST = 1e-4, 0.03
@@ -46,7 +47,7 @@ def resolved(
     if speed <= prepared.rest_speed:
         return prepared, fitted
     prepared = without_rest(prepared, speed)
-    return prepared, fit(prepared, moving.terms, start=moving.shape)
+    return prepared, refit(prepared, moving.terms, moving.shape)
 
 
 def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tuple[float, Fit]:
@@ -68,8 +69,11 @@ def _rest_speed(prepared: Prepared, fitted: Fit, forms: Sequence[Shape]) -> tupl
         return 0.0, fitted
     # judged without their neighbours, whose absence is no merit of the fit
     # a fit of samples that a rest pulls at may lie anywhere, one without that rest lies near
-    near = fitted.shape if prepared.rest_speed > 0.0 else None
-    moving = fit(_moving(prepared, _REST * top, 0.0), fitted.terms, start=near, forms=forms)
+    left = _moving(prepared, _REST * top, 0.0)
+    if prepared.rest_speed > 0.0:
+        moving = refit(left, fitted.terms, fitted.shape)
+    else:
+        moving = fit(left, fitted.terms, forms)
     if not stuck and moving.rms > _BETTER * _rms(e[~slow]):
         return 0.0, fitted
     error = predict(prepared, moving).error

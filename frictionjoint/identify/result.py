@@ -78,9 +78,9 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     """
     linear, x = np.array(_linear(fitted)), fitted.shape.vector()
     theta = np.concatenate([linear, x])
-    # columns of the jacobian that theta belongs to; shape variables follow the linear ones
+    # columns of the jacobian that theta belongs to
     at = [fitted.names.index(n) if n in fitted.names else -1 for n in _LINEAR]
-    at += [len(fitted.names) + k for k in range(len(x))]
+    at += list(range(fitted.layout.shape.start, fitted.layout.shape.stop))
     scale = np.array([fitted.gain] * len(linear) + [1.0] * len(x))
     values = _law_values(fitted, theta)
     gradients: dict[str, dict[int, float]] = {name: {} for name in values}
@@ -124,26 +124,20 @@ def _law_values(fitted: Fit, theta: Array) -> dict[str, float]:
 
 def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Estimate]:
     """Parameters of term i by name."""
-    term = fitted.terms[i]
-    before = sum(len(t.coefficients) for t in fitted.terms[:i])
-    after = sum(len(t.coefficients) for t in fitted.terms[i:])
-    first = len(fitted.names) - before - after + before
+    term, layout = fitted.terms[i], fitted.layout
     values = fitted.term_coefficients(i)
     units = term.effect.units if isinstance(term, EffectTerm) else ("N m",) * len(values)
+    at = layout.coefficients(i).start
     found = {
         name: Estimate(
             float(values[k]),
-            _scaled(cov[first + k, first + k], fitted.gain),
+            _scaled(cov[at + k, at + k], fitted.gain),
             spelled(units[k], slide),
         )
         for k, name in enumerate(term.coefficients)
     }
     if isinstance(term, EffectTerm):
-        at = (
-            len(fitted.names)
-            + len(fitted.shape.variables)
-            + sum(len(t.free_shape) for t in fitted.terms[:i])
-        )
+        at = layout.numbers(i).start
         effect: Effect = term.effect
         for k, name in enumerate(effect.shape):
             error = None if effect.shape_fixed else _root(cov[at + k, at + k])

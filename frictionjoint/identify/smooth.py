@@ -14,7 +14,6 @@ from sklearn.preprocessing import SplineTransformer
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.prepare import Segment
-from frictionjoint.measured.derivatives import zero_phase
 
 VARIABLES = {
     "position": Q,
@@ -43,6 +42,8 @@ class SmoothTerm:
 
     variable: str
     within_logs: ClassVar[bool] = False
+    opposes_voltage: ClassVar[bool] = False
+    delay: ClassVar[float] = 0.0
 
     @property
     def name(self) -> str:
@@ -67,11 +68,6 @@ class SmoothTerm:
     @property
     def follows_law(self) -> bool:
         """Most columns do not change with the law."""
-        return False
-
-    @property
-    def differenced(self) -> bool:
-        """Few quantities are derivatives."""
         return False
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
@@ -102,11 +98,6 @@ class SplineTerm(SmoothTerm):
     def follows_law(self) -> bool:
         """Only times the direction of friction."""
         return self.odd
-
-    @property
-    def differenced(self) -> bool:
-        """A curve in the acceleration or in the load that it makes."""
-        return not self.odd and self.variable in ("acceleration", "load")
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -193,32 +184,6 @@ class WaveTerm(SmoothTerm):
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
         return np.hstack([wave * x for x in own])
-
-
-@dataclass(frozen=True)
-class ExcessTerm(SmoothTerm):
-    """What the measured torque has beyond a limit: a drive that cannot give what it was asked for.
-
-    Attributes:
-        limit: N m.
-    """
-
-    limit: float
-    coefficients: ClassVar[tuple[str, ...]] = ("missing",)
-
-    @property
-    def shape(self) -> tuple[float, ...]:
-        """The limit."""
-        return (self.limit,)
-
-    def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The same at another limit."""
-        return replace(self, limit=shape[0])
-
-    def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of the coefficient, shape (n, 1)."""
-        asked = zero_phase(segment.drive, segment.dt, segment.bandwidth_hz)
-        return (asked - np.clip(asked, -self.limit, self.limit))[:, None]
 
 
 @dataclass(frozen=True)

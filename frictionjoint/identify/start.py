@@ -14,9 +14,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.motor_side_elasticity import free_swing
-from frictionjoint.identify.design import ColumnCache, design, law_track, load_torque
-from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.design import Balance, kept, law_track, load_torque
+from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import EffectTerm
@@ -46,10 +45,9 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
 def _begun(one: Prepared, fitted: Fit) -> Segment:
     """A log with its start, itself where it tells no better one than it has."""
     (own,) = one.segments
-    cache = ColumnCache()
-    held = _start(one, fitted, cache)
+    held = _start(one, fitted)
     segment = own if held == own.held else replace(own, held=held)
-    swing = _swing(replace(one, segments=(segment,)), fitted, cache)
+    swing = _swing(replace(one, segments=(segment,)), fitted)
     return segment if swing == own.swing else replace(segment, swing=swing)
 
 
@@ -59,18 +57,17 @@ def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         begun = with_starts(prepared, fitted)
         if begun is prepared:
             break
-        prepared, fitted = begun, fit(begun, fitted.terms, start=fitted.shape)
+        prepared, fitted = begun, refit(begun, fitted.terms, fitted.shape, ROUGH)
     return prepared, fitted
 
 
-def _start(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
+def _start(one: Prepared, fitted: Fit) -> float:
     """Torque over Fc at the first sample of a log."""
-    whole = _squares(_left(one, fitted, cache))
+    whole = _squares(_left(one, fitted))
     head = replace(one, segments=(_head(one.segments[0], fitted.shape),))
-    of_head = ColumnCache()
 
     def squares(held: float) -> float:
-        return _squares(_left(_held(head, held), fitted, of_head))
+        return _squares(_left(_held(head, held), fitted))
 
     tried = [squares(held) for held in _TRIALS]
     best = _TRIALS[int(np.argmin(tried))]
@@ -81,30 +78,33 @@ def _start(one: Prepared, fitted: Fit, cache: ColumnCache) -> float:
     return float(found.x) if squares(own) - found.fun > _TELLS * whole else own
 
 
-def _swing(one: Prepared, fitted: Fit, cache: ColumnCache) -> tuple[float, float]:
+def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
     """Deflection of an elastic joint at the first sample of a log, and its rate.
 
     What is left of the log is linear in both.
     """
     (segment,) = one.segments
-    at = [i for i, t in enumerate(fitted.terms) if isinstance(t, EffectTerm) and t.swings]
+    at = [i for i, t in enumerate(fitted.terms) if isinstance(t, EffectTerm) and t.effect.free]
     inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0
     if inertia == 0.0:
         return segment.swing
     term = fitted.terms[at[0]]
-    left = _left(one, fitted, cache)
+    assert isinstance(term, EffectTerm)
+    assert term.effect.free is not None
+    left = _left(one, fitted)
     size = 2.0 * np.pi * term.shape[0]  # of a rate of the same swing
-    free = [free_swing(term.shape, start, segment.signals) for start in ((1.0, 0.0), (0.0, size))]
-    C = inertia * segment.lowpass(np.column_stack(free), term.differenced)[segment.kept]
+    swings = [term.effect.free(term.shape, s, segment.signals) for s in ((1.0, 0.0), (0.0, size))]
+    C = inertia * kept(segment, np.column_stack(swings))
     change = np.linalg.lstsq(C, left, rcond=None)[0]
     if _squares(left) - _squares(left - C @ change) <= _TELLS * _squares(left):
         return segment.swing
     return segment.swing[0] + float(change[0]), segment.swing[1] + size * float(change[1])
 
 
-def _left(one: Prepared, fitted: Fit, cache: ColumnCache) -> Array:
+def _left(one: Prepared, fitted: Fit) -> Array:
     """What a fit leaves of a log, in units of the drive."""
-    X, y = design(one, fitted.shape, fitted.terms, cache, fitted.beta)
+    balance = Balance(one, fitted.shape, fitted.terms)
+    X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)
     return np.asarray(y - X @ fitted.beta)
 
 
@@ -163,7 +163,8 @@ def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     begun = with_starts(like, fitted)
     for i in range(len(begun)):
         one = begun.subset([i])
-        X, y = design(one, fitted.shape, fitted.terms, beta=fitted.beta)
+        balance = Balance(one, fitted.shape, fitted.terms)
+        X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)
         known = 0.0 if begun.gain_unknown else load_torque(one.segments[0])
         found.measured.append(y * fitted.gain + known)
         found.predicted.append(X @ fitted.beta * fitted.gain + known)

@@ -1,9 +1,4 @@
-"""Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects.
-
-The load that friction follows is what the gear transmits: the rotor, the joint's armature, is
-accelerated before the gear, so its share of the rigid-body torque is no load. The back-EMF acts
-only while the motor's circuit is closed.
-"""
+"""Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
@@ -11,19 +6,10 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects import (
-    back_emf,
-    load_dependent,
-    measurement_delay,
-    motor_side_elasticity,
-)
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import GEAR, JERK, LOAD, MOTOR, SNAP, A
+from frictionjoint.effects.signals import GEAR, LOAD
 from frictionjoint.identify.prepare import Segment
-
-# signals that hold the acceleration or more
-_DERIVED = (A, JERK, SNAP, LOAD, GEAR, MOTOR)
 
 
 class Term(Protocol):
@@ -64,8 +50,13 @@ class Term(Protocol):
         ...
 
     @property
-    def differenced(self) -> bool:
-        """Whether the columns are made of derivatives, see `Segment.lowpass`."""
+    def opposes_voltage(self) -> bool:
+        """Whether it is what a turning motor takes from its voltage."""
+        ...
+
+    @property
+    def delay(self) -> float:
+        """Time by which the drive is logged early, s."""
         ...
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -110,24 +101,24 @@ class EffectTerm:
         return self.effect.entry == "scales the friction level"
 
     @property
-    def differenced(self) -> bool:
-        """Effects that look at a derivative, unless they set the friction level with it."""
-        return not self.follows_law and any(c in _DERIVED for c in self.effect.needs)
+    def opposes_voltage(self) -> bool:
+        """Whether it is what a turning motor takes from its voltage."""
+        return self.effect.opposes_voltage
 
     @property
-    def swings(self) -> bool:
-        """Whether it is a link that may swing already when a log begins."""
-        return self.effect is motor_side_elasticity.EFFECT
+    def delay(self) -> float:
+        """Time by which the drive is logged early, s."""
+        return self.shape[0] if self.effect.delays else 0.0
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
-        if self.effect in load_dependent.FORMS:
+        if self.effect.geared:
             signals = signals.copy()
             signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
-        if self.swings and any(segment.swing):
-            found[:, 0] += motor_side_elasticity.free_swing(self.shape, segment.swing, signals)
-        return found * segment.driven[:, None] if self.effect is back_emf.EFFECT else found
+        if self.effect.free and any(segment.swing):
+            found[:, 0] += self.effect.free(self.shape, segment.swing, signals)
+        return found * segment.driven[:, None] if self.opposes_voltage else found
 
 
 @dataclass(frozen=True)
@@ -143,7 +134,12 @@ class Timing:
     name: ClassVar[str] = "timing"
     coefficients: ClassVar[tuple[str, ...]] = ()
     follows_law: ClassVar[bool] = False
-    differenced: ClassVar[bool] = False
+    opposes_voltage: ClassVar[bool] = False
+
+    @property
+    def delay(self) -> float:
+        """See `EffectTerm`."""
+        return self.shape[0]
 
     @property
     def free_shape(self) -> tuple[float, ...]:
@@ -166,5 +162,4 @@ class Timing:
 
 def delay_of(terms: tuple[Term, ...]) -> float:
     """Time by which the position is logged later than the drive, s."""
-    delays = (measurement_delay.EFFECT.name, Timing.name)
-    return sum(t.shape[0] for t in terms if t.name in delays)
+    return sum(t.delay for t in terms)

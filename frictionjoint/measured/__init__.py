@@ -1,6 +1,6 @@
 """Measured logs: formats, validation, derivatives, public data sets."""
 
-from frictionjoint.measured.derivatives import Derivatives, differentiate, zero_phase
+from frictionjoint.measured.derivatives import Derivatives, differentiate
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.registry import DataSet, get_data, list_data
@@ -14,5 +14,4 @@ __all__ = [
     "list_data",
     "read_log",
     "split_in_time",
-    "zero_phase",
 ]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.measured.derivatives import motion_bandwidth, uniform_motion
+from frictionjoint.measured.derivatives import motion_band, uniform_motion
 from frictionjoint.measured.log import JointLog
 
 # Rows of all logs of a fit together: a fit holds some 8 kB a row on its way, and its time grows in
@@ -65,7 +65,7 @@ def _most_averaged(log: JointLog) -> int:
     time = log.time[:n]
     dt = float(time[-1] - time[0]) / (n - 1)
     position = uniform_motion(time, log.position[:n], time[0] + dt * np.arange(n))
-    return max(1, int(1.0 / (_SAMPLES_A_PERIOD * motion_bandwidth(position, dt) * dt)))
+    return max(1, int(1.0 / (_SAMPLES_A_PERIOD * motion_band(position, dt).whole * dt)))
 
 
 def _averaged(log: JointLog, k: int) -> JointLog:

@@ -1,35 +1,33 @@
-"""Zero-phase velocity and acceleration of a measured position, with the bandwidth stated.
+"""Smooth motion of a measured position: a uniform grid, its bandwidth, its derivatives.
 
-A jittered log is first laid on a uniform grid (`uniform_motion`). The filter is a Butterworth
-low-pass run forwards and backwards, so it shifts nothing in time; derivatives are central
-differences of its output.
-
-These average too: the acceleration of a sample is the mean over two samples on either side,
-weighted as a triangle. Near the top of a slow log's band it is half gone, so whatever is balanced
-against it has to be averaged alike (`as_differenced`).
+A jittered log is first laid on a uniform grid (`uniform_motion`). The filter is flat over the band
+in which torques are balanced, so that the balance, which passes a filter of its own (`LowPass`),
+sees the same motion on both sides.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
-from scipy.ndimage import convolve1d
-from scipy.signal import butter, sosfilt, sosfilt_zi, welch
+from scipy.signal import welch
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.lowpass import LowPass
 
-_ORDER = 2  # run twice: fourth order in all
-# Highest corner: four fifths of the Nyquist frequency leaves the filter well posed.
-_HIGHEST = 0.4
+# flat to half of its corner, where it lets 99.6% pass
+MOTION_ORDER = 8
+# Highest corner: four fifths of the Nyquist frequency leaves the filter room to fall.
+HIGHEST = 0.4
 # Bands an octave in which the spectrum is averaged.
 _BANDS = 6
-# share of the travel by which one position, computed twice, may differ
+# fraction of the travel by which one position, computed twice, may differ
 _ROUNDING = 1e-12
-# (1, 16, 26, 16, 1) / 60: variance 2/3 and fourth moment 16/15, in samples
-_TRIANGLE = np.array([1.0, 16.0, 26.0, 16.0, 1.0]) / 60.0
+# the least corner, Hz, which keeps the edges of friction
+_LEAST_HZ = 5.0
+# fraction of the velocity's power that the motion is taken to end with
+_MOST_OF_IT = 0.99
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class Derivatives:
 
     Attributes:
         time: s. position, velocity, acceleration: rad, rad/s, rad/s^2 (m ...).
-        bandwidth_hz: -3 dB corner of one pass of the filter.
+        bandwidth_hz: corner of the filter, at which half of the amplitude passes.
     """
 
     time: Array
@@ -46,6 +44,19 @@ class Derivatives:
     velocity: Array
     acceleration: Array
     bandwidth_hz: float
+
+
+@dataclass(frozen=True)
+class MotionBand:
+    """Where a motion lies in the spectrum, Hz.
+
+    Attributes:
+        main: up to here is 99% of the velocity's power.
+        whole: up to here the position holds more than noise; no less than 5 Hz.
+    """
+
+    main: float
+    whole: float
 
 
 def uniform(time: Array, x: Array, grid: Array) -> Array:
@@ -70,56 +81,11 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     return smooth if bend > count / np.sqrt(12.0) else straight
 
 
-def zero_phase(x: Array, dt: float, bandwidth_hz: float) -> Array:
-    """Low-pass along axis 0 without a shift in time; nothing is done above 0.4 / dt.
-
-    Args:
-        x: shape (n,) or (n, k), on a uniform grid of step `dt` in s.
-        bandwidth_hz: -3 dB corner of one of the two passes.
-    Raises:
-        LogError: the bandwidth or the step is not positive.
-    """
-    if not (bandwidth_hz > 0.0 and dt > 0.0):
-        raise LogError(f"bandwidth {bandwidth_hz} Hz at a step of {dt} s: give positive numbers")
-    if bandwidth_hz >= _HIGHEST / dt:
-        return x
-    pad = min(len(x) - 1, max(15, int(1.5 / (bandwidth_hz * dt))))
-    sections, settled = _sections(bandwidth_hz, dt)
-    settled = settled.reshape(*settled.shape, *(1,) * (x.ndim - 1))
-    # what `scipy.signal.sosfiltfilt` does, but for the settled state, which it solves for each time
-    out = np.concatenate([2.0 * x[0] - x[pad:0:-1], x, 2.0 * x[-1] - x[-2 : -pad - 2 : -1]])
-    for _ in range(2):
-        out, _state = sosfilt(sections, out, axis=0, zi=settled * out[0])
-        out = out[::-1]
-    return np.asarray(out[pad : pad + len(x)])
-
-
-def as_differenced(x: Array) -> Array:
-    """Average along axis 0 with the weights that central differences give an acceleration.
-
-    The weights have the second and the fourth moment of the triangle, and so its response up to
-    two thirds of the Nyquist frequency.
-    """
-    averaged: Array = convolve1d(x, _TRIANGLE, axis=0, mode="nearest")
-    return averaged
-
-
-@lru_cache(maxsize=256)
-def _sections(bandwidth_hz: float, dt: float) -> tuple[Array, Array]:
-    """Of the filter of one pass, and their state where the input has long been 1.
-
-    A search filters with the same few many thousand times.
-    """
-    sections = np.asarray(butter(_ORDER, bandwidth_hz, fs=1.0 / dt, output="sos"))
-    return sections, np.asarray(sosfilt_zi(sections))
-
-
-def motion_bandwidth(position: Array, dt: float) -> float:
-    """Corner frequency from the motion's own spectrum, Hz.
+def motion_band(position: Array, dt: float) -> MotionBand:
+    """Of a motion, from its own spectrum.
 
     Differentiated twice, the motion falls off towards high frequencies and the position's noise
-    rises. The corner is twice the frequency of the valley between the two, and no less than 5 Hz,
-    which keeps the edges of friction.
+    rises. The whole of the motion ends at twice the frequency of the valley between the two.
     """
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
@@ -130,25 +96,37 @@ def motion_bandwidth(position: Array, dt: float) -> float:
     centre = np.array([np.exp(np.log(f[band == k]).mean()) for k in bands])
     motion = np.array([power[band == k].sum() for k in bands])
     acceleration = np.array([(power * f**4)[band == k].mean() for k in bands])
-    main = int(np.argmax(motion))
-    valley = centre[main + int(np.argmin(acceleration[main:]))]
-    return float(np.clip(2.0 * valley, 5.0, _HIGHEST / dt))
+    largest = int(np.argmax(motion))
+    valley = centre[largest + int(np.argmin(acceleration[largest:]))]
+    below = f <= valley
+    grown = np.cumsum((power * f**2)[below])
+    main = f[below][int(np.searchsorted(grown, _MOST_OF_IT * grown[-1]))] if below.any() else f[0]
+    whole = float(np.clip(2.0 * valley, _LEAST_HZ, HIGHEST / dt))
+    return MotionBand(min(float(main), whole), whole)
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
     """Smooth position, velocity and acceleration of a log on a uniform grid.
 
     Args:
-        bandwidth_hz: of the filter; None: `motion_bandwidth` of this log.
+        bandwidth_hz: corner of the filter; None: the whole `motion_band` of this log.
     Raises:
         LogError: the bandwidth is not positive.
     """
+    time, position, dt = on_a_grid(log)
+    if bandwidth_hz is None:
+        bandwidth_hz = motion_band(position, dt).whole
+    if not bandwidth_hz > 0.0:
+        raise LogError(f"bandwidth {bandwidth_hz} Hz: give a positive number")
+    smooth = LowPass(len(time), dt, min(bandwidth_hz, HIGHEST / dt), MOTION_ORDER)
+    spectrum = smooth.spectrum(position)
+    q, v, a = (smooth.back(spectrum, k) for k in range(3))
+    return Derivatives(time, q, v, a, bandwidth_hz)
+
+
+def on_a_grid(log: JointLog) -> tuple[Array, Array, float]:
+    """Time and position of a log on a uniform grid, each of shape (n,), and its step in s."""
     n = len(log.time)
     dt = float(log.time[-1] - log.time[0]) / (n - 1)
     time = log.time[0] + dt * np.arange(n)
-    position = uniform_motion(log.time, log.position, time)
-    if bandwidth_hz is None:
-        bandwidth_hz = motion_bandwidth(position, dt)
-    smooth = zero_phase(position, dt, bandwidth_hz)
-    velocity = np.gradient(smooth, dt)
-    return Derivatives(time, smooth, velocity, np.gradient(velocity, dt), bandwidth_hz)
+    return time, uniform_motion(log.time, log.position, time), dt

@@ -1,0 +1,85 @@
+"""Where each parameter of a model lies: linear coefficients first, then what enters nonlinearly."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import Term
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Parameters of a law with terms.
+
+    Attributes:
+        base: names of the linear coefficients of the law: load (where the gain of the drive is
+            unknown), sigma2, Fc, sigma1. law: names of the numbers of its shape.
+        terms: of the model.
+    """
+
+    base: tuple[str, ...]
+    law: tuple[str, ...]
+    terms: tuple[Term, ...]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of all parameters: `Fc`, `law.log Vs`, coefficients and shape numbers of term i as
+        `i.name`.
+        """
+        linear = [f"{i}.{c}" for i, t in enumerate(self.terms) for c in t.coefficients]
+        shapes = [f"{i}.shape{k}" for i, t in enumerate(self.terms) for k in range(_free(t))]
+        return (*self.base, *linear, *(f"law.{v}" for v in self.law), *shapes)
+
+    @property
+    def linear(self) -> slice:
+        """Of all linear coefficients."""
+        return slice(0, len(self.base) + sum(len(t.coefficients) for t in self.terms))
+
+    @property
+    def shape(self) -> slice:
+        """Of the numbers of the law's shape."""
+        return slice(self.linear.stop, self.linear.stop + len(self.law))
+
+    def coefficients(self, i: int) -> slice:
+        """Of the linear coefficients of term i."""
+        first = len(self.base) + sum(len(t.coefficients) for t in self.terms[:i])
+        return slice(first, first + len(self.terms[i].coefficients))
+
+    def numbers(self, i: int) -> slice:
+        """Of the free shape numbers of term i."""
+        first = self.shape.stop + sum(_free(t) for t in self.terms[:i])
+        return slice(first, first + _free(self.terms[i]))
+
+    def of_term(self, i: int) -> list[int]:
+        """All parameters of term i."""
+        return [
+            k for part in (self.coefficients(i), self.numbers(i)) for k in range(*part.indices(10**6))
+        ]
+
+    def at(self, name: str) -> int | None:
+        """Place of a parameter, None where the model has none of that name."""
+        return self.names.index(name) if name in self.names else None
+
+
+def _free(term: Term) -> int:
+    return len(term.free_shape)
+
+
+def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout:
+    """Of a model of these logs.
+
+    A voltage-driven joint has sigma2 only where the logs hold motion with the motor let go:
+    elsewhere what is linear in velocity is the effect `back-emf`, which a log of voltages cannot
+    distinguish from viscous friction. Nor has it sigma1 before that effect is in the model: on a
+    soft transition curve that damping would stand in for it.
+    """
+    voltage = prepared.voltage_driven
+    damped = law.damped and (not voltage or any(t.opposes_voltage for t in terms))
+    used = {
+        "load": prepared.gain_unknown,
+        "sigma2": prepared.let_go or not voltage,
+        "Fc": True,
+        "sigma1": damped,
+    }
+    return Layout(tuple(name for name, on in used.items() if on), law.variables, terms)

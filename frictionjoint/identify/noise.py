@@ -1,0 +1,111 @@
+"""Noise of a log's instruments, and the band in which its torque balance is worth keeping.
+
+A position differentiated twice turns its noise into a torque that grows with the square of the
+frequency, J (2 pi f)^2 times as much. Where that passes the torque's own noise nothing is learnt of
+the joint, and what cancels it (a lighter link, a snap) looks like an effect. So the balance ends
+before the position's noise is more than a small part of what the instruments leave.
+
+The torque's noise is read above the motion. So is the position's, but for the encoder's count: that
+is no white noise. It beats with the samples at constant speed and is silent at rest, so its error
+is computed along the very motion.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.signal import welch
+
+from frictionjoint.arrays import Array
+
+# part of the spectrum that is taken to hold noise alone, over the sampling frequency
+_ABOVE = (0.25, 0.45)
+# power that the position's noise may add to that of the torque's
+_ADDED = 0.05
+# fraction of the travel by which one position, computed twice, may differ
+_ROUNDING = 1e-12
+_WINDOW = 4096
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Of one log.
+
+    Attributes:
+        torque: one-sided density, (unit of the drive)^2 / Hz.
+        frequency: Hz, and position: density of the position's noise there, rad^2 / Hz, shape (m,).
+        inertia: drive over acceleration, kg m^2 where the drive is a torque.
+        count: of the encoder, rad; 0 where the log has none.
+    """
+
+    torque: float
+    frequency: Array = field(repr=False)
+    position: Array = field(repr=False)
+    inertia: float
+    count: float
+
+    @property
+    def resolution(self) -> float:
+        """rms error of a single position, rad."""
+        df = float(self.frequency[1]) if len(self.frequency) > 1 else 0.0
+        return float(max(self.count / np.sqrt(12.0), np.sqrt(self.position.sum() * df)))
+
+    def left(self, corner_hz: float, order: int) -> tuple[float, float]:
+        """Power that the torque's and the position's noise leave behind a low-pass filter."""
+        f = self.frequency
+        passed = 1.0 / (1.0 + (f / corner_hz) ** order) ** 2
+        df = float(f[1]) if len(f) > 1 else 0.0
+        made = (self.inertia * (2.0 * np.pi * f) ** 2) ** 2 * self.position
+        return self.torque * float(np.sum(passed)) * df, float(np.sum(made * passed)) * df
+
+    def band_hz(self, least: float, most: float, order: int) -> float:
+        """Corner of the balance that these noises allow, between two others."""
+        for corner in np.geomspace(most, least, 60):
+            torque, position = self.left(float(corner), order)
+            if position <= _ADDED * torque:
+                return float(corner)
+        return least
+
+
+def density_above(x: Array, dt: float) -> float:
+    """Level of the noise of a signal, read above its motion, unit^2 / Hz.
+
+    The median passes over lines.
+
+    Args:
+        x: shape (n,). dt: s between samples.
+    """
+    f, power = welch(x, 1.0 / dt, nperseg=min(len(x), 1024), detrend="linear")
+    above = (f >= _ABOVE[0] / dt) & (f <= _ABOVE[1] / dt)
+    return float(np.median(power[above])) if above.any() else 0.0
+
+
+def count_of(position: Array) -> float:
+    """Step of the encoder, the least difference between two positions, rad; 0 where all differ.
+
+    Args:
+        position: as measured, shape (n,).
+    """
+    values = np.unique(position)
+    apart = np.diff(values)
+    apart = apart[apart > _ROUNDING * np.ptp(position)]
+    # counts repeat: a position that is never the same twice has none
+    return float(apart.min()) if apart.size and 2 * len(values) < len(position) else 0.0
+
+
+def noise_of(
+    drive: Array, position: Array, smooth: Array, dt: float, count: float, inertia: float
+) -> Noise:
+    """Noise of a log.
+
+    Args:
+        drive, position: as measured, on a uniform grid of step `dt`, shape (n,).
+        smooth: the position behind the filter of the motion, shape (n,).
+        inertia: drive over acceleration.
+    """
+    error = np.zeros_like(smooth)
+    if count > 0.0:
+        error = np.round((smooth - position[0]) / count) * count + position[0] - smooth
+    n = min(len(error), _WINDOW)
+    f, made = welch(error, 1.0 / dt, nperseg=n, detrend="constant")
+    level = np.maximum(made, density_above(position, dt))
+    return Noise(density_above(drive, dt), f, level, inertia, count)

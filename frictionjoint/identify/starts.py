@@ -1,0 +1,63 @@
+"""The only search among many starts: forms of the law, speeds and lengths it may have.
+
+A coarse look at the logs tries all; the best few of each law ripen there, and the best of those are
+refined on all samples.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, timed
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.terms import Term
+from frictionjoint.threads import one_thread
+
+# samples that the coarse look is at
+_COARSE = 3000
+# starts of each law that ripen, and for how many steps
+_RIPENING, _STEPS = 4, 8
+# cost over the best one's up to which a start is tried on all samples
+_NEAR_BEST, _FINALISTS = 1.3, 3
+
+
+@one_thread
+def fit(
+    prepared: Prepared,
+    terms: tuple[Term, ...] = (),
+    forms: Sequence[Shape] = INTEGRATED,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Fit:
+    """Fit a law and terms from many starts.
+
+    Args:
+        forms: of the law, each tried from its own grid.
+    """
+    terms = timed(prepared, terms)
+    coarse = prepared.thinned(_COARSE)
+    laws: dict[tuple[str, ...], list[Place]] = {}
+    for i, form in enumerate(forms):
+        progress(f"fit: form {i + 1} of {len(forms)}")
+        search = Search(coarse, terms, form)
+        for law in form.grid(search.vmax, search.span):
+            x = search.vector(law)
+            cost = 0.5 * float(np.sum(search.residual(x) ** 2))
+            laws.setdefault(form.variables, []).append(Place(cost, search, x))
+    ripe: list[Place] = []
+    for i, places in enumerate(laws.values()):
+        progress(f"fit: law {i + 1} of {len(laws)}")
+        places.sort(key=lambda place: place.cost)
+        ripe += [p.search.run(p.x, _STEPS, ROUGH) for p in places[:_RIPENING]]
+    ripe.sort(key=lambda place: place.cost)
+    finalists = [p for p in ripe if p.cost <= _NEAR_BEST * ripe[0].cost][:_FINALISTS]
+    final = []
+    for i, place in enumerate(finalists):
+        progress(f"fit: all samples, start {i + 1} of {len(finalists)}")
+        shape, moved = place.search.split(place.x)
+        searches = [Search(prepared, moved, choice) for choice in shape.last_choices()]
+        search = min(searches, key=lambda s: float(np.sum(s.residual(s.start) ** 2)))
+        final.append(search.run(search.start, _STEPS, ROUGH))
+    best = min(final, key=lambda place: place.cost)
+    found = best.search.run(best.x, _STEPS, CLOSE)
+    return found.search.result(found.x)

@@ -1,0 +1,103 @@
+"""A zero-phase low-pass filter, its derivatives and a delay, all exact at every frequency.
+
+The response is applied to the discrete spectrum, so that a filtered derivative is the derivative of
+the filtered signal to rounding: whatever is balanced passes the same operator.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
+
+from frictionjoint.arrays import Array
+
+Spectrum = NDArray[np.complex128]
+
+# periods of the corner by which a signal is continued at its ends
+_CONTINUED = 3.0
+
+
+@dataclass(frozen=True)
+class LowPass:
+    """Amplitude response 1 / (1 + (f/corner)^order), no phase.
+
+    Attributes:
+        n: samples of the signals. dt: s between them. corner_hz: half of the amplitude passes.
+        order: steepness; 4 rings hardly, 8 is flat up to half of the corner.
+        step: one in `step` samples is given back.
+    """
+
+    n: int
+    dt: float
+    corner_hz: float
+    order: int
+    step: int = 1
+
+    def __call__(self, x: Array, derivative: int = 0) -> Array:
+        """Filter along axis 0.
+
+        Args:
+            x: shape (n,) or (n, k). derivative: of the filtered signal by time.
+        Returns:
+            shape (ceil(n / step),) or (ceil(n / step), k).
+        """
+        return self.back(self.spectrum(x), derivative)
+
+    def spectrum(self, x: Array) -> tuple[Spectrum, Array]:
+        """Of a signal without its chord, and the chord's first and last value.
+
+        Without the line through its first and last sample a signal goes on evenly when it is turned
+        about its ends, which keeps its value and its slope.
+        """
+        ends = np.array([x[0], x[-1]])
+        rest = x - self._chord(ends, np.arange(self.n))
+        pad, tail = self._pad, self._length - self._pad - self.n
+        before, after = -rest[pad:0:-1], -rest[-2 : -min(tail, self._pad) - 2 : -1]
+        gap = np.zeros((self._length - len(before) - self.n - len(after), *x.shape[1:]))
+        fade = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, pad + 1)[1:]) ** 2
+        fade = fade.reshape(-1, *(1,) * (x.ndim - 1))
+        whole = np.concatenate([before * fade, rest, after * fade[::-1][: len(after)], gap])
+        return np.asarray(rfft(whole, axis=0)), ends
+
+    def back(
+        self, spectrum: tuple[Spectrum, Array], derivative: int = 0, delay: float = 0.0
+    ) -> Array:
+        """The filtered signal of a spectrum, differentiated, `delay` seconds late."""
+        values, ends = spectrum
+        response = self._response * (1j * self._omega) ** derivative
+        if delay:
+            response = response * np.exp(-1j * self._omega * delay)
+        m = self._length // self.step
+        kept = values[: m // 2 + 1] * response[: m // 2 + 1].reshape(-1, *(1,) * (values.ndim - 1))
+        out = irfft(kept, m, axis=0) / self.step
+        count = -(-self.n // self.step)
+        first = self._pad // self.step
+        found = out[first : first + count]
+        if derivative == 0:
+            found = found + self._chord(ends, np.arange(count) * self.step - delay / self.dt)
+        elif derivative == 1:
+            found = found + (ends[1] - ends[0]) / ((self.n - 1) * self.dt)
+        return np.asarray(found)
+
+    def _chord(self, ends: Array, at: Array) -> Array:
+        part = (at / (self.n - 1)).reshape(-1, *(1,) * (ends.ndim - 1))
+        return np.asarray(ends[0] + part * (ends[1] - ends[0]))
+
+    @cached_property
+    def _pad(self) -> int:
+        wanted = min(self.n - 1, max(8, int(_CONTINUED / (self.corner_hz * self.dt))))
+        return max(1, wanted // self.step) * self.step if wanted >= self.step else 0
+
+    @cached_property
+    def _length(self) -> int:
+        return self.step * int(next_fast_len(-(-(self.n + 2 * self._pad) // self.step), real=True))
+
+    @cached_property
+    def _omega(self) -> Array:
+        return 2.0 * np.pi * np.arange(self._length // 2 + 1) / (self._length * self.dt)
+
+    @cached_property
+    def _response(self) -> Array:
+        return np.asarray(1.0 / (1.0 + (self._omega / (2.0 * np.pi * self.corner_hz)) ** self.order))
