@@ -15,7 +15,10 @@ from frictionjoint.identify.shape import (
     length_bounds,
     level_bounds,
 )
+from frictionjoint.law import bristle, maxwell_slip
 from frictionjoint.law.motion import drive_rival
+from frictionjoint.law.sensitivity import driven_with_tangents
+from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.laws import LAWS
 from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
@@ -144,6 +147,38 @@ class RivalShape:
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
+
+    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
+        """See `Shape`."""
+        P = self.parameters(1.0, 0.0).pack()
+        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q)
+
+    def _block_tangents(self, P: Array) -> Array:
+        """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
+        P_t = np.zeros((len(self.variables), len(P)))
+        by = dict(zip(self.variables, P_t, strict=True))
+        if "excess" in by:
+            for side in (bristle.POSITIVE, bristle.NEGATIVE):
+                by["excess"][1 + side + FS] = 1.0
+                by["log Vs"][1 + side + VS] = P[1 + side + VS]
+                by["delta"][1 + side + DELTA] = 1.0
+        own = 1 + bristle.OWN
+        if "log C" in by:
+            by["log C"][1 + maxwell_slip.ATTRACTION] = P[1 + maxwell_slip.ATTRACTION]
+            springs = slice(1 + maxwell_slip.ELEMENTS, None, 2)
+            by["log reach"][springs] = -P[springs] * np.arange(_ELEMENTS) / (_ELEMENTS - 1)
+        else:
+            springs = slice(own, own + 1)
+        if "log length" in by:
+            by["log length"][springs] = -P[springs]
+            if "excess" in by:
+                by["excess"][springs] = P[springs] / P[1 + bristle.POSITIVE + FS]
+        if "log V0" in by:
+            by["log V0"][own] = P[own]
+        for name in ("i", "breakaway"):
+            if name in by:
+                by[name][own + 1] = 1.0
+        return P_t
 
 
 def prompt_maxwell_slip() -> tuple[Shape, ...]:

@@ -11,7 +11,11 @@ from typing import Protocol, Self, get_args
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.law import integrated
 from frictionjoint.law.motion import drive_integrated
+from frictionjoint.law.sensitivity import driven_with_tangents
+from frictionjoint.law.stribeck import DELTA, FS, VS
+from frictionjoint.law.transition import KNOT_STRIDE
 from frictionjoint.parameters import Friction, FrictionParameters, Knots, Variant, Virgin
 
 
@@ -46,6 +50,9 @@ class Shape(Protocol):
 
     def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """H, and what times the velocity is dz/dt, along a motion, each of shape (n,)."""
+
+    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
+        """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
 
 
 _LEAST_BEND = 0.02
@@ -179,6 +186,30 @@ class IntegratedShape:
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_integrated(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
+
+    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
+        """See `Shape`."""
+        P = self.parameters(1.0, 0.0).pack()
+        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q)
+
+    def _block_tangents(self, P: Array) -> Array:
+        """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
+        P_t = np.zeros((len(self.variables), len(P)))
+        excess, Vs, delta, length, *bends = P_t
+        own = slice(1 + integrated.KNOTS + 1, None)
+        for side in (integrated.POSITIVE, integrated.NEGATIVE):
+            excess[1 + side + FS] = 1.0
+            Vs[1 + side + VS] = P[1 + side + VS]
+            delta[1 + side + DELTA] = 1.0
+        # knots are z, F, slope; torques and slopes go with Fs
+        z, F, K = P[own].reshape(-1, KNOT_STRIDE).T
+        excess[own] = np.column_stack([0.0 * z, F, K]).ravel() / (1.0 + self.excess)
+        length[own] = np.column_stack([z, 0.0 * F, -K]).ravel()
+        # a bend stretches what lies beyond its knot
+        for i, bend in enumerate(bends):
+            beyond = np.maximum(z - z[i], 0.0)
+            bend[own] = np.column_stack([-beyond, 0.0 * F, np.where(beyond > 0.0, K, 0.0)]).ravel()
+        return P_t
 
 
 # Where a search starts: bends of a rounded transition curve, and of a nearly straight one.

@@ -1,0 +1,65 @@
+"""Tangents: derivatives of a number in several directions of the parameters at once.
+
+A tangent goes along with a number of a kernel, one entry per direction. Directions are few and
+their number is fixed, so that a tangent lives in registers: one pass over a motion then shares
+its exponentials and its branches among all of them.
+
+`frictionjoint.law.tangents` is written in terms of what is here.
+"""
+
+from typing import TypeAlias
+
+from frictionjoint.arrays import Array
+from frictionjoint.compiled import in_line
+
+DIRECTIONS = 6
+Tangent: TypeAlias = tuple[float, float, float, float, float, float]
+# those of an array, shape (its length, DIRECTIONS)
+Tangents: TypeAlias = Array
+
+ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@in_line
+def at(X_t: Tangents, i: int) -> Tangent:
+    """Tangent of X[i]."""
+    return (X_t[i, 0], X_t[i, 1], X_t[i, 2], X_t[i, 3], X_t[i, 4], X_t[i, 5])
+
+
+@in_line
+def put(X_t: Tangents, i: int, x: Tangent) -> None:
+    """Set the tangent of X[i]."""
+    X_t[i, 0], X_t[i, 1], X_t[i, 2], X_t[i, 3], X_t[i, 4], X_t[i, 5] = x
+
+
+@in_line
+def scaled(a: float, x: Tangent) -> Tangent:
+    """a x."""
+    return (a * x[0], a * x[1], a * x[2], a * x[3], a * x[4], a * x[5])
+
+
+@in_line
+def sum2(a: float, x: Tangent, b: float, y: Tangent) -> Tangent:
+    """a x + b y."""
+    return (
+        a * x[0] + b * y[0],
+        a * x[1] + b * y[1],
+        a * x[2] + b * y[2],
+        a * x[3] + b * y[3],
+        a * x[4] + b * y[4],
+        a * x[5] + b * y[5],
+    )
+
+
+@in_line
+def sum3(a: float, x: Tangent, b: float, y: Tangent, c: float, z: Tangent) -> Tangent:
+    """a x + b y + c z."""
+    return sum2(1.0, sum2(a, x, b, y), c, z)
+
+
+@in_line
+def sum4(
+    a: float, x: Tangent, b: float, y: Tangent, c: float, z: Tangent, d: float, w: Tangent
+) -> Tangent:
+    """a x + b y + c z + d w."""
+    return sum2(1.0, sum2(a, x, b, y), 1.0, sum2(c, z, d, w))

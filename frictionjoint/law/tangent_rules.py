@@ -1,0 +1,104 @@
+"""Tangents of functions whose source does not show their derivative.
+
+Short cuts where a parameter has a particular value (an exponent of 1, equal levels) leave out what
+the derivative needs, and an iteration is not differentiated but its result, by the equation that
+the result solves. These functions take the place of the kernels of the same name in
+`frictionjoint.law.tangents`: (value, tangent) from numbers that each have their tangent after them.
+The value is the kernel's to the last bit.
+"""
+
+import math
+
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled, in_line
+from frictionjoint.law import dahl, relaxation
+from frictionjoint.law.stribeck import DELTA, FC, FS, VS, ZERO
+from frictionjoint.law.tangent import ZERO as STILL
+from frictionjoint.law.tangent import Tangent, Tangents, at, scaled, sum2, sum3, sum4
+
+_advance = relaxation.advance
+_distance = relaxation.distance
+_rate = relaxation.rate
+_remaining = dahl.remaining
+
+# Closer to the fixed point r = 1 than this the ratio of two rates is lost in rounding, and the
+# flow is linear to the same accuracy: the square root of a double's spacing.
+_NEAR = 1.5e-8
+
+
+@in_line
+def stribeck_level(P: Vector, P_t: Tangents, d: int, speed: float) -> tuple[float, Tangent]:
+    """|S(v)|; the speed is given."""
+    if speed == 0.0:
+        return P[d + FS], at(P_t, d + FS)
+    Fs = P[d + FS]
+    Fc = P[d + FC]
+    ratio = speed / P[d + VS]
+    delta = P[d + DELTA]
+    x = ratio
+    if delta == 2.0:
+        x = ratio * ratio
+    elif delta != 1.0:
+        x = ratio**delta
+    if x > ZERO:
+        return Fc, at(P_t, d + FC)
+    e = math.exp(-x)
+    fall = (Fs - Fc) * e * x
+    S_t = sum4(
+        e,
+        at(P_t, d + FS),
+        1.0 - e,
+        at(P_t, d + FC),
+        fall * delta / P[d + VS],
+        at(P_t, d + VS),
+        -fall * math.log(ratio),
+        at(P_t, d + DELTA),
+    )
+    return Fc + (Fs - Fc) * e, S_t
+
+
+@in_line
+def rate(r: float, r_t: Tangent, n: float) -> tuple[float, Tangent]:
+    """1 - sgn(r) |r|**n; the exponent is given."""
+    slope = n if n == 1.0 else n * relaxation.power(abs(r), n - 1.0)
+    return _rate(r, n), scaled(-slope, r_t)
+
+
+@in_line
+def advance(r: float, r_t: Tangent, a: float, a_t: Tangent, n: float) -> tuple[float, Tangent]:
+    """Solution after a of dr/da = rate(r), from r: its derivatives are rates."""
+    end = _advance(r, a, n)
+    at_end = _rate(end, n)
+    kept = at_end / _rate(r, n) if abs(1.0 - r) > _NEAR else math.exp(-n * a)
+    return end, sum2(kept, r_t, at_end, a_t)
+
+
+@in_line
+def distance(r0: float, r0_t: Tangent, r1: float, r1_t: Tangent, n: float) -> tuple[float, Tangent]:
+    """The inverse of `advance`: the integral of 1 / rate; no tangent where it is infinite."""
+    a = _distance(r0, r1, n)
+    if a == math.inf:
+        return a, STILL
+    return a, sum2(1.0 / _rate(r1, n), r1_t, -1.0 / _rate(r0, n), r0_t)
+
+
+@compiled
+def remaining(
+    w: float, w_t: Tangent, a: float, a_t: Tangent, i: float, i_t: Tangent
+) -> tuple[float, Tangent]:
+    """Dahl's dw/da = -w**i: w1**e = w**e - e a with e = 1 - i, written so that e may be 0."""
+    end = _remaining(w, a, i)
+    if end <= 0.0:
+        return end, STILL
+    e = 1.0 - i
+    log_w = math.log(w)
+    y = a * math.exp(-e * log_w)
+    x = e * y
+    # (log(1 - x) + x / (1 - x)) / e**2, whose terms cancel at small x
+    if abs(x) < 0.02:
+        second = y * y * (0.5 + x * (2 / 3 + x * (3 / 4 + x * (4 / 5 + x * (5 / 6 + x * 6 / 7)))))
+    else:
+        second = (math.log1p(-x) + x / (1.0 - x)) / (e * e)
+    by_i = end * (second - log_w * y / (1.0 - x))
+    rate_ = end**i
+    return end, sum3((end / w) ** i, w_t, -rate_, a_t, by_i, i_t)
