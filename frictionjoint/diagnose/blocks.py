@@ -1,41 +1,45 @@
-"""Sums of squares and products by block of time.
+"""Blocks of time, and the kinds of motion they are of.
 
-Samples of a log are correlated, blocks several correlation times long are nearly not. Every
-statistic of the trace (held-out gain, sign flips, bootstrap) is a function of the Gram matrices
-of the blocks, so the samples are touched once.
+Samples of a log are correlated, blocks several correlation times long are nearly not. A claim is
+tested on motion unlike that it was fitted to: on other logs where there are three or more, else on
+another kind of motion: blocks alike in speed, acceleration, position and direction.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
-from scipy.signal import lfilter
+from sklearn.cluster import KMeans
+from sklearn.preprocessing import StandardScaler
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import A, Q, V
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
 
 Index = NDArray[np.int64]
 
 _FEWEST_BLOCKS = 48
 _MOST_BLOCKS = 240
 _CORRELATION_TIMES = 5.0
-_FOLDS = 5
-_AR_ORDER = 6
+# logs from which on a fold is a log, and kinds of motion where there are fewer
+_LOGS, _KINDS = 3, 4
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Which block and which fold each sample belongs to.
+    """Which block each sample belongs to, and which fold each block.
 
     Attributes:
-        of_sample: block of each sample, shape (n,).
-        fold: fold of each block, shape (B,).
-        within: folds that cut every log, for coefficients that belong to a log, shape (B,).
+        of_sample: shape (n,). fold: logs or kinds of motion, shape (B,).
+        halves: first and second half of each log, for what acts in one fold alone, shape (B,).
+        log: shape (B,).
     """
 
     of_sample: Index
     fold: Index
-    within: Index
+    halves: Index
+    log: Index
 
     @property
     def count(self) -> int:
@@ -63,48 +67,45 @@ def correlation_time(residual: Array) -> float:
     return float(1.0 + 2.0 * rho[1:end].sum())
 
 
-def whitener(residual: Array, log_index: Index) -> Array:
-    """Prediction-error filter of a residual: coefficients (1, -a1, ... -ap), by Yule and Walker."""
-    lags = np.zeros(_AR_ORDER + 1)
-    for i in np.unique(log_index):
-        e = residual[log_index == i]
-        lags += [float(e[k:] @ e[: len(e) - k]) for k in range(_AR_ORDER + 1)]
-    if lags[0] <= 0.0:
-        return np.ones(1)
-    lags[0] *= 1.0 + 1e-6  # keeps the filter tame where the spectrum has deep holes
-    return np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
-
-
-def whiten(U: Array, log_index: Index, coefficients: Array) -> Array:
-    """Filter the columns of U, each log on its own."""
-    out = np.empty_like(U)
-    for i in np.unique(log_index):
-        out[log_index == i] = lfilter(coefficients, [1.0], U[log_index == i], axis=0)
-    return out
-
-
-def make_blocks(residual: Array, log_index: Index) -> Blocks:
-    """Cut the logs into blocks, and the blocks into folds.
+def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
+    """Cut the logs into blocks, and sort the blocks into folds.
 
     Blocks span several correlation times of the residual, as far as enough blocks remain: what
     makes a residual correlated for longer is the effect that is looked for.
-
-    With three logs or more a fold is a set of whole logs; with fewer, every log is cut into
-    contiguous stretches.
     """
+    e, log_index = fitted.residual * fitted.weight, fitted.log_index
     logs = np.unique(log_index)
-    longest = max(correlation_time(residual[log_index == i]) for i in logs)
-    n = len(residual)
+    longest = max(correlation_time(e[log_index == i]) for i in logs)
+    n = len(e)
     length = int(np.clip(_CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / _FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)
-    fold: list[int] = []
-    within: list[int] = []
+    log: list[int] = []
+    halves: list[int] = []
     for i in logs:
         where = np.flatnonzero(log_index == i)
-        k = max(1, round(len(where) / max(length, 1)))
+        k = max(2, round(len(where) / max(length, 1)))
         own = np.minimum(np.arange(len(where)) * k // len(where), k - 1)
-        of_sample[where] = own + len(fold)
-        cut = [int(b * _FOLDS // k) for b in range(k)]
-        within += cut
-        fold += [int(i) % _FOLDS] * k if len(logs) >= 3 else cut
-    return Blocks(of_sample, np.array(fold), np.array(within))
+        of_sample[where] = own + len(log)
+        halves += [int(2 * b >= k) for b in range(k)]
+        log += [int(i)] * k
+    fold = np.array(log) if len(logs) >= _LOGS else _kinds(prepared, of_sample)
+    return Blocks(of_sample, fold, np.array(halves), np.array(log))
+
+
+def _kinds(prepared: Prepared, of_sample: Index) -> Index:
+    """Kind of motion of each block: speed, acceleration, mean position and direction."""
+    q, v, a = (
+        np.concatenate([s.signals[:: s.step, k][s.kept] for s in prepared.segments])
+        for k in (Q, V, A)
+    )
+    count = np.bincount(of_sample)
+
+    def mean(x: Array) -> Array:
+        return np.asarray(np.bincount(of_sample, x) / count)
+
+    rows = np.column_stack(
+        [np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))]
+    )
+    rows = StandardScaler().fit_transform(rows)
+    found = KMeans(min(_KINDS, len(rows)), n_init=4, random_state=0).fit_predict(rows)
+    return np.asarray(found, dtype=np.int64)

@@ -43,6 +43,7 @@ class Fit:
         layout: where each parameter lies.
         residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
+        weight: of each sample, shape (n,).
         bound: which parameters sit on a bound of their range, shape (p,).
         log_index: which log each sample belongs to, shape (n,).
         target_rms: rms of the measured torque.
@@ -56,6 +57,7 @@ class Fit:
     layout: Layout
     residual: Array
     jacobian: Array
+    weight: Array
     bound: NDArray[np.bool_]
     log_index: NDArray[np.int64]
     target_rms: float
@@ -77,8 +79,8 @@ class Fit:
 
     @property
     def drive_rms(self) -> float:
-        """rms of the residual in units of the drive, to compare fits whose gains differ."""
-        return self.rms / self.gain
+        """rms of the weighted residual in units of the drive: what a fit makes small."""
+        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.gain
 
     @property
     def free_jacobian(self) -> Array:
@@ -175,6 +177,7 @@ class Search:
         self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)
+        self.weight = np.concatenate([s.kept_weight for s in prepared.segments])
         self._last: tuple[bytes, tuple[Array, Array, Array]] | None = None
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
@@ -242,24 +245,26 @@ class Search:
             return self._last[1]
         shape, terms = self.split(x)
         X, y = self.balance.columns(shape, terms)
-        beta = solve(X, y, self.low, self.high)
+        w = self.weight
+        beta = solve(X * w[:, None], y * w, self.low, self.high)
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
-            beta = solve(X, y, self.low, self.high)
+            beta = solve(X * w[:, None], y * w, self.low, self.high)
         self._last = (key, (X, y, beta))
         return X, y, beta
 
     def residual(self, x: Array) -> Array:
-        """Target less model."""
+        """Target less model, weighted."""
         X, y, beta = self.solved(x)
-        out: Array = y - X @ beta
+        out: Array = (y - X @ beta) * self.weight
         return out
 
     def derivative(self, x: Array) -> Array:
         """Of the residual by the numbers searched, the coefficients solved for all along."""
         X, _, beta = self.solved(x)
-        moves = self.balance.moves(*self.split(x), beta)
-        free = X[:, (beta > self.low) & (beta < self.high)]
+        w = self.weight[:, None]
+        moves = self.balance.moves(*self.split(x), beta) * w
+        free = X[:, (beta > self.low) & (beta < self.high)] * w
         length = np.linalg.norm(free, axis=0)
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
         Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]
@@ -284,6 +289,7 @@ class Search:
             layout=layout_of(self.prepared, shape, terms),
             residual=(y - X @ beta) * gain,
             jacobian=np.column_stack([X, moves]) * gain,
+            weight=self.weight,
             bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
             log_index=index,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),

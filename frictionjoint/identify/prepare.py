@@ -78,6 +78,8 @@ class Segment:
         mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
         others: further measured quantities by name, for dependences that no effect explains.
         noise: of the instruments. sample: s between the samples of the log itself.
+        corner_hz: of the filter of the motion.
+        weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
         refine: steps of the law from one sample to the next, see `path`.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
@@ -94,6 +96,8 @@ class Segment:
     others: dict[str, Array]
     noise: Noise
     sample: float
+    corner_hz: float
+    weight: Array | None = None
     refine: int = 1
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
@@ -140,6 +144,17 @@ class Segment:
     def lowpass(self, x: Array) -> Array:
         """What the balance has of a signal: filtered along axis 0 and decimated."""
         return self._filter(x)
+
+    def smooth(self, x: Array) -> Array:
+        """A signal behind the balance's filter, all samples of it."""
+        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)(x)
+
+    @property
+    def kept_weight(self) -> Array:
+        """Weights of the kept samples."""
+        if self.weight is None:
+            return np.ones(int(self.kept.sum()))
+        return self.weight[:: self.step][self.kept]
 
     @property
     def _filter(self) -> LowPass:
@@ -226,6 +241,7 @@ def _thinned(s: Segment, factor: float) -> Segment:
         drive=steep(s.drive),
         driven=s.driven[::step],
         mask=s.mask[::step],
+        weight=None if s.weight is None else s.weight[::step],
         others={name: x[::step] for name, x in s.others.items()},
         refine=1,
     )
@@ -338,6 +354,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
             _inertia(rigid.load, a) * per_drive,
         ),
         sample=sample,
+        corner_hz=band.motion,
         refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
     )
 

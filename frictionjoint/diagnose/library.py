@@ -1,0 +1,266 @@
+"""What these logs can speak of: the catalogue's effects, waves in position, unnamed dependences."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import MOTOR, TEMP, TIME, H, Q
+from frictionjoint.identify.design import full_signals, kept
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.smooth import (
+    VARIABLES,
+    HysteresisTerm,
+    LogTerm,
+    SmoothTerm,
+    SplineTerm,
+    WaveTerm,
+    quantity,
+)
+from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.threads import side_by_side
+
+_POSITION_BINS = 4096
+_FEWEST_PERIODS = 1.5
+# waves in time that the longest log must hold
+_FEWEST_WAVES = 4.0
+# reaches of unnamed hysteresis, over the travel
+_REACHES = (0.01, 0.03, 0.1, 0.3)
+# strongest lines of a spectrum that are tried
+_PEAKS = 2
+# length over which a change of the friction level is reached, over the travel: where a fit starts
+_LEVEL_REACH = 1e-3
+# a temperature that changes by less, K, holds nothing but its sensor's flicker
+_LEAST_WARMING = 1.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A term with its columns on the kept samples.
+
+    Attributes:
+        term: effect at given shape numbers, or an unnamed dependence.
+        columns: behind the balance's filter, N m per coefficient, shape (n, k).
+    """
+
+    term: Term
+    columns: Array
+
+    @property
+    def unnamed(self) -> bool:
+        """Whether it is a dependence without a physical name."""
+        return isinstance(self.term, SmoothTerm)
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """What shapes of one thing have in common."""
+        if isinstance(self.term, EffectTerm):
+            return self.term.name, "effect"
+        return self.term.name, type(self.term).__name__
+
+
+def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
+    """All candidates against a fit's residual."""
+    signals = signals_of(prepared, fitted)
+    terms = effect_terms(prepared, signals, fitted.terms)
+    terms += periodic_terms(prepared, signals, fitted, blocks)
+    terms += unnamed_terms(prepared, signals, fitted, blocks)
+    with side_by_side() as each:
+        columns = list(each(partial(columns_of, prepared, signals), terms))
+    return [
+        Candidate(term, x)
+        for term, x in zip(terms, columns, strict=True)
+        if np.all(np.isfinite(x)) and np.any(x)
+    ]
+
+
+def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
+    """Signals of each log under the fitted law; the torque of a motor under the whole model."""
+    found = [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
+    if not prepared.gain_unknown:
+        return found
+    for s, signals in zip(prepared.segments, found, strict=True):
+        # with all columns made first: a term may look at the torque of the law
+        signals[:, MOTOR] += sum(
+            [
+                term.columns(s, signals) @ fitted.term_coefficients(i)
+                for i, term in enumerate(fitted.terms)
+                if term.coefficients and not (isinstance(term, EffectTerm) and term.effect.on_motor)
+            ],
+            np.zeros(len(signals)),
+        )
+    return found
+
+
+def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
+    """A term's columns on the kept samples of all logs.
+
+    A delay, which moves the drive, has none; its first order is the rate of the drive.
+    """
+    if not term.coefficients:
+        parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
+        return np.concatenate(parts)[:, None]
+    parts = [kept(s, term.columns(s, x)) for s, x in zip(prepared.segments, signals, strict=True)]
+    return np.concatenate(parts)
+
+
+def effect_terms(
+    prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]
+) -> list[Term]:
+    """Every effect on a grid that the logs can speak of and that is not in the model yet."""
+    everything = np.concatenate(signals)
+    names = {term.name for term in taken}
+    return [
+        EffectTerm(effect, shape)
+        for effect in CATALOGUE
+        if effect.sought == "grid" and effect.name not in names
+        if spoken_of(prepared, effect, everything)
+        for shape in effect.shapes(everything)
+        if _in_band(prepared, effect, shape)
+    ]
+
+
+def spoken_of(prepared: Prepared, effect: Effect, signals: Array) -> bool:
+    """Whether the logs can say anything of an effect."""
+    if prepared.drive not in effect.drives:
+        return False
+    return all(_varies(signals[:, c], _LEAST_WARMING * (c == TEMP)) for c in effect.needs)
+
+
+def _in_band(prepared: Prepared, effect: Effect, shape: tuple[float, ...]) -> bool:
+    """Whether all its frequencies are ones that the balance holds."""
+    units = effect.shape_units[: len(shape)]
+    top = prepared.band.balance
+    return all(x <= top for x, unit in zip(shape, units, strict=True) if unit == "Hz")
+
+
+def _varies(x: Array, least: float = 0.0) -> bool:
+    low, high = np.quantile(x, (0.01, 0.99))
+    return bool(high - low > max(least, 1e-9 * (1.0 + np.abs(x).max())))
+
+
+def unnamed_terms(
+    prepared: Prepared, signals: list[Array], fitted: Fit, blocks: Blocks
+) -> list[Term]:
+    """Dependences without a physical name, on every measured quantity.
+
+    A spline alone and times the direction of friction; hysteresis in position over a hundredth to
+    a third of the travel; a friction level for each log; a wave in time.
+    """
+    terms: list[Term] = []
+    for variable in [*VARIABLES, *prepared.segments[0].others]:
+        try:
+            x = np.concatenate(
+                [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]
+            )
+        except KeyError:
+            continue  # another joint that only some logs have
+        if not _varies(x, _LEAST_WARMING * (VARIABLES.get(variable) == TEMP)):
+            continue
+        low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
+        pair = [SplineTerm(variable, low, high, odd) for odd in (False, True)]
+        terms += [curve.centred(prepared.segments, signals) for curve in pair]
+    span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
+    terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
+    names = tuple(s.name for s in prepared.segments)
+    if len(names) > 1:
+        terms.append(LogTerm("log", names))
+    return terms + wave_terms(prepared, fitted, blocks)
+
+
+def wave_terms(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Term]:
+    """A wave in time, from outside the joint: the strongest line of the residual's spectrum."""
+    times = [(s.signals[:: s.step, TIME])[s.kept] for s in prepared.segments]
+    longest = max(float(np.ptp(t)) for t in times)
+    rate = min(1.0 / (s.dt * s.step) for s in prepared.segments)
+    cells = int(longest * rate) + 1
+    first = int(_FEWEST_WAVES * 2)
+    power = np.zeros(max(0, cells // 4 - first))
+    e = fitted.residual * fitted.weight
+    for i, t in enumerate(times):
+        cell = np.minimum(((t - t[0]) * rate).astype(int), cells - 1)
+        F = np.fft.rfft(np.bincount(cell, e[fitted.log_index == i], cells), 2 * cells)
+        # phases belong to the logs: power adds up over logs, not amplitudes
+        power += np.abs(F[first : cells // 4]) ** 2
+    if not power.size:
+        return []
+    frequency = (int(np.argmax(power)) + first) * rate / (2 * cells)
+    return [WaveTerm("time", float(frequency), tuple(s.name for s in prepared.segments))]
+
+
+def periodic_terms(
+    prepared: Prepared, signals: list[Array], fitted: Fit, blocks: Blocks
+) -> list[Term]:
+    """Harmonics of position: the strongest spatial frequencies of the residual.
+
+    Those of all folds together and of all but each one, so that a frequency can be chosen on data
+    it is not tested on.
+    """
+    x = np.concatenate(
+        [kept(s, g[:, [Q, H]]) for s, g in zip(prepared.segments, signals, strict=True)]
+    )
+    q = x[:, 0]
+    span = float(np.ptp(q))
+    if span <= 0.0:
+        return []
+    e = fitted.residual * fitted.weight**2
+    bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
+    # periods are counted over where the joint mostly is: a few excursions must not make a slow
+    # wave out of a smooth curve
+    usual = float(np.subtract(*np.quantile(q, (0.95, 0.05))))
+    first, last = int(2 * _FEWEST_PERIODS * span / usual), _POSITION_BINS // 4
+    fold = blocks.fold[blocks.of_sample]
+    found: list[Term] = []
+    for effect in (f for f in CATALOGUE if f.sought == "spectrum"):
+        weight = x[:, 1] if effect.entry == "scales the friction level" else np.ones(len(q))
+        # twice oversampled: line k has k/2 periods over the span
+        F = np.array(
+            [
+                np.fft.rfft(
+                    np.bincount(bins, e * weight * (fold == k), _POSITION_BINS), 2 * _POSITION_BINS
+                )[first:last]
+                for k in np.unique(fold)
+            ]
+        )
+        whole = F.sum(axis=0)
+        lines = set(_peaks(np.abs(whole) ** 2, _PEAKS))
+        for part in F:
+            lines |= set(_peaks(np.abs(whole - part) ** 2, 1))
+        for line in sorted(lines):
+            N = np.pi * (line + first) / span
+            reach = (_LEVEL_REACH * span,) if effect.memory else ()
+            term = EffectTerm(effect, (float(N), *reach))
+            found.append(_sharpened(prepared, signals, term, e, span))
+    return found
+
+
+def _peaks(power: Array, count: int) -> list[int]:
+    left = power.copy()
+    found = []
+    for _ in range(count if len(left) else 0):
+        k = int(np.argmax(left))
+        found.append(k)
+        left[max(0, k - 3) : k + 4] = 0.0
+    return found
+
+
+def _sharpened(
+    prepared: Prepared, signals: list[Array], term: EffectTerm, e: Array, span: float
+) -> EffectTerm:
+    """The frequency near a spectral line that explains most."""
+    N, *others = term.shape
+    trials = [
+        term.with_shape((float(N + x), *others)) for x in np.linspace(-1, 1, 5) * np.pi / span / 2
+    ]
+    gains = []
+    for trial in trials:
+        X = columns_of(prepared, signals, trial)
+        G = X.T @ X
+        s = X.T @ e
+        gains.append(float(s @ np.linalg.lstsq(G, s, rcond=1e-9)[0]))
+    return trials[int(np.argmax(gains))]

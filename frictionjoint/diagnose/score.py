@@ -1,0 +1,41 @@
+"""What a model predicts of motion unlike that it was fitted to: the one score of the search."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.gram import screen
+from frictionjoint.identify.fit import Fit
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A fit with its squares of each block, predicted by effects fitted to other folds, (B,)."""
+
+    fit: Fit
+    squares: Array = field(repr=False)
+
+    @property
+    def total(self) -> float:
+        """Of all blocks, N m squared."""
+        return float(self.squares.sum())
+
+    def gain(self, other: "Scored") -> float:
+        """Fraction of another model's squares that this one does not leave."""
+        return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
+
+    def better(self, other: "Scored", errors: float = 1.0) -> bool:
+        """Whether it predicts better by more than some paired standard errors over blocks."""
+        difference = other.squares - self.squares
+        spread = float(np.std(difference)) * np.sqrt(len(difference))
+        return bool(difference.sum() > errors * spread)
+
+
+def scored(fitted: Fit, blocks: Blocks) -> Scored:
+    """A fit's score, to first order in the change of its effects without a fold."""
+    found = screen(fitted, blocks)
+    # in the units of the drive, where an effect may change the gain
+    squares, _ = found.held_out(found.terms)
+    return Scored(fitted, squares / fitted.gain**2)
