@@ -17,8 +17,8 @@ from frictionjoint.identify.shape import (
 )
 from frictionjoint.law import bristle, maxwell_slip
 from frictionjoint.law.motion import drive_rival
-from frictionjoint.law.sensitivity import driven_with_tangents
 from frictionjoint.law.stribeck import DELTA, FS, VS
+from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.laws import LAWS
 from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS, MaxwellSlipParameters

@@ -13,8 +13,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.law import integrated
 from frictionjoint.law.motion import drive_integrated
-from frictionjoint.law.sensitivity import driven_with_tangents
 from frictionjoint.law.stribeck import DELTA, FS, VS
+from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.transition import KNOT_STRIDE
 from frictionjoint.parameters import Friction, FrictionParameters, Knots, Variant, Virgin
 

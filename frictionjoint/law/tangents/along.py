@@ -3,8 +3,8 @@
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.law import tangents
-from frictionjoint.law.tangent import DIRECTIONS
+from frictionjoint.law.tangents import kernels
+from frictionjoint.law.tangents.direction import DIRECTIONS
 
 
 def driven_with_tangents(
@@ -21,7 +21,7 @@ def driven_with_tangents(
     Returns:
         H, rate, each of shape (n,), and their derivatives in every direction, of shape (k, n).
     """
-    drive = getattr(tangents, f"drive_{law}")
+    drive = getattr(kernels, f"drive_{law}")
     H, rate = np.empty_like(position), np.empty_like(position)
     H_t, rate_t = np.empty((2, len(P_t), len(position)))
     for first in range(0, len(P_t), DIRECTIONS):

@@ -1,4 +1,4 @@
-"""The laws' kernels with their tangents; `generate_tangents` writes this file."""
+"""The laws' kernels with their tangents; written by ``generate``, see there."""
 
 import math
 
@@ -16,11 +16,12 @@ from frictionjoint.law import (
     maxwell_slip,
     memory,
     static,
-    tangent_rules,
+    stribeck,
     transition,
 )
 from frictionjoint.law.kernel import row_size, start_row
-from frictionjoint.law.tangent import (
+from frictionjoint.law.tangents import rules
+from frictionjoint.law.tangents.direction import (
     DIRECTIONS,
     ZERO,
     Tangent,
@@ -38,61 +39,63 @@ from frictionjoint.law.tangent import (
 def integrated_start(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int
 ) -> None:
-    for i in range(integrated.HEADER):
+    for i in range(memory.HEADER):
         put(X_t, h + i, ZERO)
         X[h + i] = 0.0
-    X[h + integrated.N_MIN] = 1.0
-    X[h + integrated.N_MAX] = 1.0
-    X[h + integrated.VIRGIN] = 1.0
-    put(X_t, h + integrated.RATE, ZERO)
-    X[h + integrated.RATE] = 1.0
-    put(X_t, s, scaled(-1.0, at(P_t, p + integrated.NEGATIVE + integrated.FS)))
-    X[s] = -P[p + integrated.NEGATIVE + integrated.FS]
-    put(X_t, s + integrated.CAPACITY, at(P_t, p + integrated.POSITIVE + integrated.FS))
-    X[s + integrated.CAPACITY] = P[p + integrated.POSITIVE + integrated.FS]
+    X[h + memory.N_MIN] = 1.0
+    X[h + memory.N_MAX] = 1.0
+    X[h + memory.VIRGIN] = 1.0
+    put(X_t, h + memory.RATE, ZERO)
+    X[h + memory.RATE] = 1.0
+    put(X_t, s, scaled(-1.0, at(P_t, p + integrated.NEGATIVE + stribeck.FS)))
+    X[s] = -P[p + integrated.NEGATIVE + stribeck.FS]
+    put(X_t, s + memory.CAPACITY, at(P_t, p + integrated.POSITIVE + stribeck.FS))
+    X[s + memory.CAPACITY] = P[p + integrated.POSITIVE + stribeck.FS]
 
 
 @in_line
 def integrated_reverse(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> None:
-    Fh_t = at(X_t, h + integrated.FH)
-    Fh = X[h + integrated.FH]
+    Fh_t = at(X_t, h + memory.FH)
+    Fh = X[h + memory.FH]
     from_masing_virgin = P[p + integrated.MASING] == 1.0 and integrated._on_virgin(X, h)
-    n_min = int(X[h + integrated.N_MIN])
-    n_max = int(X[h + integrated.N_MAX])
+    n_min = int(X[h + memory.N_MIN])
+    n_max = int(X[h + memory.N_MAX])
     if direction < 0.0 or from_masing_virgin:
         if from_masing_virgin:
-            put(X_t, s + integrated.CAPACITY + n_max, scaled(math.copysign(1.0, Fh), Fh_t))
-            X[s + integrated.CAPACITY + n_max] = abs(Fh)
+            y1 = abs(Fh)
+            put(X_t, s + memory.CAPACITY + n_max, scaled(math.copysign(1.0, Fh), Fh_t))
+            X[s + memory.CAPACITY + n_max] = y1
         else:
-            put(X_t, s + integrated.CAPACITY + n_max, Fh_t)
-            X[s + integrated.CAPACITY + n_max] = Fh
-        X[h + integrated.N_MAX] = n_max + 1
+            put(X_t, s + memory.CAPACITY + n_max, Fh_t)
+            X[s + memory.CAPACITY + n_max] = Fh
+        X[h + memory.N_MAX] = n_max + 1
     if direction > 0.0 or from_masing_virgin:
         if from_masing_virgin:
+            y2 = abs(Fh)
             put(X_t, s + n_min, scaled(-math.copysign(1.0, Fh), Fh_t))
-            X[s + n_min] = -abs(Fh)
+            X[s + n_min] = -y2
         else:
             put(X_t, s + n_min, Fh_t)
             X[s + n_min] = Fh
-        X[h + integrated.N_MIN] = n_min + 1
-    put(X_t, h + integrated.FB, Fh_t)
-    X[h + integrated.FB] = Fh
+        X[h + memory.N_MIN] = n_min + 1
+    put(X_t, h + memory.FB, Fh_t)
+    X[h + memory.FB] = Fh
 
 
 @in_line
 def integrated_reset(X: Vector, X_t: Tangents, h: int, s: int, direction: float) -> None:
-    X[h + integrated.N_MIN] = 1.0
-    X[h + integrated.N_MAX] = 1.0
-    X[h + integrated.VIRGIN] = 0.0
-    X[h + integrated.BOUND] = 0.0
+    X[h + memory.N_MIN] = 1.0
+    X[h + memory.N_MAX] = 1.0
+    X[h + memory.VIRGIN] = 0.0
+    X[h + memory.BOUND] = 0.0
     if direction > 0.0:
-        put(X_t, h + integrated.FB, at(X_t, s))
-        X[h + integrated.FB] = X[s]
+        put(X_t, h + memory.FB, at(X_t, s))
+        X[h + memory.FB] = X[s]
     else:
-        put(X_t, h + integrated.FB, at(X_t, s + integrated.CAPACITY))
-        X[h + integrated.FB] = X[s + integrated.CAPACITY]
+        put(X_t, h + memory.FB, at(X_t, s + memory.CAPACITY))
+        X[h + memory.FB] = X[s + memory.CAPACITY]
 
 
 @in_line
@@ -109,13 +112,11 @@ def integrated_closing_torque(
     X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> tuple[float, Tangent]:
     if direction > 0.0:
-        tops = int(X[h + integrated.N_MAX])
+        tops = int(X[h + memory.N_MAX])
         if tops > 1:
-            return X[s + integrated.CAPACITY + tops - 1], at(
-                X_t, s + integrated.CAPACITY + tops - 1
-            )
+            return X[s + memory.CAPACITY + tops - 1], at(X_t, s + memory.CAPACITY + tops - 1)
         return math.inf, ZERO
-    tops = int(X[h + integrated.N_MIN])
+    tops = int(X[h + memory.N_MIN])
     if tops > 1:
         return -X[s + tops - 1], scaled(-1.0, at(X_t, s + tops - 1))
     return math.inf, ZERO
@@ -132,27 +133,27 @@ def transition_slope(P: Vector, P_t: Tangents, k: int, j: int) -> tuple[float, T
 def integrated_close(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> None:
-    n_min = X[h + integrated.N_MIN] - 1.0
-    n_max = X[h + integrated.N_MAX] - 1.0
+    n_min = X[h + memory.N_MIN] - 1.0
+    n_max = X[h + memory.N_MAX] - 1.0
     if (
         P[p + integrated.MASING] == 1.0
-        and X[h + integrated.VIRGIN] == 1.0
+        and X[h + memory.VIRGIN] == 1.0
         and (min(n_min, n_max) == 1.0)
     ):
         n_max = 1.0
         n_min = n_max
-    X[h + integrated.N_MIN] = n_min
-    X[h + integrated.N_MAX] = n_max
+    X[h + memory.N_MIN] = n_min
+    X[h + memory.N_MAX] = n_max
     if integrated._on_virgin(X, h):
-        put(X_t, h + integrated.FB, ZERO)
-        X[h + integrated.FB] = 0.0
+        put(X_t, h + memory.FB, ZERO)
+        X[h + memory.FB] = 0.0
     else:
         if direction > 0.0:
-            put(X_t, h + integrated.FB, at(X_t, s + int(n_min) - 1))
-            X[h + integrated.FB] = X[s + int(n_min) - 1]
+            put(X_t, h + memory.FB, at(X_t, s + int(n_min) - 1))
+            X[h + memory.FB] = X[s + int(n_min) - 1]
         else:
-            put(X_t, h + integrated.FB, at(X_t, s + integrated.CAPACITY + int(n_max) - 1))
-            X[h + integrated.FB] = X[s + integrated.CAPACITY + int(n_max) - 1]
+            put(X_t, h + memory.FB, at(X_t, s + memory.CAPACITY + int(n_max) - 1))
+            X[h + memory.FB] = X[s + memory.CAPACITY + int(n_max) - 1]
 
 
 @in_line
@@ -176,23 +177,23 @@ def integrated_slide(
     lampaert = P[p + integrated.LAMPAERT] == 1.0
     reset_torque_t = scaled(1.0 - integrated.RESET_MARGIN, S_t)
     reset_torque = (1.0 - integrated.RESET_MARGIN) * S
-    f_t = scaled(direction, at(X_t, h + integrated.FH))
-    f = direction * X[h + integrated.FH]
+    f_t = scaled(direction, at(X_t, h + memory.FH))
+    f = direction * X[h + memory.FH]
     j = -1
     r_t = ZERO
     r = 1.0
     while True:
         wiped = (
-            X[h + integrated.VIRGIN] == 0.0
-            and X[h + integrated.N_MIN] == 1.0
-            and (X[h + integrated.N_MAX] == 1.0)
+            X[h + memory.VIRGIN] == 0.0
+            and X[h + memory.N_MIN] == 1.0
+            and (X[h + memory.N_MAX] == 1.0)
         )
         if not wiped and f >= reset_torque:
             integrated_reset(X, X_t, h, s, direction)
             wiped = True
             j = -1
-        b_t = scaled(direction, at(X_t, h + integrated.FB))
-        b = direction * X[h + integrated.FB]
+        b_t = scaled(direction, at(X_t, h + memory.FB))
+        b = direction * X[h + memory.FB]
         scale = 0.5 if P[p + integrated.MASING] == 1.0 and integrated._on_virgin(X, h) else 1.0
         if lampaert:
             span_t = S_t
@@ -211,7 +212,7 @@ def integrated_slide(
         )
         r = (f - origin) / span
         if j < 0:
-            j = integrated.segment_of_torque(P, k, max(0.0, (f - b) / scale))
+            j = transition.segment_of_torque(P, k, max(0.0, (f - b) / scale))
         event = integrated._KNOT
         if r < 1.0:
             if j < last:
@@ -248,7 +249,7 @@ def integrated_slide(
             span_t,
         )
         stop = (target - origin) / span
-        end, end_t = tangent_rules.advance(
+        end, end_t = rules.advance(
             r,
             r_t,
             dx * K / span,
@@ -263,7 +264,7 @@ def integrated_slide(
             f_t = sum3(1.0, origin_t, span, r_t, r, span_t)
             f = origin + r * span
             break
-        y3, y3_t = tangent_rules.distance(r, r_t, stop, stop_t, n)
+        y3, y3_t = rules.distance(r, r_t, stop, stop_t, n)
         reach_t = sum3(
             1.0 / K * span, y3_t, 1.0 / K * y3, span_t, -(y3 * span / K) * (1.0 / K), K_t
         )
@@ -278,19 +279,19 @@ def integrated_slide(
         dx = dx - max(0.0, reach)
         f_t = target_t
         f = target
-        put(X_t, h + integrated.FH, scaled(direction, f_t))
-        X[h + integrated.FH] = direction * f
+        put(X_t, h + memory.FH, scaled(direction, f_t))
+        X[h + memory.FH] = direction * f
         if event == integrated._CLOSING:
             integrated_close(P, P_t, p, X, X_t, h, s, direction)
             j = -1
         else:
             if event == integrated._KNOT:
                 j = j + (1 if r < 1.0 else -1)
-    put(X_t, h + integrated.FH, scaled(direction, f_t))
-    X[h + integrated.FH] = direction * f
-    y4, y4_t = tangent_rules.rate(r, r_t, n)
-    put(X_t, h + integrated.RATE, y4_t)
-    X[h + integrated.RATE] = y4
+    put(X_t, h + memory.FH, scaled(direction, f_t))
+    X[h + memory.FH] = direction * f
+    y4, y4_t = rules.rate(r, r_t, n)
+    put(X_t, h + memory.RATE, y4_t)
+    X[h + memory.RATE] = y4
 
 
 @compiled
@@ -308,17 +309,17 @@ def integrated_step(
     v: float,
 ) -> None:
     if h != a:
-        for i in range(integrated.HEADER):
+        for i in range(memory.HEADER):
             put(X_t, h + i, at(X_t, a + i))
             X[h + i] = X[a + i]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        if X[h + integrated.DIRECTION] == -direction:
+        if X[h + memory.DIRECTION] == -direction:
             integrated_reverse(P, P_t, p, X, X_t, h, s, direction)
-        X[h + integrated.DIRECTION] = direction
+        X[h + memory.DIRECTION] = direction
         side = p + integrated.POSITIVE if dq > 0.0 else p + integrated.NEGATIVE
         dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(P, P_t, side, dx / dt if dt > 0.0 else 0.0)
+        S, S_t = rules.stribeck_level(P, P_t, side, dx / dt if dt > 0.0 else 0.0)
         integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx)
 
 
@@ -363,15 +364,15 @@ def static_step(
     dt: float,
     v: float,
 ) -> None:
-    X[h + static.DIRECTION] = 0.0
-    put(X_t, h + static.RATE, ZERO)
-    X[h + static.RATE] = 0.0
+    X[h + bristle.DIRECTION] = 0.0
+    put(X_t, h + bristle.RATE, ZERO)
+    X[h + bristle.RATE] = 0.0
     if v == 0.0:
-        put(X_t, h + static.FH, ZERO)
-        X[h + static.FH] = 0.0
+        put(X_t, h + bristle.FH, ZERO)
+        X[h + bristle.FH] = 0.0
     else:
         direction = 1.0 if v > 0.0 else -1.0
-        S, S_t = tangent_rules.stribeck_level(P, P_t, static.side(p, direction), abs(v))
+        S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), abs(v))
         if abs(v) / P[p + static.V0] >= 1.0:
             y1, y1_t = 1.0, ZERO
         else:
@@ -381,8 +382,8 @@ def static_step(
                     -(abs(v) / P[p + static.V0]) * (1.0 / P[p + static.V0]), at(P_t, p + static.V0)
                 ),
             )
-        put(X_t, h + static.FH, sum2(y1 * direction, S_t, direction * S, y1_t))
-        X[h + static.FH] = direction * S * y1
+        put(X_t, h + bristle.FH, sum2(y1 * direction, S_t, direction * S, y1_t))
+        X[h + bristle.FH] = direction * S * y1
 
 
 @compiled
@@ -398,32 +399,32 @@ def armstrong_step(
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + armstrong.FH)
-    Fh = X[a + armstrong.FH]
-    direction = X[a + armstrong.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    direction = X[a + bristle.DIRECTION]
     sliding = X[a + armstrong.SLIDING]
     if dq != 0.0:
         now = 1.0 if dq > 0.0 else -1.0
         if now != direction:
             sliding = 0.0
         direction = now
-        side_ = armstrong.side(p, now)
+        side_ = bristle.side(p, now)
         f_t = scaled(now, Fh_t)
         f = now * Fh
         if sliding == 0.0:
             f_t = sum2(1.0, f_t, abs(dq), at(P_t, p + armstrong.SIGMA0))
             f = f + P[p + armstrong.SIGMA0] * abs(dq)
-            if f >= P[side_ + armstrong.FS]:
+            if f >= P[side_ + stribeck.FS]:
                 sliding = 1.0
         if sliding == 1.0:
-            f, f_t = tangent_rules.stribeck_level(P, P_t, side_, abs(dq) / dt if dt > 0.0 else 0.0)
+            f, f_t = rules.stribeck_level(P, P_t, side_, abs(dq) / dt if dt > 0.0 else 0.0)
         Fh_t = scaled(now, f_t)
         Fh = now * f
-    put(X_t, h + armstrong.FH, Fh_t)
-    X[h + armstrong.FH] = Fh
-    put(X_t, h + armstrong.RATE, ZERO)
-    X[h + armstrong.RATE] = 1.0 - sliding
-    X[h + armstrong.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, ZERO)
+    X[h + bristle.RATE] = 1.0 - sliding
+    X[h + bristle.DIRECTION] = direction
     X[h + armstrong.SLIDING] = sliding
 
 
@@ -440,18 +441,18 @@ def dahl_step(
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + dahl.FH)
-    Fh = X[a + dahl.FH]
-    rate_t = at(X_t, a + dahl.RATE)
-    rate = X[a + dahl.RATE]
-    direction = X[a + dahl.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        Fc_t = at(P_t, dahl.side(p, direction) + dahl.FC)
-        Fc = P[dahl.side(p, direction) + dahl.FC]
+        Fc_t = at(P_t, bristle.side(p, direction) + stribeck.FC)
+        Fc = P[bristle.side(p, direction) + stribeck.FC]
         i_t = at(P_t, p + dahl.EXPONENT)
         i = P[p + dahl.EXPONENT]
-        w, w_t = tangent_rules.remaining(
+        w, w_t = rules.remaining(
             1.0 - direction * Fh / Fc,
             sum2(-(1.0 / Fc * direction), Fh_t, -(-(direction * Fh / Fc) * (1.0 / Fc)), Fc_t),
             P[p + dahl.SIGMA0] * abs(dq) / Fc,
@@ -473,11 +474,11 @@ def dahl_step(
         else:
             rate_t = ZERO
             rate = 0.0
-    put(X_t, h + dahl.FH, Fh_t)
-    X[h + dahl.FH] = Fh
-    put(X_t, h + dahl.RATE, rate_t)
-    X[h + dahl.RATE] = rate
-    X[h + dahl.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
@@ -493,16 +494,16 @@ def lugre_step(
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + lugre.FH)
-    Fh = X[a + lugre.FH]
-    rate_t = at(X_t, a + lugre.RATE)
-    rate = X[a + lugre.RATE]
-    direction = X[a + lugre.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
         dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(
-            P, P_t, lugre.side(p, direction), dx / dt if dt > 0.0 else 0.0
+        S, S_t = rules.stribeck_level(
+            P, P_t, bristle.side(p, direction), dx / dt if dt > 0.0 else 0.0
         )
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
@@ -520,11 +521,11 @@ def lugre_step(
         Fh = direction * f
         rate_t = sum2(-(1.0 / S), f_t, -(-(f / S) * (1.0 / S)), S_t)
         rate = 1.0 - f / S
-    put(X_t, h + lugre.FH, Fh_t)
-    X[h + lugre.FH] = Fh
-    put(X_t, h + lugre.RATE, rate_t)
-    X[h + lugre.RATE] = rate
-    X[h + lugre.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @in_line
@@ -641,25 +642,25 @@ def elastoplastic_step(
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + elastoplastic.FH)
-    Fh = X[a + elastoplastic.FH]
-    rate_t = at(X_t, a + elastoplastic.RATE)
-    rate = X[a + elastoplastic.RATE]
-    direction = X[a + elastoplastic.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        levels = elastoplastic.side(p, direction)
+        levels = bristle.side(p, direction)
         dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(P, P_t, levels, dx / dt if dt > 0.0 else 0.0)
+        S, S_t = rules.stribeck_level(P, P_t, levels, dx / dt if dt > 0.0 else 0.0)
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
         f_ba_t = sum2(
-            P[levels + elastoplastic.FC],
+            P[levels + stribeck.FC],
             at(P_t, p + elastoplastic.BREAKAWAY),
             P[p + elastoplastic.BREAKAWAY],
-            at(P_t, levels + elastoplastic.FC),
+            at(P_t, levels + stribeck.FC),
         )
-        f_ba = P[p + elastoplastic.BREAKAWAY] * P[levels + elastoplastic.FC]
+        f_ba = P[p + elastoplastic.BREAKAWAY] * P[levels + stribeck.FC]
         r_ba_t = sum2(1.0 / S, f_ba_t, -(f_ba / S) * (1.0 / S), S_t)
         r_ba = f_ba / S
         left_t = scaled(dx, at(P_t, p + elastoplastic.SIGMA0))
@@ -691,7 +692,7 @@ def elastoplastic_step(
                 )
                 f = f - (S - f) * y3
             else:
-                if r_ba <= f / S:
+                if f / S >= r_ba:
                     y4, y4_t = f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t)
                 else:
                     y4, y4_t = r_ba, r_ba_t
@@ -712,11 +713,11 @@ def elastoplastic_step(
         )
         rate_t = sum3(-(1.0 / S * f), y6_t, -(1.0 / S * y6), f_t, -(-(y6 * f / S) * (1.0 / S)), S_t)
         rate = 1.0 - y6 * f / S
-    put(X_t, h + elastoplastic.FH, Fh_t)
-    X[h + elastoplastic.FH] = Fh
-    put(X_t, h + elastoplastic.RATE, rate_t)
-    X[h + elastoplastic.RATE] = rate
-    X[h + elastoplastic.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
@@ -734,16 +735,14 @@ def maxwell_slip_step(
 ) -> None:
     n = int(P[p + maxwell_slip.N_ELEMENTS])
     if dq == 0.0:
-        for i in range(maxwell_slip.HEADER + 2 * n):
+        for i in range(bristle.HEADER + 2 * n):
             put(X_t, h + i, at(X_t, a + i))
             X[h + i] = X[a + i]
         return
     direction = 1.0 if dq > 0.0 else -1.0
-    turned = X[a + maxwell_slip.DIRECTION] != direction
+    turned = X[a + bristle.DIRECTION] != direction
     dx = abs(dq)
-    S, S_t = tangent_rules.stribeck_level(
-        P, P_t, maxwell_slip.side(p, direction), dx / dt if dt > 0.0 else 0.0
-    )
+    S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), dx / dt if dt > 0.0 else 0.0)
     y1 = math.expm1(-P[p + maxwell_slip.ATTRACTION] * dt / S)
     missing_t = sum2(
         -(dt * (1.0 / S) * (y1 + 1.0)),
@@ -763,9 +762,9 @@ def maxwell_slip_step(
         share = P[p + maxwell_slip.ELEMENTS + 2 * i + 1]
         level_t = sum2(S, share_t, share, S_t)
         level = share * S
-        f_t = scaled(direction, at(X_t, a + maxwell_slip.HEADER + i))
-        f = direction * X[a + maxwell_slip.HEADER + i]
-        slips = not turned and X[a + maxwell_slip.HEADER + n + i] == 1.0
+        f_t = scaled(direction, at(X_t, a + bristle.HEADER + i))
+        f = direction * X[a + bristle.HEADER + i]
+        slips = not turned and X[a + bristle.HEADER + n + i] == 1.0
         if not slips:
             if f >= level:
                 slips = True
@@ -775,9 +774,9 @@ def maxwell_slip_step(
                 if f >= level:
                     f_t = level_t
                     f = level
-                    put(X_t, h + maxwell_slip.HEADER + i, scaled(direction, f_t))
-                    X[h + maxwell_slip.HEADER + i] = direction * f
-                    X[h + maxwell_slip.HEADER + n + i] = 1.0
+                    put(X_t, h + bristle.HEADER + i, scaled(direction, f_t))
+                    X[h + bristle.HEADER + i] = direction * f
+                    X[h + bristle.HEADER + n + i] = 1.0
                     Fh_t = sum2(1.0, Fh_t, 1.0, f_t)
                     Fh = Fh + f
                     continue
@@ -786,16 +785,16 @@ def maxwell_slip_step(
         if slips:
             f_t = sum3(1.0 + missing, f_t, -missing, level_t, -(level - f), missing_t)
             f = f - (level - f) * missing
-        put(X_t, h + maxwell_slip.HEADER + i, scaled(direction, f_t))
-        X[h + maxwell_slip.HEADER + i] = direction * f
-        X[h + maxwell_slip.HEADER + n + i] = 1.0 if slips else 0.0
+        put(X_t, h + bristle.HEADER + i, scaled(direction, f_t))
+        X[h + bristle.HEADER + i] = direction * f
+        X[h + bristle.HEADER + n + i] = 1.0 if slips else 0.0
         Fh_t = sum2(1.0, Fh_t, 1.0, f_t)
         Fh = Fh + f
-    put(X_t, h + maxwell_slip.FH, scaled(direction, Fh_t))
-    X[h + maxwell_slip.FH] = direction * Fh
-    put(X_t, h + maxwell_slip.RATE, sticking_t)
-    X[h + maxwell_slip.RATE] = sticking
-    X[h + maxwell_slip.DIRECTION] = direction
+    put(X_t, h + bristle.FH, scaled(direction, Fh_t))
+    X[h + bristle.FH] = direction * Fh
+    put(X_t, h + bristle.RATE, sticking_t)
+    X[h + bristle.RATE] = sticking
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
