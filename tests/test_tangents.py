@@ -58,6 +58,8 @@ SHAPES |= {
 # without closed form the kernel changes method with the size of a step, to 1e-9: too coarse a
 # step for few events, too fine a one for this
 STEPS = {name: 1e-4 if name.startswith(("n = 2.6", "n = 4")) else 1e-5 for name in SHAPES}
+# what these kernels' results depend on how a step is cut
+CUT = {name: 1e-7 for name, h in STEPS.items() if h > 1e-5} | {"elastoplastic": 1e-6}
 T = np.arange(800) * 2e-3
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -114,23 +116,20 @@ def test_derivatives_are_what_differences_tend_to(name):
     assert np.mean(left_out) < 0.01, left_out
 
 
-@pytest.mark.parametrize("law", [law for law in LAWS if law not in ("dahl", "static")])
+@pytest.mark.parametrize("law", [law for law in LAWS if law != "dahl"])
 def test_at_equal_levels_the_derivative_by_the_excess_is_one_sided(law):
     shape = shape_of(law, excess=0.0)
-    x = shape.vector()
-    assert shape.variables[0] == "excess"
     q = motions()["sines"]
     H, _, derivatives, _ = shape.tangents(T, q)
-    H1, H2 = (
-        shape.moved(x + h * (np.arange(len(x)) == 0)).hysteresis(T, q)[0] for h in (1e-5, 2e-5)
-    )
-    one_sided = (4 * H1 - H2 - 3 * H) / 2e-5
-    coarse = (
-        4 * H2 - shape.moved(x + 4e-5 * (np.arange(len(x)) == 0)).hysteresis(T, q)[0] - 3 * H
-    ) / 4e-5
-    smooth = np.abs(one_sided - coarse) < 1e-6
+    excess = np.array([name == "excess" for name in shape.variables])
+    at = shape.vector()
+    one, two, four = (shape.moved(at + h * excess).hysteresis(T, q)[0] for h in (1e-5, 2e-5, 4e-5))
+    fine, coarse = (4 * one - two - 3 * H) / 2e-5, (4 * two - four - 3 * H) / 4e-5
+    smooth = np.abs(fine - coarse) < 1e-6
     assert smooth.mean() > 0.97
-    np.testing.assert_allclose(derivatives[0][smooth], one_sided[smooth], rtol=0, atol=1e-6)
+    # torque at the level to the last bits: the elasto-plastic kernel's slope has no digits there
+    most = 2e-5 if law == "elastoplastic" else 1e-6
+    np.testing.assert_allclose(derivatives[excess][0][smooth], fine[smooth], rtol=0, atol=most)
     for name in ("log Vs", "delta"):
         assert not derivatives[shape.variables.index(name)].any()
 
@@ -196,9 +195,9 @@ def test_a_step_at_constant_speed_may_be_cut(name, seed, parts):
     between = np.linspace(0, len(t) - 1, parts * (len(t) - 1) + 1)
     whole = shape.tangents(t, q)
     cut = shape.tangents(np.interp(between, samples, t), np.interp(between, samples, q))
-    for a, b in zip(whole, cut, strict=True):
-        scale = 1.0 + np.abs(a).max()
-        print(name, np.abs(a - b[..., ::parts]).max() / scale)
+    # H and its derivatives; dz/dq jumps where a loop closes, here often at a sample
+    for a, b in zip(whole[::2], cut[::2], strict=True):
+        np.testing.assert_allclose(b[..., ::parts], a, rtol=0, atol=CUT.get(name, 1e-9))
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -244,6 +243,6 @@ def _unheard_of(P: Vector, p: int) -> float:
 
 @pytest.mark.parametrize("kernel", [_hides_a_derivative, _unheard_of])
 def test_what_cannot_be_differentiated_is_named(kernel):
-    nothing = Particulars({}, (), {}, frozenset(), frozenset(), frozenset())
+    nothing = Particulars({}, (), {}, frozenset(), {}, frozenset())
     with pytest.raises(UnknownError, match=f"{kernel.py_func.__name__} cannot be differentiated"):
         Differentiated(kernel, frozenset(), True, nothing)

@@ -24,7 +24,7 @@ class Particulars:
         counts: names that, together in an index, mark a count, a flag or a choice in an array.
         counts_of: further ones, by module.
         left_out: statements without which the values are the same.
-        rounding: bounds ``max(a, b)`` that only rounding passes: the tangent is that of b.
+        rounded: by kernel, expressions and what each is but for rounding, which its tangent is of.
         assigned: tests for an equality that holds by assignment, so that nothing is hidden.
     """
 
@@ -32,7 +32,7 @@ class Particulars:
     counts: tuple[frozenset[str], ...]
     counts_of: dict[Any, tuple[frozenset[str], ...]]
     left_out: frozenset[str]
-    rounding: frozenset[str]
+    rounded: dict[Any, dict[str, str]]
     assigned: frozenset[str]
 
 
@@ -54,6 +54,8 @@ class Activity:
         self.owner: Any = inspect.getmodule(self.python)
         self.homes = _homes(self.owner)
         self.modules: set[str] = set()
+        self.rounded = particulars.rounded.get(kernel, {})
+        self.exact: set[ast.AST] = set()
         tree: Any = ast.parse(textwrap.dedent(inspect.getsource(self.python))).body[0]
         body = tree.body[1:] if ast.get_docstring(tree) else tree.body
         body = plain(body, set(particulars.left_out))
@@ -92,12 +94,14 @@ class Activity:
         """Names whose tangents make up a value's tangent."""
         if not self.moves(node):
             return set()
+        node = self.exactly(node)
         if isinstance(node, ast.Name):
             return {node.id}
         return {name for part in _parts(node) for name in self._names_in(part)}
 
     def moves(self, node: ast.expr) -> bool:
         """Whether a value has a tangent, or a call sets one."""
+        node = self.exactly(node)
         if isinstance(node, ast.Name):
             return node.id in self.varied
         if isinstance(node, ast.Subscript):
@@ -114,6 +118,16 @@ class Activity:
                 if any(ast.unparse(argument) in self.arrays for argument in node.args):
                     return True
         return any(self.moves(part) for part in _parts(node))
+
+    def exactly(self, node: ast.expr) -> ast.expr:
+        """What an expression is but for rounding."""
+        found = self.rounded.get(ast.unparse(node))
+        if found is None or node in self.exact:
+            return node
+        tree: ast.expr = expression(found)
+        # it may hold the same expression in turn, and means it there
+        self.exact.update(ast.walk(tree))
+        return tree
 
     def is_count(self, node: ast.Subscript) -> bool:
         """Whether an element is a count, a flag or a choice."""

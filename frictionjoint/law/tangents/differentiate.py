@@ -170,6 +170,9 @@ class Differentiated:
         """Value and tangent; lines that must come first are added to `before`."""
         if not self.activity.moves(node):
             return expression(self.activity.as_is(node)), {}
+        exact = self.activity.exactly(node)
+        if exact is not node:
+            return expression(self.activity.as_is(node)), self._differentiate(exact, before)[1]
         if isinstance(node, ast.Name):
             return node, alone(f"{node.id}_t")
         if isinstance(node, ast.Subscript):
@@ -215,8 +218,6 @@ class Differentiated:
         called = ast.unparse(node.func)
         parts = [self._differentiate(argument, before) for argument in node.args]
         values = [value for value, _ in parts]
-        if ast.unparse(node) in self.particulars.rounding:
-            return ast.Call(node.func, values, []), parts[1][1]
         if called in ("min", "max") and len(parts) == 2:
             return self._extreme(called, parts, before)
         if called not in _DERIVATIVES or len(parts) != 1:

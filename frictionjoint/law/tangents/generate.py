@@ -50,7 +50,13 @@ _PARTICULARS = Particulars(
     counts_of={integrated: (frozenset({"EXPONENT"}),)},
     # At the fixed point r = 1 the torque stays; its tangent goes on as in any other step.
     left_out=frozenset({"if r == 1.0:\n    break"}),
-    rounding=frozenset({"max(0.0, reach)"}),
+    rounded={
+        integrated._slide: {"max(0.0, reach)": "reach"},
+        elastoplastic._transition: {
+            "1.0": "1.0 - math.exp(-(u + a))",
+            "-math.expm1(-u)": "1.0 - math.exp(-u)",
+        },
+    },
     assigned=frozenset({"d == a"}),
 )
 

@@ -581,23 +581,24 @@ def elastoplastic_transition(
     u = -y1
     while a > 0.0:
         if u + a >= elastoplastic._U_SATURATED:
-            return 1.0, ZERO
+            y2 = math.exp(-(u + a))
+            return 1.0, sum2(y2, u_t, y2, a_t)
         k1, k1_t = elastoplastic_slope(u, u_t, r_ba, r_ba_t)
-        y2 = math.exp(0.2 * u)
-        if a <= elastoplastic._STEP * y2 / k1:
-            y3, y3_t = a, a_t
+        y3 = math.exp(0.2 * u)
+        if a <= elastoplastic._STEP * y3 / k1:
+            y4, y4_t = a, a_t
         else:
-            y3, y3_t = (
-                elastoplastic._STEP * y2 / k1,
+            y4, y4_t = (
+                elastoplastic._STEP * y3 / k1,
                 sum2(
-                    1.0 / k1 * (elastoplastic._STEP * (y2 * 0.2)),
+                    1.0 / k1 * (elastoplastic._STEP * (y3 * 0.2)),
                     u_t,
-                    -(elastoplastic._STEP * y2 / k1) * (1.0 / k1),
+                    -(elastoplastic._STEP * y3 / k1) * (1.0 / k1),
                     k1_t,
                 ),
             )
-        d_t = y3_t
-        d = y3
+        d_t = y4_t
+        d = y4
         k2, k2_t = elastoplastic_slope(
             u + 0.5 * d * k1, sum3(1.0, u_t, k1 * 0.5, d_t, 0.5 * d, k1_t), r_ba, r_ba_t
         )
@@ -625,8 +626,8 @@ def elastoplastic_transition(
             break
         a_t = sum2(1.0, a_t, -1.0, d_t)
         a = a - d
-    y4 = math.expm1(-u)
-    return -y4, scaled(y4 + 1.0, u_t)
+    y5 = math.exp(-u)
+    return -math.expm1(-u), scaled(y5, u_t)
 
 
 @compiled
