@@ -24,8 +24,10 @@ class Particulars:
         counts: names that, together in an index, mark a count, a flag or a choice in an array.
         counts_of: further ones, by module.
         left_out: statements without which the values are the same.
-        rounded: by kernel, expressions and what each is but for rounding, which its tangent is of.
-        assigned: tests for an equality that holds by assignment, so that nothing is hidden.
+        rounded: by kernel, expressions and what each equals but for rounding; the tangent is taken
+            of the latter.
+        harmless: tests for equality that hide no derivative: the equality holds by assignment, or
+            the motion is at rest, where the derivative by the motion jumps.
     """
 
     rules: dict[Any, Any]
@@ -33,7 +35,7 @@ class Particulars:
     counts_of: dict[Any, tuple[frozenset[str], ...]]
     left_out: frozenset[str]
     rounded: dict[Any, dict[str, str]]
-    assigned: frozenset[str]
+    harmless: frozenset[str]
 
 
 class Activity:

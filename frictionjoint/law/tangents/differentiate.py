@@ -2,9 +2,9 @@
 
 Before ``x = f(y, z)`` comes ``x_t = df/dy y_t + df/dz z_t``, whose factors are numbers and serve
 every direction (`frictionjoint.law.tangents.direction`). Arrays P and X get P_t and X_t; a call
-hands numbers on with their tangents and returns both. Tests, counts and the given motion have no
-tangent and stay as they are, so that at a sample where an event happens the derivative is
-one-sided. Tangents that nothing asks for are left out.
+passes numbers with their tangents and returns both. Tests and counts have no tangent and stay as
+they are, so that at a sample where an event happens the derivative is one-sided. Tangents that
+nothing uses are left out.
 
 What is known: scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
 and arrays by subscript. Anything else is an error, never a guess; so is a test for equality of a
@@ -160,7 +160,7 @@ class Differentiated:
                 isinstance(op, ast.Eq | ast.NotEq) for op in part.ops
             ):
                 hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
-                if hides and ast.unparse(part) not in self.particulars.assigned:
+                if hides and ast.unparse(part) not in self.particulars.harmless:
                     raise self._unknown(node)
         return self.activity.as_is(node)
 
@@ -185,6 +185,11 @@ class Differentiated:
             return self._binary(node, before)
         if isinstance(node, ast.Call):
             return self._function(node, before)
+        if isinstance(node, ast.IfExp):
+            inside: tuple[list[str], list[str]] = ([], [])
+            pairs = zip((node.body, node.orelse), inside, strict=True)
+            parts = [self._differentiate(part, lines) for part, lines in pairs]
+            return self._choice(self._test(node.test), parts, before, inside)
         raise self._unknown(node)
 
     def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
@@ -229,19 +234,26 @@ class Differentiated:
     def _extreme(
         self, called: str, parts: list[tuple[ast.expr, Terms]], before: list[str]
     ) -> tuple[ast.expr, Terms]:
-        name = self._new()
-        (a, of_a), (b, of_b) = parts
         order = ("<=", ">=") if called == "min" else (">=", "<=")
-        if isinstance(a, ast.Constant):
-            test = f"{text(b)} {order[1]} {text(a)}"
-        else:
-            test = f"{text(a)} {order[0]} {text(b)}"
-        before += [
-            f"if {test}:",
-            f"    {name}, {name}_t = {text(a)}, {combined(of_a)}",
-            "else:",
-            f"    {name}, {name}_t = {text(b)}, {combined(of_b)}",
-        ]
+        a, b = (text(value) for value, _ in parts)
+        constant = isinstance(parts[0][0], ast.Constant)
+        test = f"{b} {order[1]} {a}" if constant else f"{a} {order[0]} {b}"
+        return self._choice(test, parts, before)
+
+    def _choice(
+        self,
+        test: str,
+        parts: list[tuple[ast.expr, Terms]],
+        before: list[str],
+        inside: tuple[list[str], list[str]] = ([], []),
+    ) -> tuple[ast.expr, Terms]:
+        """One of two values, as a statement before; `inside` goes before each of them."""
+        name = self._new()
+        for head, lines, (value, terms) in zip(
+            (f"if {test}:", "else:"), inside, parts, strict=True
+        ):
+            chosen = f"{name}, {name}_t = {text(value)}, {combined(terms)}"
+            before += [head, *_indented([*lines, chosen])]
         return expression(name), alone(f"{name}_t")
 
     def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:
