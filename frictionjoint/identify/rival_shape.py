@@ -17,8 +17,8 @@ from frictionjoint.identify.shape import (
 )
 from frictionjoint.law import bristle, maxwell_slip
 from frictionjoint.law.motion import drive_rival
-from frictionjoint.law.sensitivity import driven_with_tangents
 from frictionjoint.law.stribeck import DELTA, FS, VS
+from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.laws import LAWS
 from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
@@ -148,10 +148,12 @@ class RivalShape:
         drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
 
-    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
+    def tangents(
+        self, time: Array, q: Array, q_t: Array | None = None
+    ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = self.parameters(1.0, 0.0).pack()
-        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q)
+        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, q_t)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

@@ -13,8 +13,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.law import integrated
 from frictionjoint.law.motion import drive_integrated
-from frictionjoint.law.sensitivity import driven_with_tangents
 from frictionjoint.law.stribeck import DELTA, FS, VS
+from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.transition import KNOT_STRIDE
 from frictionjoint.parameters import Friction, FrictionParameters, Knots, Variant, Virgin
 
@@ -51,8 +51,15 @@ class Shape(Protocol):
     def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """H, and what times the velocity is dz/dt, along a motion, each of shape (n,)."""
 
-    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
-        """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
+    def tangents(
+        self, time: Array, q: Array, q_t: Array | None = None
+    ) -> tuple[Array, Array, Array, Array]:
+        """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n).
+
+        Args:
+            q_t: how the motion changes with each number of `vector`, and along further directions
+                if it has more rows; their derivatives follow as further rows. None: it is given.
+        """
 
 
 _LEAST_BEND = 0.02
@@ -187,10 +194,12 @@ class IntegratedShape:
         drive_integrated(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
         return H, rate
 
-    def tangents(self, time: Array, q: Array) -> tuple[Array, Array, Array, Array]:
+    def tangents(
+        self, time: Array, q: Array, q_t: Array | None = None
+    ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = self.parameters(1.0, 0.0).pack()
-        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q)
+        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, q_t)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

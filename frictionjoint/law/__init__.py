@@ -9,6 +9,7 @@
                 ``elastoplastic``, ``maxwell_slip``, one file each
 ``kernel``      one entry to all laws
 ``motion``      a law driven along a given motion
+``tangents``    the same with exact derivatives; its kernels are made from those here
 
 Every law is a function on two flat float64 arrays, parameters ``P`` and state ``X``, with
 offsets into both, so that the same machine code serves a NumPy array in identification and a

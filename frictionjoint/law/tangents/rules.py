@@ -2,9 +2,9 @@
 
 Short cuts where a parameter has a particular value (an exponent of 1, equal levels) leave out what
 the derivative needs, and an iteration is not differentiated but its result, by the equation that
-the result solves. These functions take the place of the kernels of the same name in
-`frictionjoint.law.tangents`: (value, tangent) from numbers that each have their tangent after them.
-The value is the kernel's to the last bit.
+the result solves. These functions stand in for the kernels of the same name. They take each number
+that has a tangent with the tangent after it, and return a value, the kernel's to the last bit, and
+its tangent.
 """
 
 import math
@@ -13,8 +13,8 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import dahl, relaxation
 from frictionjoint.law.stribeck import DELTA, FC, FS, VS, ZERO
-from frictionjoint.law.tangent import ZERO as STILL
-from frictionjoint.law.tangent import Tangent, Tangents, at, scaled, sum2, sum3, sum4
+from frictionjoint.law.tangents.direction import ZERO as STILL
+from frictionjoint.law.tangents.direction import Tangent, Tangents, at, scaled, sum2, sum3
 
 _advance = relaxation.advance
 _distance = relaxation.distance
@@ -27,8 +27,10 @@ _NEAR = 1.5e-8
 
 
 @in_line
-def stribeck_level(P: Vector, P_t: Tangents, d: int, speed: float) -> tuple[float, Tangent]:
-    """|S(v)|; the speed is given."""
+def stribeck_level(
+    P: Vector, P_t: Tangents, d: int, speed: float, speed_t: Tangent
+) -> tuple[float, Tangent]:
+    """|S(v)|."""
     if speed == 0.0:
         return P[d + FS], at(P_t, d + FS)
     Fs = P[d + FS]
@@ -44,16 +46,10 @@ def stribeck_level(P: Vector, P_t: Tangents, d: int, speed: float) -> tuple[floa
         return Fc, at(P_t, d + FC)
     e = math.exp(-x)
     fall = (Fs - Fc) * e * x
-    S_t = sum4(
-        e,
-        at(P_t, d + FS),
-        1.0 - e,
-        at(P_t, d + FC),
-        fall * delta / P[d + VS],
-        at(P_t, d + VS),
-        -fall * math.log(ratio),
-        at(P_t, d + DELTA),
-    )
+    by_levels = sum2(e, at(P_t, d + FS), 1.0 - e, at(P_t, d + FC))
+    by_ratio = sum2(fall * delta / P[d + VS], at(P_t, d + VS), -fall * delta / speed, speed_t)
+    by_delta = -fall * math.log(ratio) if fall > 0.0 else 0.0
+    S_t = sum3(1.0, by_levels, 1.0, by_ratio, by_delta, at(P_t, d + DELTA))
     return Fc + (Fs - Fc) * e, S_t
 
 

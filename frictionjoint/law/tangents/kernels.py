@@ -1,4 +1,4 @@
-"""The laws' kernels with their tangents; `generate_tangents` writes this file."""
+"""The laws' kernels with their tangents; written by ``generate``, see there."""
 
 import math
 
@@ -16,11 +16,12 @@ from frictionjoint.law import (
     maxwell_slip,
     memory,
     static,
-    tangent_rules,
+    stribeck,
     transition,
 )
 from frictionjoint.law.kernel import row_size, start_row
-from frictionjoint.law.tangent import (
+from frictionjoint.law.tangents import rules
+from frictionjoint.law.tangents.direction import (
     DIRECTIONS,
     ZERO,
     Tangent,
@@ -38,61 +39,63 @@ from frictionjoint.law.tangent import (
 def integrated_start(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int
 ) -> None:
-    for i in range(integrated.HEADER):
+    for i in range(memory.HEADER):
         put(X_t, h + i, ZERO)
         X[h + i] = 0.0
-    X[h + integrated.N_MIN] = 1.0
-    X[h + integrated.N_MAX] = 1.0
-    X[h + integrated.VIRGIN] = 1.0
-    put(X_t, h + integrated.RATE, ZERO)
-    X[h + integrated.RATE] = 1.0
-    put(X_t, s, scaled(-1.0, at(P_t, p + integrated.NEGATIVE + integrated.FS)))
-    X[s] = -P[p + integrated.NEGATIVE + integrated.FS]
-    put(X_t, s + integrated.CAPACITY, at(P_t, p + integrated.POSITIVE + integrated.FS))
-    X[s + integrated.CAPACITY] = P[p + integrated.POSITIVE + integrated.FS]
+    X[h + memory.N_MIN] = 1.0
+    X[h + memory.N_MAX] = 1.0
+    X[h + memory.VIRGIN] = 1.0
+    put(X_t, h + memory.RATE, ZERO)
+    X[h + memory.RATE] = 1.0
+    put(X_t, s, scaled(-1.0, at(P_t, p + integrated.NEGATIVE + stribeck.FS)))
+    X[s] = -P[p + integrated.NEGATIVE + stribeck.FS]
+    put(X_t, s + memory.CAPACITY, at(P_t, p + integrated.POSITIVE + stribeck.FS))
+    X[s + memory.CAPACITY] = P[p + integrated.POSITIVE + stribeck.FS]
 
 
 @in_line
 def integrated_reverse(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> None:
-    Fh_t = at(X_t, h + integrated.FH)
-    Fh = X[h + integrated.FH]
+    Fh_t = at(X_t, h + memory.FH)
+    Fh = X[h + memory.FH]
     from_masing_virgin = P[p + integrated.MASING] == 1.0 and integrated._on_virgin(X, h)
-    n_min = int(X[h + integrated.N_MIN])
-    n_max = int(X[h + integrated.N_MAX])
+    n_min = int(X[h + memory.N_MIN])
+    n_max = int(X[h + memory.N_MAX])
     if direction < 0.0 or from_masing_virgin:
         if from_masing_virgin:
-            put(X_t, s + integrated.CAPACITY + n_max, scaled(math.copysign(1.0, Fh), Fh_t))
-            X[s + integrated.CAPACITY + n_max] = abs(Fh)
+            y1 = abs(Fh)
+            put(X_t, s + memory.CAPACITY + n_max, scaled(math.copysign(1.0, Fh), Fh_t))
+            X[s + memory.CAPACITY + n_max] = y1
         else:
-            put(X_t, s + integrated.CAPACITY + n_max, Fh_t)
-            X[s + integrated.CAPACITY + n_max] = Fh
-        X[h + integrated.N_MAX] = n_max + 1
+            put(X_t, s + memory.CAPACITY + n_max, Fh_t)
+            X[s + memory.CAPACITY + n_max] = Fh
+        X[h + memory.N_MAX] = n_max + 1
     if direction > 0.0 or from_masing_virgin:
         if from_masing_virgin:
+            y2 = abs(Fh)
             put(X_t, s + n_min, scaled(-math.copysign(1.0, Fh), Fh_t))
-            X[s + n_min] = -abs(Fh)
+            X[s + n_min] = -y2
         else:
             put(X_t, s + n_min, Fh_t)
             X[s + n_min] = Fh
-        X[h + integrated.N_MIN] = n_min + 1
-    put(X_t, h + integrated.FB, Fh_t)
-    X[h + integrated.FB] = Fh
+        X[h + memory.N_MIN] = n_min + 1
+    put(X_t, h + memory.FB, Fh_t)
+    X[h + memory.FB] = Fh
 
 
 @in_line
 def integrated_reset(X: Vector, X_t: Tangents, h: int, s: int, direction: float) -> None:
-    X[h + integrated.N_MIN] = 1.0
-    X[h + integrated.N_MAX] = 1.0
-    X[h + integrated.VIRGIN] = 0.0
-    X[h + integrated.BOUND] = 0.0
+    X[h + memory.N_MIN] = 1.0
+    X[h + memory.N_MAX] = 1.0
+    X[h + memory.VIRGIN] = 0.0
+    X[h + memory.BOUND] = 0.0
     if direction > 0.0:
-        put(X_t, h + integrated.FB, at(X_t, s))
-        X[h + integrated.FB] = X[s]
+        put(X_t, h + memory.FB, at(X_t, s))
+        X[h + memory.FB] = X[s]
     else:
-        put(X_t, h + integrated.FB, at(X_t, s + integrated.CAPACITY))
-        X[h + integrated.FB] = X[s + integrated.CAPACITY]
+        put(X_t, h + memory.FB, at(X_t, s + memory.CAPACITY))
+        X[h + memory.FB] = X[s + memory.CAPACITY]
 
 
 @in_line
@@ -109,13 +112,11 @@ def integrated_closing_torque(
     X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> tuple[float, Tangent]:
     if direction > 0.0:
-        tops = int(X[h + integrated.N_MAX])
+        tops = int(X[h + memory.N_MAX])
         if tops > 1:
-            return X[s + integrated.CAPACITY + tops - 1], at(
-                X_t, s + integrated.CAPACITY + tops - 1
-            )
+            return X[s + memory.CAPACITY + tops - 1], at(X_t, s + memory.CAPACITY + tops - 1)
         return math.inf, ZERO
-    tops = int(X[h + integrated.N_MIN])
+    tops = int(X[h + memory.N_MIN])
     if tops > 1:
         return -X[s + tops - 1], scaled(-1.0, at(X_t, s + tops - 1))
     return math.inf, ZERO
@@ -132,27 +133,27 @@ def transition_slope(P: Vector, P_t: Tangents, k: int, j: int) -> tuple[float, T
 def integrated_close(
     P: Vector, P_t: Tangents, p: int, X: Vector, X_t: Tangents, h: int, s: int, direction: float
 ) -> None:
-    n_min = X[h + integrated.N_MIN] - 1.0
-    n_max = X[h + integrated.N_MAX] - 1.0
+    n_min = X[h + memory.N_MIN] - 1.0
+    n_max = X[h + memory.N_MAX] - 1.0
     if (
         P[p + integrated.MASING] == 1.0
-        and X[h + integrated.VIRGIN] == 1.0
+        and X[h + memory.VIRGIN] == 1.0
         and (min(n_min, n_max) == 1.0)
     ):
         n_max = 1.0
         n_min = n_max
-    X[h + integrated.N_MIN] = n_min
-    X[h + integrated.N_MAX] = n_max
+    X[h + memory.N_MIN] = n_min
+    X[h + memory.N_MAX] = n_max
     if integrated._on_virgin(X, h):
-        put(X_t, h + integrated.FB, ZERO)
-        X[h + integrated.FB] = 0.0
+        put(X_t, h + memory.FB, ZERO)
+        X[h + memory.FB] = 0.0
     else:
         if direction > 0.0:
-            put(X_t, h + integrated.FB, at(X_t, s + int(n_min) - 1))
-            X[h + integrated.FB] = X[s + int(n_min) - 1]
+            put(X_t, h + memory.FB, at(X_t, s + int(n_min) - 1))
+            X[h + memory.FB] = X[s + int(n_min) - 1]
         else:
-            put(X_t, h + integrated.FB, at(X_t, s + integrated.CAPACITY + int(n_max) - 1))
-            X[h + integrated.FB] = X[s + integrated.CAPACITY + int(n_max) - 1]
+            put(X_t, h + memory.FB, at(X_t, s + memory.CAPACITY + int(n_max) - 1))
+            X[h + memory.FB] = X[s + memory.CAPACITY + int(n_max) - 1]
 
 
 @in_line
@@ -168,31 +169,31 @@ def integrated_slide(
     S: float,
     S_t: Tangent,
     dx: float,
+    dx_t: Tangent,
 ) -> None:
-    dx_t = ZERO
     n = P[p + integrated.EXPONENT]
     k = p + integrated.KNOTS
     last = int(P[k]) - 1
     lampaert = P[p + integrated.LAMPAERT] == 1.0
     reset_torque_t = scaled(1.0 - integrated.RESET_MARGIN, S_t)
     reset_torque = (1.0 - integrated.RESET_MARGIN) * S
-    f_t = scaled(direction, at(X_t, h + integrated.FH))
-    f = direction * X[h + integrated.FH]
+    f_t = scaled(direction, at(X_t, h + memory.FH))
+    f = direction * X[h + memory.FH]
     j = -1
     r_t = ZERO
     r = 1.0
     while True:
         wiped = (
-            X[h + integrated.VIRGIN] == 0.0
-            and X[h + integrated.N_MIN] == 1.0
-            and (X[h + integrated.N_MAX] == 1.0)
+            X[h + memory.VIRGIN] == 0.0
+            and X[h + memory.N_MIN] == 1.0
+            and (X[h + memory.N_MAX] == 1.0)
         )
         if not wiped and f >= reset_torque:
             integrated_reset(X, X_t, h, s, direction)
             wiped = True
             j = -1
-        b_t = scaled(direction, at(X_t, h + integrated.FB))
-        b = direction * X[h + integrated.FB]
+        b_t = scaled(direction, at(X_t, h + memory.FB))
+        b = direction * X[h + memory.FB]
         scale = 0.5 if P[p + integrated.MASING] == 1.0 and integrated._on_virgin(X, h) else 1.0
         if lampaert:
             span_t = S_t
@@ -211,7 +212,7 @@ def integrated_slide(
         )
         r = (f - origin) / span
         if j < 0:
-            j = integrated.segment_of_torque(P, k, max(0.0, (f - b) / scale))
+            j = transition.segment_of_torque(P, k, max(0.0, (f - b) / scale))
         event = integrated._KNOT
         if r < 1.0:
             if j < last:
@@ -248,7 +249,7 @@ def integrated_slide(
             span_t,
         )
         stop = (target - origin) / span
-        end, end_t = tangent_rules.advance(
+        end, end_t = rules.advance(
             r,
             r_t,
             dx * K / span,
@@ -263,7 +264,7 @@ def integrated_slide(
             f_t = sum3(1.0, origin_t, span, r_t, r, span_t)
             f = origin + r * span
             break
-        y3, y3_t = tangent_rules.distance(r, r_t, stop, stop_t, n)
+        y3, y3_t = rules.distance(r, r_t, stop, stop_t, n)
         reach_t = sum3(
             1.0 / K * span, y3_t, 1.0 / K * y3, span_t, -(y3 * span / K) * (1.0 / K), K_t
         )
@@ -278,19 +279,19 @@ def integrated_slide(
         dx = dx - max(0.0, reach)
         f_t = target_t
         f = target
-        put(X_t, h + integrated.FH, scaled(direction, f_t))
-        X[h + integrated.FH] = direction * f
+        put(X_t, h + memory.FH, scaled(direction, f_t))
+        X[h + memory.FH] = direction * f
         if event == integrated._CLOSING:
             integrated_close(P, P_t, p, X, X_t, h, s, direction)
             j = -1
         else:
             if event == integrated._KNOT:
                 j = j + (1 if r < 1.0 else -1)
-    put(X_t, h + integrated.FH, scaled(direction, f_t))
-    X[h + integrated.FH] = direction * f
-    y4, y4_t = tangent_rules.rate(r, r_t, n)
-    put(X_t, h + integrated.RATE, y4_t)
-    X[h + integrated.RATE] = y4
+    put(X_t, h + memory.FH, scaled(direction, f_t))
+    X[h + memory.FH] = direction * f
+    y4, y4_t = rules.rate(r, r_t, n)
+    put(X_t, h + memory.RATE, y4_t)
+    X[h + memory.RATE] = y4
 
 
 @compiled
@@ -304,22 +305,29 @@ def integrated_step(
     h: int,
     s: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
     if h != a:
-        for i in range(integrated.HEADER):
+        for i in range(memory.HEADER):
             put(X_t, h + i, at(X_t, a + i))
             X[h + i] = X[a + i]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        if X[h + integrated.DIRECTION] == -direction:
+        if X[h + memory.DIRECTION] == -direction:
             integrated_reverse(P, P_t, p, X, X_t, h, s, direction)
-        X[h + integrated.DIRECTION] = direction
+        X[h + memory.DIRECTION] = direction
         side = p + integrated.POSITIVE if dq > 0.0 else p + integrated.NEGATIVE
-        dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(P, P_t, side, dx / dt if dt > 0.0 else 0.0)
-        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx)
+        y1 = abs(dq)
+        dx_t = scaled(math.copysign(1.0, dq), dq_t)
+        dx = y1
+        if dt > 0.0:
+            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
+        else:
+            y2, y2_t = 0.0, ZERO
+        S, S_t = rules.stribeck_level(P, P_t, side, y2, y2_t)
+        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx, dx_t)
 
 
 @compiled
@@ -362,27 +370,35 @@ def static_step(
     dq: float,
     dt: float,
     v: float,
+    v_t: Tangent,
 ) -> None:
-    X[h + static.DIRECTION] = 0.0
-    put(X_t, h + static.RATE, ZERO)
-    X[h + static.RATE] = 0.0
+    X[h + bristle.DIRECTION] = 0.0
+    put(X_t, h + bristle.RATE, ZERO)
+    X[h + bristle.RATE] = 0.0
     if v == 0.0:
-        put(X_t, h + static.FH, ZERO)
-        X[h + static.FH] = 0.0
+        put(X_t, h + bristle.FH, ZERO)
+        X[h + bristle.FH] = 0.0
     else:
         direction = 1.0 if v > 0.0 else -1.0
-        S, S_t = tangent_rules.stribeck_level(P, P_t, static.side(p, direction), abs(v))
-        if abs(v) / P[p + static.V0] >= 1.0:
-            y1, y1_t = 1.0, ZERO
+        y1 = abs(v)
+        S, S_t = rules.stribeck_level(
+            P, P_t, bristle.side(p, direction), y1, scaled(math.copysign(1.0, v), v_t)
+        )
+        y2 = abs(v)
+        if y2 / P[p + static.V0] >= 1.0:
+            y3, y3_t = 1.0, ZERO
         else:
-            y1, y1_t = (
-                abs(v) / P[p + static.V0],
-                scaled(
-                    -(abs(v) / P[p + static.V0]) * (1.0 / P[p + static.V0]), at(P_t, p + static.V0)
+            y3, y3_t = (
+                y2 / P[p + static.V0],
+                sum2(
+                    1.0 / P[p + static.V0] * math.copysign(1.0, v),
+                    v_t,
+                    -(y2 / P[p + static.V0]) * (1.0 / P[p + static.V0]),
+                    at(P_t, p + static.V0),
                 ),
             )
-        put(X_t, h + static.FH, sum2(y1 * direction, S_t, direction * S, y1_t))
-        X[h + static.FH] = direction * S * y1
+        put(X_t, h + bristle.FH, sum2(y3 * direction, S_t, direction * S, y3_t))
+        X[h + bristle.FH] = direction * S * y3
 
 
 @compiled
@@ -395,35 +411,49 @@ def armstrong_step(
     a: int,
     h: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + armstrong.FH)
-    Fh = X[a + armstrong.FH]
-    direction = X[a + armstrong.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    direction = X[a + bristle.DIRECTION]
     sliding = X[a + armstrong.SLIDING]
     if dq != 0.0:
         now = 1.0 if dq > 0.0 else -1.0
         if now != direction:
             sliding = 0.0
         direction = now
-        side_ = armstrong.side(p, now)
+        side_ = bristle.side(p, now)
         f_t = scaled(now, Fh_t)
         f = now * Fh
         if sliding == 0.0:
-            f_t = sum2(1.0, f_t, abs(dq), at(P_t, p + armstrong.SIGMA0))
-            f = f + P[p + armstrong.SIGMA0] * abs(dq)
-            if f >= P[side_ + armstrong.FS]:
+            y1 = abs(dq)
+            f_t = sum3(
+                1.0,
+                f_t,
+                y1,
+                at(P_t, p + armstrong.SIGMA0),
+                P[p + armstrong.SIGMA0] * math.copysign(1.0, dq),
+                dq_t,
+            )
+            f = f + P[p + armstrong.SIGMA0] * y1
+            if f >= P[side_ + stribeck.FS]:
                 sliding = 1.0
         if sliding == 1.0:
-            f, f_t = tangent_rules.stribeck_level(P, P_t, side_, abs(dq) / dt if dt > 0.0 else 0.0)
+            if dt > 0.0:
+                y2 = abs(dq)
+                y3, y3_t = y2 / dt, scaled(1.0 / dt * math.copysign(1.0, dq), dq_t)
+            else:
+                y3, y3_t = 0.0, ZERO
+            f, f_t = rules.stribeck_level(P, P_t, side_, y3, y3_t)
         Fh_t = scaled(now, f_t)
         Fh = now * f
-    put(X_t, h + armstrong.FH, Fh_t)
-    X[h + armstrong.FH] = Fh
-    put(X_t, h + armstrong.RATE, ZERO)
-    X[h + armstrong.RATE] = 1.0 - sliding
-    X[h + armstrong.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, ZERO)
+    X[h + bristle.RATE] = 1.0 - sliding
+    X[h + bristle.DIRECTION] = direction
     X[h + armstrong.SLIDING] = sliding
 
 
@@ -437,28 +467,32 @@ def dahl_step(
     a: int,
     h: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + dahl.FH)
-    Fh = X[a + dahl.FH]
-    rate_t = at(X_t, a + dahl.RATE)
-    rate = X[a + dahl.RATE]
-    direction = X[a + dahl.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        Fc_t = at(P_t, dahl.side(p, direction) + dahl.FC)
-        Fc = P[dahl.side(p, direction) + dahl.FC]
+        Fc_t = at(P_t, bristle.side(p, direction) + stribeck.FC)
+        Fc = P[bristle.side(p, direction) + stribeck.FC]
         i_t = at(P_t, p + dahl.EXPONENT)
         i = P[p + dahl.EXPONENT]
-        w, w_t = tangent_rules.remaining(
+        y1 = abs(dq)
+        w, w_t = rules.remaining(
             1.0 - direction * Fh / Fc,
             sum2(-(1.0 / Fc * direction), Fh_t, -(-(direction * Fh / Fc) * (1.0 / Fc)), Fc_t),
-            P[p + dahl.SIGMA0] * abs(dq) / Fc,
-            sum2(
-                1.0 / Fc * abs(dq),
+            P[p + dahl.SIGMA0] * y1 / Fc,
+            sum3(
+                1.0 / Fc * y1,
                 at(P_t, p + dahl.SIGMA0),
-                -(P[p + dahl.SIGMA0] * abs(dq) / Fc) * (1.0 / Fc),
+                1.0 / Fc * (P[p + dahl.SIGMA0] * math.copysign(1.0, dq)),
+                dq_t,
+                -(P[p + dahl.SIGMA0] * y1 / Fc) * (1.0 / Fc),
                 Fc_t,
             ),
             i,
@@ -467,17 +501,17 @@ def dahl_step(
         Fh_t = sum2((1.0 - w) * direction, Fc_t, -(direction * Fc), w_t)
         Fh = direction * Fc * (1.0 - w)
         if w > 0.0:
-            y1 = w**i
-            rate_t = sum2(i * y1 / w, w_t, y1 * math.log(w), i_t)
-            rate = y1
+            y2 = w**i
+            rate_t = sum2(i * y2 / w, w_t, y2 * math.log(w), i_t)
+            rate = y2
         else:
             rate_t = ZERO
             rate = 0.0
-    put(X_t, h + dahl.FH, Fh_t)
-    X[h + dahl.FH] = Fh
-    put(X_t, h + dahl.RATE, rate_t)
-    X[h + dahl.RATE] = rate
-    X[h + dahl.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
@@ -490,41 +524,48 @@ def lugre_step(
     a: int,
     h: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + lugre.FH)
-    Fh = X[a + lugre.FH]
-    rate_t = at(X_t, a + lugre.RATE)
-    rate = X[a + lugre.RATE]
-    direction = X[a + lugre.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(
-            P, P_t, lugre.side(p, direction), dx / dt if dt > 0.0 else 0.0
-        )
+        y1 = abs(dq)
+        dx_t = scaled(math.copysign(1.0, dq), dq_t)
+        dx = y1
+        if dt > 0.0:
+            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
+        else:
+            y2, y2_t = 0.0, ZERO
+        S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), y2, y2_t)
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
-        y1 = math.expm1(-P[p + lugre.SIGMA0] * dx / S)
-        f_t = sum3(
-            1.0 + y1,
+        y3 = math.expm1(-P[p + lugre.SIGMA0] * dx / S)
+        f_t = sum4(
+            1.0 + y3,
             f_t,
-            -(y1 + (S - f) * ((y1 + 1.0) * (-(-P[p + lugre.SIGMA0] * dx / S) * (1.0 / S)))),
+            -(y3 + (S - f) * ((y3 + 1.0) * (-(-P[p + lugre.SIGMA0] * dx / S) * (1.0 / S)))),
             S_t,
-            dx * (1.0 / S) * (y1 + 1.0) * (S - f),
+            dx * (1.0 / S) * (y3 + 1.0) * (S - f),
             at(P_t, p + lugre.SIGMA0),
+            P[p + lugre.SIGMA0] * (1.0 / S) * (y3 + 1.0) * (S - f),
+            dx_t,
         )
-        f = f - (S - f) * y1
+        f = f - (S - f) * y3
         Fh_t = scaled(direction, f_t)
         Fh = direction * f
         rate_t = sum2(-(1.0 / S), f_t, -(-(f / S) * (1.0 / S)), S_t)
         rate = 1.0 - f / S
-    put(X_t, h + lugre.FH, Fh_t)
-    X[h + lugre.FH] = Fh
-    put(X_t, h + lugre.RATE, rate_t)
-    X[h + lugre.RATE] = rate
-    X[h + lugre.DIRECTION] = direction
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @in_line
@@ -580,23 +621,24 @@ def elastoplastic_transition(
     u = -y1
     while a > 0.0:
         if u + a >= elastoplastic._U_SATURATED:
-            return 1.0, ZERO
+            y2 = math.exp(-(u + a))
+            return 1.0, sum2(y2, u_t, y2, a_t)
         k1, k1_t = elastoplastic_slope(u, u_t, r_ba, r_ba_t)
-        y2 = math.exp(0.2 * u)
-        if a <= elastoplastic._STEP * y2 / k1:
-            y3, y3_t = a, a_t
+        y3 = math.exp(0.2 * u)
+        if a <= elastoplastic._STEP * y3 / k1:
+            y4, y4_t = a, a_t
         else:
-            y3, y3_t = (
-                elastoplastic._STEP * y2 / k1,
+            y4, y4_t = (
+                elastoplastic._STEP * y3 / k1,
                 sum2(
-                    1.0 / k1 * (elastoplastic._STEP * (y2 * 0.2)),
+                    1.0 / k1 * (elastoplastic._STEP * (y3 * 0.2)),
                     u_t,
-                    -(elastoplastic._STEP * y2 / k1) * (1.0 / k1),
+                    -(elastoplastic._STEP * y3 / k1) * (1.0 / k1),
                     k1_t,
                 ),
             )
-        d_t = y3_t
-        d = y3
+        d_t = y4_t
+        d = y4
         k2, k2_t = elastoplastic_slope(
             u + 0.5 * d * k1, sum3(1.0, u_t, k1 * 0.5, d_t, 0.5 * d, k1_t), r_ba, r_ba_t
         )
@@ -624,8 +666,8 @@ def elastoplastic_transition(
             break
         a_t = sum2(1.0, a_t, -1.0, d_t)
         a = a - d
-    y4 = math.expm1(-u)
-    return -y4, scaled(y4 + 1.0, u_t)
+    y5 = math.exp(-u)
+    return -math.expm1(-u), scaled(y5, u_t)
 
 
 @compiled
@@ -638,85 +680,92 @@ def elastoplastic_step(
     a: int,
     h: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
-    Fh_t = at(X_t, a + elastoplastic.FH)
-    Fh = X[a + elastoplastic.FH]
-    rate_t = at(X_t, a + elastoplastic.RATE)
-    rate = X[a + elastoplastic.RATE]
-    direction = X[a + elastoplastic.DIRECTION]
+    Fh_t = at(X_t, a + bristle.FH)
+    Fh = X[a + bristle.FH]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        levels = elastoplastic.side(p, direction)
-        dx = abs(dq)
-        S, S_t = tangent_rules.stribeck_level(P, P_t, levels, dx / dt if dt > 0.0 else 0.0)
+        levels = bristle.side(p, direction)
+        y1 = abs(dq)
+        dx_t = scaled(math.copysign(1.0, dq), dq_t)
+        dx = y1
+        if dt > 0.0:
+            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
+        else:
+            y2, y2_t = 0.0, ZERO
+        S, S_t = rules.stribeck_level(P, P_t, levels, y2, y2_t)
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
         f_ba_t = sum2(
-            P[levels + elastoplastic.FC],
+            P[levels + stribeck.FC],
             at(P_t, p + elastoplastic.BREAKAWAY),
             P[p + elastoplastic.BREAKAWAY],
-            at(P_t, levels + elastoplastic.FC),
+            at(P_t, levels + stribeck.FC),
         )
-        f_ba = P[p + elastoplastic.BREAKAWAY] * P[levels + elastoplastic.FC]
+        f_ba = P[p + elastoplastic.BREAKAWAY] * P[levels + stribeck.FC]
         r_ba_t = sum2(1.0 / S, f_ba_t, -(f_ba / S) * (1.0 / S), S_t)
         r_ba = f_ba / S
-        left_t = scaled(dx, at(P_t, p + elastoplastic.SIGMA0))
+        left_t = sum2(dx, at(P_t, p + elastoplastic.SIGMA0), P[p + elastoplastic.SIGMA0], dx_t)
         left = P[p + elastoplastic.SIGMA0] * dx
         if f_ba - f <= 0.0:
-            y1, y1_t = 0.0, ZERO
+            y3, y3_t = 0.0, ZERO
         else:
-            y1, y1_t = f_ba - f, sum2(1.0, f_ba_t, -1.0, f_t)
-        if left <= y1:
-            y2, y2_t = left, left_t
+            y3, y3_t = f_ba - f, sum2(1.0, f_ba_t, -1.0, f_t)
+        if left <= y3:
+            y4, y4_t = left, left_t
         else:
-            y2, y2_t = y1, y1_t
-        elastic_t = y2_t
-        elastic = y2
+            y4, y4_t = y3, y3_t
+        elastic_t = y4_t
+        elastic = y4
         f_t = sum2(1.0, f_t, 1.0, elastic_t)
         f = f + elastic
         left_t = sum2(1.0, left_t, -1.0, elastic_t)
         left = left - elastic
         if left > 0.0:
             if f >= S:
-                y3 = math.expm1(-left / S)
+                y5 = math.expm1(-left / S)
                 f_t = sum3(
-                    1.0 + y3,
+                    1.0 + y5,
                     f_t,
-                    -(y3 + (S - f) * ((y3 + 1.0) * (-(-left / S) * (1.0 / S)))),
+                    -(y5 + (S - f) * ((y5 + 1.0) * (-(-left / S) * (1.0 / S)))),
                     S_t,
-                    1.0 / S * (y3 + 1.0) * (S - f),
+                    1.0 / S * (y5 + 1.0) * (S - f),
                     left_t,
                 )
-                f = f - (S - f) * y3
+                f = f - (S - f) * y5
             else:
-                if r_ba <= f / S:
-                    y4, y4_t = f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t)
+                if f / S >= r_ba:
+                    y6, y6_t = f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t)
                 else:
-                    y4, y4_t = r_ba, r_ba_t
-                y5, y5_t = elastoplastic_transition(
-                    y4,
-                    y4_t,
+                    y6, y6_t = r_ba, r_ba_t
+                y7, y7_t = elastoplastic_transition(
+                    y6,
+                    y6_t,
                     r_ba,
                     r_ba_t,
                     left / S,
                     sum2(1.0 / S, left_t, -(left / S) * (1.0 / S), S_t),
                 )
-                f_t = sum2(y5, S_t, S, y5_t)
-                f = S * y5
+                f_t = sum2(y7, S_t, S, y7_t)
+                f = S * y7
         Fh_t = scaled(direction, f_t)
         Fh = direction * f
-        y6, y6_t = elastoplastic_plastic_share(
+        y8, y8_t = elastoplastic_plastic_share(
             f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t), r_ba, r_ba_t
         )
-        rate_t = sum3(-(1.0 / S * f), y6_t, -(1.0 / S * y6), f_t, -(-(y6 * f / S) * (1.0 / S)), S_t)
-        rate = 1.0 - y6 * f / S
-    put(X_t, h + elastoplastic.FH, Fh_t)
-    X[h + elastoplastic.FH] = Fh
-    put(X_t, h + elastoplastic.RATE, rate_t)
-    X[h + elastoplastic.RATE] = rate
-    X[h + elastoplastic.DIRECTION] = direction
+        rate_t = sum3(-(1.0 / S * f), y8_t, -(1.0 / S * y8), f_t, -(-(y8 * f / S) * (1.0 / S)), S_t)
+        rate = 1.0 - y8 * f / S
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
@@ -729,29 +778,34 @@ def maxwell_slip_step(
     a: int,
     h: int,
     dq: float,
+    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
     n = int(P[p + maxwell_slip.N_ELEMENTS])
     if dq == 0.0:
-        for i in range(maxwell_slip.HEADER + 2 * n):
+        for i in range(bristle.HEADER + 2 * n):
             put(X_t, h + i, at(X_t, a + i))
             X[h + i] = X[a + i]
         return
     direction = 1.0 if dq > 0.0 else -1.0
-    turned = X[a + maxwell_slip.DIRECTION] != direction
-    dx = abs(dq)
-    S, S_t = tangent_rules.stribeck_level(
-        P, P_t, maxwell_slip.side(p, direction), dx / dt if dt > 0.0 else 0.0
-    )
-    y1 = math.expm1(-P[p + maxwell_slip.ATTRACTION] * dt / S)
+    turned = X[a + bristle.DIRECTION] != direction
+    y1 = abs(dq)
+    dx_t = scaled(math.copysign(1.0, dq), dq_t)
+    dx = y1
+    if dt > 0.0:
+        y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
+    else:
+        y2, y2_t = 0.0, ZERO
+    S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), y2, y2_t)
+    y3 = math.expm1(-P[p + maxwell_slip.ATTRACTION] * dt / S)
     missing_t = sum2(
-        -(dt * (1.0 / S) * (y1 + 1.0)),
+        -(dt * (1.0 / S) * (y3 + 1.0)),
         at(P_t, p + maxwell_slip.ATTRACTION),
-        (y1 + 1.0) * (-(-P[p + maxwell_slip.ATTRACTION] * dt / S) * (1.0 / S)),
+        (y3 + 1.0) * (-(-P[p + maxwell_slip.ATTRACTION] * dt / S) * (1.0 / S)),
         S_t,
     )
-    missing = y1
+    missing = y3
     Fh_t = ZERO
     Fh = 0.0
     sticking_t = ZERO
@@ -763,21 +817,21 @@ def maxwell_slip_step(
         share = P[p + maxwell_slip.ELEMENTS + 2 * i + 1]
         level_t = sum2(S, share_t, share, S_t)
         level = share * S
-        f_t = scaled(direction, at(X_t, a + maxwell_slip.HEADER + i))
-        f = direction * X[a + maxwell_slip.HEADER + i]
-        slips = not turned and X[a + maxwell_slip.HEADER + n + i] == 1.0
+        f_t = scaled(direction, at(X_t, a + bristle.HEADER + i))
+        f = direction * X[a + bristle.HEADER + i]
+        slips = not turned and X[a + bristle.HEADER + n + i] == 1.0
         if not slips:
             if f >= level:
                 slips = True
             else:
-                f_t = sum2(1.0, f_t, dx, k_t)
+                f_t = sum3(1.0, f_t, dx, k_t, k, dx_t)
                 f = f + k * dx
                 if f >= level:
                     f_t = level_t
                     f = level
-                    put(X_t, h + maxwell_slip.HEADER + i, scaled(direction, f_t))
-                    X[h + maxwell_slip.HEADER + i] = direction * f
-                    X[h + maxwell_slip.HEADER + n + i] = 1.0
+                    put(X_t, h + bristle.HEADER + i, scaled(direction, f_t))
+                    X[h + bristle.HEADER + i] = direction * f
+                    X[h + bristle.HEADER + n + i] = 1.0
                     Fh_t = sum2(1.0, Fh_t, 1.0, f_t)
                     Fh = Fh + f
                     continue
@@ -786,16 +840,16 @@ def maxwell_slip_step(
         if slips:
             f_t = sum3(1.0 + missing, f_t, -missing, level_t, -(level - f), missing_t)
             f = f - (level - f) * missing
-        put(X_t, h + maxwell_slip.HEADER + i, scaled(direction, f_t))
-        X[h + maxwell_slip.HEADER + i] = direction * f
-        X[h + maxwell_slip.HEADER + n + i] = 1.0 if slips else 0.0
+        put(X_t, h + bristle.HEADER + i, scaled(direction, f_t))
+        X[h + bristle.HEADER + i] = direction * f
+        X[h + bristle.HEADER + n + i] = 1.0 if slips else 0.0
         Fh_t = sum2(1.0, Fh_t, 1.0, f_t)
         Fh = Fh + f
-    put(X_t, h + maxwell_slip.FH, scaled(direction, Fh_t))
-    X[h + maxwell_slip.FH] = direction * Fh
-    put(X_t, h + maxwell_slip.RATE, sticking_t)
-    X[h + maxwell_slip.RATE] = sticking
-    X[h + maxwell_slip.DIRECTION] = direction
+    put(X_t, h + bristle.FH, scaled(direction, Fh_t))
+    X[h + bristle.FH] = direction * Fh
+    put(X_t, h + bristle.RATE, sticking_t)
+    X[h + bristle.RATE] = sticking
+    X[h + bristle.DIRECTION] = direction
 
 
 @compiled
@@ -804,6 +858,7 @@ def drive_integrated(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -817,7 +872,10 @@ def drive_integrated(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)
         memory_make_room(X, X_t, 0, memory.HEADER)
         H[k], rate[k] = X[memory.FH], X[memory.RATE]
         for i in range(len(H_t)):
@@ -830,6 +888,7 @@ def drive_static(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -843,7 +902,10 @@ def drive_static(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -855,6 +917,7 @@ def drive_armstrong(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -868,7 +931,10 @@ def drive_armstrong(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -880,6 +946,7 @@ def drive_dahl(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -893,7 +960,10 @@ def drive_dahl(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -905,6 +975,7 @@ def drive_lugre(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -918,7 +989,10 @@ def drive_lugre(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -930,6 +1004,7 @@ def drive_elastoplastic(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -943,7 +1018,10 @@ def drive_elastoplastic(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -955,6 +1033,7 @@ def drive_maxwell_slip(
     P_t: Tangents,
     time: Vector,
     position: Vector,
+    position_t: Tangents,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -968,7 +1047,10 @@ def drive_maxwell_slip(
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
         H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
         for i in range(len(H_t)):
             H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]

@@ -4,7 +4,7 @@ A tangent goes along with a number of a kernel, one entry per direction. Directi
 their number is fixed, so that a tangent lives in registers: one pass over a motion then shares
 its exponentials and its branches among all of them.
 
-`frictionjoint.law.tangents` is written in terms of what is here.
+`frictionjoint.law.tangents.kernels` is written in terms of what is here.
 """
 
 from typing import TypeAlias

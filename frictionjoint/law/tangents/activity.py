@@ -1,0 +1,186 @@
+"""Which numbers of a kernel have a tangent, and whose tangents are used.
+
+In the words of automatic differentiation: which are *varied*, depending on a parameter of the law,
+and which are *useful*, something returned or stored depending on them.
+"""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from frictionjoint.law.tangents.plain import plain, without_value
+from frictionjoint.law.tangents.terms import expression
+
+
+@dataclass(frozen=True)
+class Particulars:
+    """What the source of the kernels does not say.
+
+    Attributes:
+        rules: kernels whose tangents are written by hand, and the functions that have them.
+        counts: names that, together in an index, mark a count, a flag or a choice in an array.
+        counts_of: further ones, by module.
+        left_out: statements without which the values are the same.
+        rounded: by kernel, expressions and what each equals but for rounding; the tangent is taken
+            of the latter.
+        harmless: tests for equality that hide no derivative: the equality holds by assignment, or
+            the motion is at rest, where the derivative by the motion jumps.
+    """
+
+    rules: dict[Any, Any]
+    counts: tuple[frozenset[str], ...]
+    counts_of: dict[Any, tuple[frozenset[str], ...]]
+    left_out: frozenset[str]
+    rounded: dict[Any, dict[str, str]]
+    harmless: frozenset[str]
+
+
+class Activity:
+    """A kernel's statements, and which of its numbers have a tangent.
+
+    Attributes:
+        body: statements, in a plainer form. arguments: their kinds by name.
+        arrays: arguments that are arrays. varied: local numbers with a tangent.
+        used: those among them whose tangent is used. modules: named in source outside the module.
+    """
+
+    def __init__(
+        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
+    ) -> None:
+        """Analyse; the arguments are those of `differentiate.Differentiated`."""
+        self.particulars = particulars
+        self.python = kernel.py_func
+        self.owner: Any = inspect.getmodule(self.python)
+        self.homes = _homes(self.owner)
+        self.modules: set[str] = set()
+        self.rounded = particulars.rounded.get(kernel, {})
+        self.exact: set[ast.AST] = set()
+        tree: Any = ast.parse(textwrap.dedent(inspect.getsource(self.python))).body[0]
+        body = tree.body[1:] if ast.get_docstring(tree) else tree.body
+        body = plain(body, set(particulars.left_out))
+        self.body = body if wanted else without_value(body)
+        self.arguments = {a.arg: ast.unparse(a.annotation) for a in tree.args.args}
+        self.arrays = {name for name, kind in self.arguments.items() if kind == "Vector"}
+        nodes = [node for statement in self.body for node in ast.walk(statement)]
+        stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        self.locals = set(self.arguments) | stored
+        self.varied = set(moving)
+        _grow(self.varied, nodes, self._varied_by)
+        self.used: set[str] = set()
+        _grow(self.used, nodes, self._used_by)
+        self.used &= self.varied
+
+    def _varied_by(self, node: ast.AST) -> set[str]:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            return {node.targets[0].id} if self.moves(node.value) else set()
+        return set()
+
+    def _used_by(self, node: ast.AST) -> set[str]:
+        if isinstance(node, ast.Assign):
+            target = node.targets[0]
+            if isinstance(target, ast.Name) and target.id not in self.used:
+                return set()
+            if isinstance(target, ast.Subscript) and self.is_count(target):
+                return set()
+            return self._names_in(node.value)
+        if isinstance(node, ast.Return) and node.value is not None:
+            return self._names_in(node.value)
+        if isinstance(node, ast.Call) and self.kernel_of(node) and self.moves(node):
+            return {name for argument in node.args for name in self._names_in(argument)}
+        return set()
+
+    def _names_in(self, node: ast.expr) -> set[str]:
+        """Names whose tangents make up a value's tangent."""
+        if not self.moves(node):
+            return set()
+        node = self.exactly(node)
+        if isinstance(node, ast.Name):
+            return {node.id}
+        return {name for part in _parts(node) for name in self._names_in(part)}
+
+    def moves(self, node: ast.expr) -> bool:
+        """Whether a value has a tangent, or a call sets one."""
+        node = self.exactly(node)
+        if isinstance(node, ast.Name):
+            return node.id in self.varied
+        if isinstance(node, ast.Subscript):
+            return not self.is_count(node)
+        if isinstance(node, ast.Compare | ast.BoolOp | ast.Constant | ast.Attribute):
+            return False
+        if isinstance(node, ast.Call):
+            kernel = self.kernel_of(node)
+            if kernel is None and ast.unparse(node.func) in ("int", "len", "range"):
+                return False
+            if kernel is not None:
+                if inspect.signature(kernel.py_func).return_annotation not in (float, None):
+                    return False
+                if any(ast.unparse(argument) in self.arrays for argument in node.args):
+                    return True
+        return any(self.moves(part) for part in _parts(node))
+
+    def exactly(self, node: ast.expr) -> ast.expr:
+        """What an expression is but for rounding."""
+        found = self.rounded.get(ast.unparse(node))
+        if found is None or node in self.exact:
+            return node
+        tree: ast.expr = expression(found)
+        # it may hold the same expression in turn, and means it there
+        self.exact.update(ast.walk(tree))
+        return tree
+
+    def is_count(self, node: ast.Subscript) -> bool:
+        """Whether an element is a count, a flag or a choice."""
+        names = {n.id for n in ast.walk(node.slice) if isinstance(n, ast.Name)}
+        known = self.particulars.counts + self.particulars.counts_of.get(self.owner, ())
+        return any(count <= names for count in known)
+
+    def kernel_of(self, node: ast.Call) -> Any:
+        """The kernel that is called, None where it is none."""
+        found = self.python.__globals__.get(ast.unparse(node.func))
+        return found if hasattr(found, "py_func") else None
+
+    def as_is(self, node: ast.expr) -> str:
+        """The same expression outside its module."""
+        tree = expression(ast.unparse(node))
+        own = self.owner.__name__.rpartition(".")[2]
+        for name in [n for n in ast.walk(tree) if isinstance(n, ast.Name)]:
+            outside = name.id in self.python.__globals__ and name.id not in self.locals
+            if outside and name.id != "math":
+                home = self.homes.get(name.id, own)
+                self.modules.add(home)
+                name.id = f"{home}.{name.id}"
+        return ast.unparse(tree)
+
+
+def _grow(
+    names: set[str], nodes: list[ast.AST], further: Callable[[ast.AST], Iterable[str]]
+) -> None:
+    """Add names until no node gives a further one."""
+    while True:
+        found = {name for node in nodes for name in further(node)}
+        if found <= names:
+            return
+        names |= found
+
+
+def _homes(module: Any) -> dict[str, str]:
+    """Module in which each name that a module imports is defined."""
+    tree = ast.parse(inspect.getsource(module))
+    return {
+        alias.name: (node.module or "").rpartition(".")[2]
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
+def _parts(node: ast.expr) -> list[ast.expr]:
+    """What a value is made of."""
+    if isinstance(node, ast.Call):
+        return list(node.args)
+    if isinstance(node, ast.IfExp):
+        return [node.body, node.orelse]
+    return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]

@@ -1,0 +1,303 @@
+"""One kernel with tangents, from its source.
+
+Before ``x = f(y, z)`` comes ``x_t = df/dy y_t + df/dz z_t``, whose factors are numbers and serve
+every direction (`frictionjoint.law.tangents.direction`). Arrays P and X get P_t and X_t; a call
+passes numbers with their tangents and returns both. Tests and counts have no tangent and stay as
+they are, so that at a sample where an event happens the derivative is one-sided. Tangents that
+nothing uses are left out.
+
+What is known: scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
+and arrays by subscript. Anything else is an error, never a guess; so is a test for equality of a
+number that has a tangent, which would hide a derivative.
+"""
+
+import ast
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from frictionjoint.law.tangents.activity import Activity, Particulars
+from frictionjoint.law.tangents.plain import UnknownError
+from frictionjoint.law.tangents.terms import (
+    Terms,
+    added,
+    alone,
+    combined,
+    expression,
+    opposite,
+    text,
+    times,
+)
+
+# of a function's value y at x
+_DERIVATIVES: dict[str, Callable[[str, str], str]] = {
+    "math.exp": lambda x, y: y,
+    "math.expm1": lambda x, y: f"{y} + 1.0",
+    "math.log1p": lambda x, y: f"1.0 / (1.0 + {x})",
+    "math.sin": lambda x, y: f"math.cos({x})",
+    "abs": lambda x, y: f"math.copysign(1.0, {x})",
+}
+
+
+def name_of(kernel: Any) -> str:
+    """Name of a kernel with tangents: its module's and its own."""
+    python = kernel.py_func
+    return f"{python.__module__.rpartition('.')[2]}_{python.__name__.strip('_')}"
+
+
+class Differentiated:
+    """A kernel with tangents.
+
+    Attributes:
+        source: of the function with tangents.
+        calls: kernels that it calls, as arguments of this class.
+    """
+
+    def __init__(
+        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
+    ) -> None:
+        """Differentiate.
+
+        Args:
+            kernel: compiled by numba. moving: its arguments, numbers, that have a tangent.
+            wanted: whether the caller uses the value returned.
+        Raises:
+            UnknownError: a construct that cannot be differentiated.
+        """
+        self.activity = Activity(kernel, moving, wanted, particulars)
+        self.particulars = particulars
+        self.wanted = wanted
+        self.calls: list[tuple[Any, frozenset[str], bool]] = []
+        self.made = 0
+        used = self.activity.used - moving
+        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in used]
+        lines = [*still, *self._statements(self.activity.body)]
+        self.source = self._head(kernel, moving) + "\n".join(_indented(lines))
+
+    def _head(self, kernel: Any, moving: frozenset[str]) -> str:
+        options = kernel.targetoptions
+        small = options.get("inline") == "always" or options.get("forceinline")
+        arguments = []
+        for name, kind in self.activity.arguments.items():
+            arguments.append(f"{name}: {kind}")
+            if name in self.activity.arrays:
+                arguments.append(f"{name}_t: Tangents")
+            elif name in moving:
+                arguments.append(f"{name}_t: Tangent")
+        returned = "tuple[float, Tangent]" if self.wanted else "None"
+        head = f"def {name_of(kernel)}({', '.join(arguments)}) -> {returned}:\n"
+        return f"@{'in_line' if small else 'compiled'}\n{head}"
+
+    # statements
+
+    def _statements(self, body: list[ast.stmt]) -> list[str]:
+        return [line for statement in body for line in self._statement(statement)]
+
+    def _statement(self, node: ast.stmt) -> list[str]:
+        if isinstance(node, ast.Assign):
+            return self._assign(node.targets[0], node.value)
+        if isinstance(node, ast.If):
+            lines = [f"if {self._test(node.test)}:", *_indented(self._statements(node.body))]
+            if node.orelse:
+                lines += ["else:", *_indented(self._statements(node.orelse))]
+            return lines
+        if isinstance(node, ast.While) and not node.orelse:
+            return [f"while {self._test(node.test)}:", *_indented(self._statements(node.body))]
+        if isinstance(node, ast.For) and not node.orelse:
+            head = f"for {ast.unparse(node.target)} in {self.activity.as_is(node.iter)}:"
+            return [head, *_indented(self._statements(node.body))]
+        if isinstance(node, ast.Break | ast.Continue):
+            return [ast.unparse(node)]
+        if isinstance(node, ast.Return):
+            return self._return(node.value)
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+            return [self._call(node.value, False, [])]
+        raise self._unknown(node)
+
+    def _return(self, value: ast.expr | None) -> list[str]:
+        if value is None:
+            return ["return"]
+        if isinstance(value, ast.IfExp) and self.activity.moves(value):
+            body, orelse = self._return(value.body), self._return(value.orelse)
+            return [f"if {self._test(value.test)}:", *_indented(body), *orelse]
+        before: list[str] = []
+        new, terms = self._differentiate(value, before)
+        return [*before, f"return {text(new)}, {combined(terms)}"]
+
+    def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
+        if isinstance(value, ast.IfExp) and self.activity.moves(value):
+            body, orelse = self._assign(target, value.body), self._assign(target, value.orelse)
+            return [
+                f"if {self._test(value.test)}:",
+                *_indented(body),
+                "else:",
+                *_indented(orelse),
+            ]
+        before: list[str] = []
+        place = self.activity.as_is(target)
+        if isinstance(target, ast.Subscript):
+            if self.activity.is_count(target):
+                return [f"{place} = {self.activity.as_is(value)}"]
+            new, terms = self._differentiate(value, before)
+            array, index = ast.unparse(target.value), self.activity.as_is(target.slice)
+            put = f"put({array}_t, {index}, {combined(terms)})"
+            return [*before, put, f"{place} = {text(new)}"]
+        if place not in self.activity.used:
+            return [f"{place} = {self.activity.as_is(value)}"]
+        if (
+            isinstance(value, ast.Call)
+            and self.activity.kernel_of(value)
+            and self.activity.moves(value)
+        ):
+            call = self._call(value, True, before)
+            return [*before, f"{place}, {place}_t = {call}"]
+        new, terms = self._differentiate(value, before)
+        return [*before, f"{place}_t = {combined(terms)}", f"{place} = {text(new)}"]
+
+    def _test(self, node: ast.expr) -> str:
+        for part in ast.walk(node):
+            if isinstance(part, ast.Compare) and any(
+                isinstance(op, ast.Eq | ast.NotEq) for op in part.ops
+            ):
+                hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
+                if hides and ast.unparse(part) not in self.particulars.harmless:
+                    raise self._unknown(node)
+        return self.activity.as_is(node)
+
+    # expressions
+
+    def _differentiate(self, node: ast.expr, before: list[str]) -> tuple[ast.expr, Terms]:
+        """Value and tangent; lines that must come first are added to `before`."""
+        if not self.activity.moves(node):
+            return expression(self.activity.as_is(node)), {}
+        exact = self.activity.exactly(node)
+        if exact is not node:
+            return expression(self.activity.as_is(node)), self._differentiate(exact, before)[1]
+        if isinstance(node, ast.Name):
+            return node, alone(f"{node.id}_t")
+        if isinstance(node, ast.Subscript):
+            tangent = f"at({ast.unparse(node.value)}_t, {self.activity.as_is(node.slice)})"
+            return expression(self.activity.as_is(node)), alone(tangent)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            value, terms = self._differentiate(node.operand, before)
+            return ast.UnaryOp(node.op, value), opposite(terms)
+        if isinstance(node, ast.BinOp):
+            return self._binary(node, before)
+        if isinstance(node, ast.Call):
+            return self._function(node, before)
+        if isinstance(node, ast.IfExp):
+            inside: tuple[list[str], list[str]] = ([], [])
+            pairs = zip((node.body, node.orelse), inside, strict=True)
+            parts = [self._differentiate(part, lines) for part, lines in pairs]
+            return self._choice(self._test(node.test), parts, before, inside)
+        raise self._unknown(node)
+
+    def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
+        a, of_a = self._differentiate(node.left, before)
+        b, of_b = self._differentiate(node.right, before)
+        value: ast.expr = ast.BinOp(a, node.op, b)
+        by_a: ast.expr
+        by_b: ast.expr
+        if isinstance(node.op, ast.Add):
+            return value, added(of_a, of_b)
+        if isinstance(node.op, ast.Sub):
+            return value, added(of_a, opposite(of_b))
+        if isinstance(node.op, ast.Mult):
+            by_a, by_b = b, a
+        elif isinstance(node.op, ast.Div):
+            by_a = expression(f"1.0 / ({text(b)})")
+            by_b = expression(f"-({text(value)}) * (1.0 / ({text(b)}))")
+        elif isinstance(node.op, ast.Pow):
+            value = self._held(value, before)
+            by_a = expression(f"({text(b)}) * {text(value)} / ({text(a)})")
+            by_b = expression(f"{text(value)} * math.log({text(a)})")
+        else:
+            raise self._unknown(node)
+        return value, added(times(of_a, by_a), times(of_b, by_b))
+
+    def _function(self, node: ast.Call, before: list[str]) -> tuple[ast.expr, Terms]:
+        if self.activity.kernel_of(node) is not None:
+            call, name = self._call(node, True, before), self._new()
+            before.append(f"{name}, {name}_t = {call}")
+            return expression(name), alone(f"{name}_t")
+        called = ast.unparse(node.func)
+        parts = [self._differentiate(argument, before) for argument in node.args]
+        values = [value for value, _ in parts]
+        if called in ("min", "max") and len(parts) == 2:
+            return self._extreme(called, parts, before)
+        if called not in _DERIVATIVES or len(parts) != 1:
+            raise self._unknown(node)
+        y = self._held(ast.Call(node.func, values, []), before)
+        derivative = _DERIVATIVES[called](text(values[0]), text(y))
+        return y, times(parts[0][1], expression(derivative))
+
+    def _extreme(
+        self, called: str, parts: list[tuple[ast.expr, Terms]], before: list[str]
+    ) -> tuple[ast.expr, Terms]:
+        order = ("<=", ">=") if called == "min" else (">=", "<=")
+        a, b = (text(value) for value, _ in parts)
+        constant = isinstance(parts[0][0], ast.Constant)
+        test = f"{b} {order[1]} {a}" if constant else f"{a} {order[0]} {b}"
+        return self._choice(test, parts, before)
+
+    def _choice(
+        self,
+        test: str,
+        parts: list[tuple[ast.expr, Terms]],
+        before: list[str],
+        inside: tuple[list[str], list[str]] = ([], []),
+    ) -> tuple[ast.expr, Terms]:
+        """One of two values, as a statement before; `inside` goes before each of them."""
+        name = self._new()
+        for head, lines, (value, terms) in zip(
+            (f"if {test}:", "else:"), inside, parts, strict=True
+        ):
+            chosen = f"{name}, {name}_t = {text(value)}, {combined(terms)}"
+            before += [head, *_indented([*lines, chosen])]
+        return expression(name), alone(f"{name}_t")
+
+    def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:
+        """Call of a kernel with tangents."""
+        kernel = self.activity.kernel_of(node)
+        if kernel is None:
+            raise self._unknown(node)
+        names = list(inspect.signature(kernel.py_func).parameters)
+        rule = self.particulars.rules.get(kernel)
+        taken = inspect.signature(rule.py_func).parameters if rule else None
+        arguments: list[str] = []
+        moving: set[str] = set()
+        for name, argument in zip(names, node.args, strict=True):
+            if ast.unparse(argument) in self.activity.arrays:
+                arguments += [ast.unparse(argument), f"{ast.unparse(argument)}_t"]
+                continue
+            value, terms = self._differentiate(argument, before)
+            arguments.append(text(value))
+            if f"{name}_t" in taken if taken is not None else self.activity.moves(argument):
+                moving.add(name)
+                arguments.append(combined(terms))
+            elif terms:
+                raise self._unknown(node)
+        if rule:
+            return f"rules.{rule.py_func.__name__}({', '.join(arguments)})"
+        self.calls.append((kernel, frozenset(moving), wanted))
+        return f"{name_of(kernel)}({', '.join(arguments)})"
+
+    def _held(self, value: ast.expr, before: list[str]) -> ast.expr:
+        name = self._new()
+        before.append(f"{name} = {text(value)}")
+        return ast.Name(name, ast.Load())
+
+    def _new(self) -> str:
+        self.made += 1
+        name = f"y{self.made}"
+        assert name not in self.activity.locals
+        return name
+
+    def _unknown(self, node: ast.AST) -> UnknownError:
+        python = self.activity.python
+        where = f"{python.__module__}.{python.__name__}"
+        return UnknownError(f"{where} cannot be differentiated: {ast.unparse(node)!r}")
+
+
+def _indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]

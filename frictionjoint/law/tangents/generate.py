@@ -1,0 +1,165 @@
+"""Write `frictionjoint.law.tangents.kernels`: the laws' kernels with their tangents.
+
+    python -m frictionjoint.law.tangents.generate
+
+A law is written once, as a scalar function for numba. Its source is differentiated here, statement
+by statement and in forward mode (`frictionjoint.law.tangents.differentiate`), and the result is a
+file like any other, because numba keeps the machine code of a file's functions between runs.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from frictionjoint.law import (
+    armstrong,
+    dahl,
+    elastoplastic,
+    integrated,
+    lugre,
+    maxwell_slip,
+    memory,
+    relaxation,
+    static,
+    stribeck,
+)
+from frictionjoint.law.tangents import rules
+from frictionjoint.law.tangents.activity import Particulars
+from frictionjoint.law.tangents.differentiate import Differentiated
+from frictionjoint.law.tangents.plain import UnknownError
+
+FILE = Path(__file__).with_name("kernels.py")
+
+_RIVALS = (static, armstrong, dahl, lugre, elastoplastic, maxwell_slip)
+# kernels, and which of their arguments change with the motion
+_ROOTS = (
+    (integrated.start, ()),
+    (integrated.step, ("dq",)),
+    (memory.make_room, ()),
+    *((law.step, ("v",) if law is static else ("dq",)) for law in _RIVALS),
+)
+_COUNTS = (
+    *("DIRECTION", "N_MIN", "N_MAX", "VIRGIN", "FORGOTTEN", "BOUND"),
+    *("LAMPAERT", "MASING", "SLIDING", "N_ELEMENTS"),
+)
+_PARTICULARS = Particulars(
+    rules={
+        stribeck.stribeck_level: rules.stribeck_level,
+        relaxation.advance: rules.advance,
+        relaxation.distance: rules.distance,
+        relaxation.rate: rules.rate,
+        dahl.remaining: rules.remaining,
+    },
+    counts=(*(frozenset({name}) for name in _COUNTS), frozenset({"HEADER", "n"})),
+    # the exponent of the integrated law is a choice, that of Dahl's a number
+    counts_of={integrated: (frozenset({"EXPONENT"}),)},
+    # At the fixed point r = 1 the torque stays; its tangent goes on as in any other step.
+    left_out=frozenset({"if r == 1.0:\n    break"}),
+    rounded={
+        integrated._slide: {"max(0.0, reach)": "reach"},
+        elastoplastic._transition: {
+            "1.0": "1.0 - math.exp(-(u + a))",
+            "-math.expm1(-u)": "1.0 - math.exp(-u)",
+        },
+    },
+    harmless=frozenset({"d == a", "dq != 0.0", "dq == 0.0", "v == 0.0"}),
+)
+
+_DRIVE = """
+@compiled
+def drive_{law}(
+    P: Vector,
+    P_t: Tangents,
+    time: Vector,
+    position: Vector,
+    position_t: Tangents,
+    H: Vector,
+    H_t: Array,
+    rate: Vector,
+    rate_t: Array,
+) -> None:
+    X = np.zeros({size})
+    X_t = np.zeros((len(X), DIRECTIONS))
+    {start}
+    H[0], H_t[:, 0] = 0.0, 0.0
+    rate[0], rate_t[:, 0] = X[{header}.RATE], 0.0
+    for k in range(1, len(position)):
+        dq = position[k] - position[k - 1]
+        dt = time[k] - time[k - 1]
+        dq_t = ZERO
+        if len(position_t) > 0:
+            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+        {step}
+        H[k], rate[k] = X[{header}.FH], X[{header}.RATE]
+        for i in range(len(H_t)):
+            H_t[i, k], rate_t[i, k] = X_t[{header}.FH, i], X_t[{header}.RATE, i]
+"""
+_STEP = "{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)"
+_STATIC_STEP = "static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))"
+_DRIVE_INTEGRATED = _DRIVE.format(
+    law="integrated",
+    header="memory",
+    size="memory.HEADER + 2 * memory.CAPACITY",
+    start="integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)",
+    step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)\n"
+    "        memory_make_room(X, X_t, 0, memory.HEADER)",
+)
+
+
+def source() -> str:
+    """The text of `frictionjoint.law.tangents.kernels`.
+
+    Raises:
+        UnknownError: a law holds a construct that cannot be differentiated.
+    """
+    done: dict[Any, Differentiated] = {}
+    ways: dict[Any, tuple[frozenset[str], bool]] = {}
+
+    def add(kernel: Any, moving: frozenset[str], wanted: bool) -> None:
+        if ways.setdefault(kernel, (moving, wanted)) != (moving, wanted):
+            raise UnknownError(f"{kernel.py_func.__name__} is called in two ways")
+        if kernel not in done:
+            made = Differentiated(kernel, moving, wanted, _PARTICULARS)
+            for callee in made.calls:
+                add(*callee)
+            done[kernel] = made
+
+    for kernel, moving in _ROOTS:
+        add(kernel, frozenset(moving), False)
+    laws = [law.__name__.rpartition(".")[2] for law in _RIVALS]
+    drives = [
+        _DRIVE.format(
+            law=law,
+            header="bristle",
+            size="row_size(P, 0)",
+            start="start_row(P, 0, X, 0)",
+            step=_STATIC_STEP if law == "static" else _STEP.format(law=law),
+        )
+        for law in laws
+    ]
+    modules = sorted({"bristle", "memory"}.union(*(x.activity.modules for x in done.values())))
+    functions = [*(made.source for made in done.values()), _DRIVE_INTEGRATED, *drives]
+    return _HEAD.format(modules=", ".join(modules)) + "\n\n".join(functions) + "\n"
+
+
+_HEAD = '''"""The laws' kernels with their tangents; written by ``generate``, see there."""
+
+import math
+
+import numpy as np
+
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled, in_line
+from frictionjoint.law import {modules}
+from frictionjoint.law.kernel import row_size, start_row
+from frictionjoint.law.tangents import rules
+from frictionjoint.law.tangents.direction import (
+    DIRECTIONS, ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4
+)
+
+'''
+
+if __name__ == "__main__":
+    FILE.write_text(source(), encoding="utf-8")
+    subprocess.run([sys.executable, "-m", "ruff", "format", "--quiet", str(FILE)], check=True)

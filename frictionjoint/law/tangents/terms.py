@@ -1,0 +1,76 @@
+"""Sums of tangents, as source: the tangent of an expression is such a sum, linear in those it
+is made of.
+"""
+
+import ast
+from typing import Any
+
+# a factor for each tangent, by the tangent's source
+Terms = dict[str, ast.expr]
+_MOST = 4
+
+
+def expression(source: str) -> Any:
+    """Source as a tree."""
+    return ast.parse(source, mode="eval").body
+
+
+def text(node: ast.expr) -> str:
+    """A tree as source."""
+    return ast.unparse(ast.fix_missing_locations(node))
+
+
+def alone(tangent: str) -> Terms:
+    """A tangent by itself."""
+    return {tangent: ast.Constant(1.0)}
+
+
+def times(terms: Terms, factor: ast.expr) -> Terms:
+    """All factors times another."""
+    return {tangent: _product(factor, x) for tangent, x in terms.items()}
+
+
+def opposite(terms: Terms) -> Terms:
+    """All factors with the other sign."""
+    return {tangent: _negative(x) for tangent, x in terms.items()}
+
+
+def added(a: Terms, b: Terms) -> Terms:
+    """Both sums; a tangent in both has the sum of its factors."""
+    both = dict(a)
+    for tangent, x in b.items():
+        both[tangent] = ast.BinOp(both[tangent], ast.Add(), x) if tangent in both else x
+    return both
+
+
+def combined(terms: Terms) -> str:
+    """The sum's source, in calls of `frictionjoint.law.tangents.direction`."""
+    if not terms:
+        return "ZERO"
+    factors = list(terms.items())
+    if len(factors) > _MOST:
+        first, rest = combined(dict(factors[:_MOST])), combined(dict(factors[_MOST:]))
+        return f"sum2(1.0, {first}, 1.0, {rest})"
+    if len(factors) > 1:
+        return f"sum{len(factors)}({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
+    ((tangent, x),) = factors
+    return tangent if _is_one(x) else f"scaled({text(x)}, {tangent})"
+
+
+def _product(a: ast.expr, b: ast.expr) -> ast.expr:
+    if _is_one(a) or _is_one(b):
+        return b if _is_one(a) else a
+    for x, y in ((a, b), (b, a)):
+        if isinstance(x, ast.UnaryOp) and isinstance(x.op, ast.USub):
+            return _negative(_product(x.operand, y))
+    return ast.BinOp(a, ast.Mult(), b)
+
+
+def _negative(node: ast.expr) -> ast.expr:
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return node.operand
+    return ast.UnaryOp(ast.USub(), node)
+
+
+def _is_one(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and node.value == 1.0
