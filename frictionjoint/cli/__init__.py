@@ -184,12 +184,12 @@ def identify(
     """
     from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text
-    from frictionjoint.identify.fit import fit
     from frictionjoint.identify.prepare import prepare
-    from frictionjoint.identify.rest import resolved
     from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
+    from frictionjoint.identify.starts import fit
+    from frictionjoint.identify.weights import reweighed
     from frictionjoint.measured.bounded import bounded
     from frictionjoint.report.write import write_files
 
@@ -198,9 +198,8 @@ def identify(
         body = RigidBody(model, joint)
         read = bounded([_read(path, joint, mapping) for path in logs])
         prepared = prepare(read, body)
-        forms = forms_of(law)
-        found = fit(prepared, progress=told, forms=forms)
-        prepared, fitted = resolved(prepared, found, forms)
+        found = fit(prepared, forms=forms_of(law), progress=told)
+        prepared, fitted = reweighed(prepared, found)
         require_gain(fitted)
         estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})

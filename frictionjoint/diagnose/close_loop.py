@@ -9,10 +9,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.floor import noise_floor
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
-from frictionjoint.diagnose.loop import Trace, trace
+from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
@@ -27,16 +26,14 @@ from frictionjoint.diagnose.report_data import (
     Rms,
     Role,
 )
-from frictionjoint.diagnose.step import Step
-from frictionjoint.diagnose.trace import Ranking
-from frictionjoint.diagnose.verdict import verdict
+from frictionjoint.diagnose.trace import trace
+from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared, prepare
-from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.result import (
     law_estimates,
     law_parameters,
@@ -45,15 +42,16 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import predict
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.start import Prediction, predict
+from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.weights import sliding_error, weighted
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.threads import one_thread
 
-# share of an effect's gain from which on another one is worth a record that parts the two
-_NEAR = 0.95
+# length of the blocks of an rms's interval, s
+_BLOCK_S = 0.5
 
 
 LogLike = JointLog | str | Path
@@ -93,13 +91,13 @@ def close_loop(
             raise LogError(f"{log.name}: joint {joint!r} is a {kind}, the log's columns are not")
     progress("rigid-body torque")
     fitted_on = prepare(list(logs), body)
-    bandwidth = fitted_on.segments[0].bandwidth_hz
-    kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
+    kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
     found = trace(fitted_on, seed, progress, law)
     for fitted in (found.base, found.final):
         require_gain(fitted)
     moving = found.prepared
-    kept_moving = without_rest(kept_back, moving.rest_speed) if kept_back else None
+    left = sliding_error(moving, found.final)
+    kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     progress("replay")
     spec = body.spec()
     friction_spec(spec, joint, found.final)
@@ -109,7 +107,7 @@ def close_loop(
     gain = found.final.gain
     torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
-    unexplained = _unexplained(found)
+    unexplained = found.unexplained
     floor = noise_floor(moving, found.final.gain)
     cov = stated_covariance(moving, found.final)
     final = law_estimates(found.final, cov, body.slide)
@@ -130,17 +128,17 @@ def close_loop(
         torque_interval=_intervals(kept_moving or moving, found),
         replay_interval=_replay_intervals(runs),
         measured_rms=found.final.target_rms,
-        bandwidth_hz=bandwidth,
+        bandwidth_hz=fitted_on.band.balance,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=verdict(found, bool(unexplained), moving, floor, *torque),
+        verdict=verdict(found, (torque[0], before), (torque[1], after)),
         mjcf=spec.to_xml(),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=notes(found, fitted_on, cov),
+        notes=notes(found, cov),
     )
 
 
@@ -171,8 +169,9 @@ def _replays(
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
-    """Of the torque, N m, by one gain of the drive: a model of less gain is no better for it."""
-    return predict(prepared, fitted).error * (gain / fitted.gain)
+    """Of the torque in motion, N m, by one gain of the drive: a model of less is no better for it."""
+    found: Prediction = predict(prepared, fitted)
+    return np.asarray(found.error[found.in_motion] * (gain / fitted.gain))
 
 
 def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
@@ -187,9 +186,11 @@ def _root_mean_square(e: Array) -> float:
 def _intervals(prepared: Prepared, found: Trace) -> Intervals:
     """Of the torque's rms before and after."""
     pair = []
+    first = prepared.segments[0]
+    length = max(1, round(_BLOCK_S / (first.dt * first.step)))
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted, found.final.gain)
-        pair.append(rms_interval(e, make_blocks(e, np.zeros(len(e), dtype=np.int64)).of_sample))
+        pair.append(rms_interval(e, np.arange(len(e)) // length))
     return pair[0], pair[1]
 
 
@@ -210,13 +211,13 @@ def _added(
 ) -> tuple[Added, ...]:
     """One entry an effect; further harmonics of a periodic effect join the first one's."""
     entries: dict[str, Added] = {}
-    for i, step in enumerate(found.steps):
+    for i, step in enumerate(found.findings):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)
         name = step.term.name
         rms = _torque_rms(fitted_on, kept_back, step.fit, found.final.gain)
         if name in entries:
             first = entries[name]
-            number = 2 + sum(1 for s in found.steps[:i] if s.term.name == name) - 1
+            number = 2 + sum(1 for s in found.findings[:i] if s.term.name == name) - 1
             more = {f"{key}_{number}": x for key, x in parameters.items()}
             entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
         else:
@@ -224,22 +225,16 @@ def _added(
     return tuple(entries.values())
 
 
-def _evidence(step: Step) -> Evidence:
+def _evidence(step: Finding) -> Evidence:
+    runner = step.runner_up
     return Evidence(
-        step.evidence.held_out_gain,
-        step.evidence.p_value,
-        step.frequency,
-        step.runner_up,
+        step.gain,
+        step.row.p_value,
+        step.row.frequency,
+        runner.name if runner else None,
         step.margin,
         step.ties,
     )
-
-
-def _unexplained(found: Trace) -> tuple[tuple[str, float], ...]:
-    shares: dict[str, float] = {}
-    for row in found.unexplained:
-        shares[row.name] = max(shares.get(row.name, 0.0), row.held_out_gain)
-    return tuple(shares.items())
 
 
 def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
@@ -251,8 +246,8 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
         # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
         # gain that the residual before is stated by.
         scale = found.final.gain / found.base.gain
-        own, base, _ = predict(prepared, found.base)
-        measured, after, friction = predict(prepared, found.final)
+        own, base, *_ = predict(prepared, found.base)
+        measured, after, friction, _weight = predict(prepared, found.final)
         before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
         rows = zip(prepared.segments, measured, before, after, friction, strict=True)
         for s, m, b, a, f in rows:
@@ -278,45 +273,37 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
 
 
 def _rankings(found: Trace) -> tuple[Looked, ...]:
-    """Candidates of each step, or of the only look where nothing was added."""
-    looks: list[tuple[str | None, str | None, Ranking]]
-    looks = [(s.term.name, s.runner_up, s.ranking) for s in found.steps]
+    """Candidates of each addition, or of the only look where nothing was added."""
+    looks: list[tuple[str | None, str | None, Look]] = [
+        (f.term.name, f.runner_up.name if f.runner_up else None, f.look) for f in found.findings
+    ]
     return tuple(
         Looked(
             chosen,
             runner_up,
             tuple(
-                (r.name, r.held_out_gain, r.p_value)
-                for r in ranking.ranked
-                if not r.candidate.smooth
+                (r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed
             ),
         )
-        for chosen, runner_up, ranking in looks or [(None, None, found.last_ranking)]
+        for chosen, runner_up, look in looks or [(None, None, found.last_look)]
     )
 
 
 def _ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
     """Each addition with an effect that explains as much."""
-    return tuple((_effect(step), other) for step in found.steps for other in step.ties)
+    return tuple((_effect(f), other) for f in found.findings for other in f.ties)
 
 
-def _effect(step: Step) -> Effect:
-    term = step.term
+def _effect(finding: Finding) -> Effect:
+    term = finding.term
     if isinstance(term, EffectTerm):
         return term.effect
     return next(e for e in CATALOGUE if e.name == term.name)
 
 
-def _rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
-    """By the number of a term in the final fit: the effects that explain nearly as much.
-
-    These are the ties, and others that were set aside only because they are less simple.
-    """
-    taken = {step.term.name for step in found.steps}
-    pairs = []
-    for i, step in enumerate(found.steps):
-        least = _NEAR * step.evidence.held_out_gain
-        rows = [r for r in step.ranking.ranked if r.name not in taken]
-        near = (r.candidate.term for r in rows if r.name in step.ties or r.held_out_gain >= least)
-        pairs += [(i, term) for term in near if isinstance(term, EffectTerm)]
-    return pairs
+def _rivals(found: Trace) -> list[tuple[int, Term]]:
+    """By the number of a term in the final fit: the effects that explain nearly as much."""
+    taken = {f.term.name for f in found.findings}
+    return [
+        (i, term) for i, f in enumerate(found.findings) for term in f.rivals if term.name not in taken
+    ]

@@ -24,6 +24,8 @@ Columns = NDArray[np.int64]
 
 FLIPS = 999
 _HALVES = 50
+# of a sample, from which on a delay may be an effect
+_LATE = 0.9
 # directions of a set of columns below this fraction of the largest count as dependent
 _RCOND = 1e-8
 # part of what determines a coefficient that may lie in one fold: beyond it that fold is halved
@@ -118,6 +120,10 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     """Gram matrices for a fit and candidates."""
     w = fitted.weight[:, None]
     layout, free = fitted.layout, ~fitted.bound
+    for i, term in enumerate(fitted.terms):
+        # a delay at the end of its sample is no longer one of sampling
+        if isinstance(term, Timing) and abs(term.delay) > _LATE * term.most:
+            free[layout.numbers(i)] = False
     own = [
         np.array([k for k in layout.of_term(i) if free[k]], dtype=np.int64)
         for i, t in enumerate(fitted.terms)

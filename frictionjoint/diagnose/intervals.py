@@ -14,8 +14,7 @@ _RESAMPLES = 400
 
 def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
     """Covariance of a fit's parameters as it is stated, see `covariance`, by its own blocks."""
-    blocks = make_blocks(fitted.residual, fitted.log_index)
-    return covariance(prepared, fitted, blocks.of_sample)
+    return covariance(prepared, fitted, make_blocks(prepared, fitted).of_sample)
 
 
 def rms_interval(e: Array, block: NDArray[np.int64]) -> tuple[float, float]:

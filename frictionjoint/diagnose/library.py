@@ -11,7 +11,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import MOTOR, TEMP, TIME, H, Q
 from frictionjoint.identify.design import full_signals, kept
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import HEARD, Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,
@@ -135,7 +135,7 @@ def spoken_of(prepared: Prepared, effect: Effect, signals: Array) -> bool:
 def _in_band(prepared: Prepared, effect: Effect, shape: tuple[float, ...]) -> bool:
     """Whether all its frequencies are ones that the balance holds."""
     units = effect.shape_units[: len(shape)]
-    top = prepared.band.balance
+    top = HEARD * prepared.band.balance
     return all(x <= top for x, unit in zip(shape, units, strict=True) if unit == "Hz")
 
 

@@ -14,10 +14,8 @@ from frictionjoint.effects.signals import (
     GEAR,
     GX,
     GY,
-    JERK,
     LOAD,
     N_SIGNALS,
-    SNAP,
     TEMP,
     TIME,
     A,
@@ -25,7 +23,6 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.identify.prepare import Prepared, Segment
-from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.rigid_body import RigidBody
 
 # of the speeds and accelerations seen: single samples are noise
@@ -330,18 +327,31 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
     signals = np.zeros((n, N_SIGNALS))
     signals[:, TIME] = dt * np.arange(n)
     signals[:, Q] = motion.position
-    for lower, higher in itertools.pairwise((Q, V, A, JERK, SNAP)):
+    for lower, higher in itertools.pairwise((Q, V, A)):
         signals[:, higher] = np.gradient(signals[:, lower], dt)
     carried.fill(signals, motion.payload)
     signals[1:, DT] = dt
-    if motion.temperature is not None:
-        signals[:, TEMP] = motion.temperature
+    signals[:, TEMP] = np.nan if motion.temperature is None else motion.temperature
     edge = max(2, int(1.0 / (bandwidth * dt)))
     mask = np.ones(n, dtype=bool)
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
-    segment = Segment(motion.name, dt, bandwidth, 1, signals, np.zeros(n), driven, mask, {})
-    return without_rest(replace(like, segments=(segment,)), like.rest_speed)
+    first = like.segments[0]
+    segment = Segment(
+        name=motion.name,
+        dt=dt,
+        bandwidth_hz=bandwidth,
+        step=1,
+        signals=signals,
+        drive=np.zeros(n),
+        driven=driven,
+        mask=mask,
+        others={},
+        noise=first.noise,
+        sample=first.sample,
+        corner_hz=first.corner_hz,
+    )
+    return replace(like, segments=(segment,))
 
 
 def payload_of(motion: Motion, body: RigidBody) -> str:

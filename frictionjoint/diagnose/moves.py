@@ -17,8 +17,8 @@ from frictionjoint.identify.terms import Term
 
 # of each sort of move, how many are refitted
 _ADDED, _UNNAMED, _PAIRS, _EXCHANGED = 4, 2, 1, 2
-# named candidates of which pairs are looked at
-_IN_PAIRS = 8
+# named candidates of which pairs are looked at, and kinds that contend on half of the data
+_IN_PAIRS, _CONTENDERS = 8, 10
 
 
 class Move(NamedTuple):
@@ -60,10 +60,16 @@ class Looked(NamedTuple):
 
 
 class Look(NamedTuple):
-    """All candidates against a fit: best first, and what the fit leaves without any, shape (B,)."""
+    """All candidates against a fit: best first.
+
+    Attributes:
+        without: what the fit leaves of each block without any, shape (B,).
+        chance: surprise that the best of the family reaches by chance in one of twenty, nats.
+    """
 
     rows: tuple[Looked, ...]
     without: Array
+    chance: float
 
     def gain(self, row: Looked) -> float:
         """Fraction of the held-out squares that a candidate takes away."""
@@ -84,7 +90,7 @@ def look(
     kinds: dict[tuple[str, str], list[int]] = {}
     for i, candidate in enumerate(candidates):
         kinds.setdefault(candidate.kind, []).append(i)
-    p_values = _p_values(found, rng)
+    p_values, chance = _p_values(found, rng)
     frequencies = _frequencies(found, list(kinds.values()), rng)
     rows = []
     for members, frequency in zip(kinds.values(), frequencies, strict=True):
@@ -96,23 +102,26 @@ def look(
         p_value = float(min(p_values[i] for i in members))
         rows.append(Looked(candidates[best], left, p_value, frequency))
     rows.sort(key=lambda r: float(r.left.sum()))
-    return Look(tuple(rows), without), found
+    return Look(tuple(rows), without, chance), found
 
 
-def _p_values(found: Screen, rng: np.random.Generator) -> Array:
+def _p_values(found: Screen, rng: np.random.Generator) -> tuple[Array, float]:
     """Of each candidate, the largest surprise of the family under flipped signs as its null.
+
+    With the surprise that one in twenty of those exceeds.
 
     Scores of many coefficients and of single ones are put on one scale by the chi-square tail each
     would have (Westfall and Young 1993, with an approximate marginal: it weighs the candidates
     against each other, the flips alone make the p-value).
     """
     if not found.candidates:
-        return np.zeros(0)
+        return np.zeros(0), 0.0
     count = found.blocks.count
     signs = np.vstack([np.ones(count), rng.choice([-1.0, 1.0], size=(FLIPS, count))])
     surprises = np.array([found.surprises(signs, at) for at in found.candidates])
     null = surprises[:, 1:].max(axis=0)
-    return np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
+    p_values = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
+    return p_values, float(np.quantile(null, 0.95))
 
 
 def _frequencies(
@@ -120,42 +129,69 @@ def _frequencies(
 ) -> list[float]:
     """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
     halves = found.halves(rng)
+    whole = found.tested.sum(axis=0)
+    sizes = [max((explained(whole, found.candidates[i]) for i in k), default=0.0) for k in kinds]
+    leading = np.argsort(sizes)[::-1][:_CONTENDERS]
     won = np.zeros(len(kinds))
-    best = [max((explained(G, found.candidates[i]) for i in k), default=0.0) for G in halves[:1] for k in kinds]
-    short = np.argsort(best)[::-1][:10]
+    halves = found.halves(rng) if len(leading) else ()
     for G in halves:
-        sizes = [max(explained(G, found.candidates[i]) for i in kinds[k]) for k in short]
-        if sizes:
-            won[short[int(np.argmax(sizes))]] += 1.0
-    return list(won / max(1, len(halves)))
+        sizes = [max(explained(G, found.candidates[i]) for i in kinds[k]) for k in leading]
+        won[leading[int(np.argmax(sizes))]] += 1.0 / len(halves)
+    return list(won)
 
 
-def moves(fitted: Fit, found: Look, screened: Screen, candidates: Sequence[Candidate]) -> list[Move]:
-    """The most promising changes of a model, to be refitted."""
-    place = {id(c): i for i, c in enumerate(candidates)}
-    own = fitted.effects
-    named = [r for r in found.rows if not r.candidate.unnamed]
-    unnamed = [r for r in found.rows if r.candidate.unnamed]
-    out = [Move((*own, r.candidate.term), (r.candidate,), r.left) for r in named[:_ADDED]]
-    out += [Move((*own, r.candidate.term), (r.candidate,), r.left) for r in unnamed[:_UNNAMED]]
-    pairs = []
-    for a, b in itertools.combinations([r.candidate for r in named[:_IN_PAIRS]], 2):
-        both = [screened.candidates[place[id(c)]] for c in (a, b)]
-        left, _ = screened.held_out([*screened.terms, *both])
-        pairs.append(Move((*own, a.term, b.term), (a, b), left))
-    pairs.sort(key=lambda m: float(m.left.sum()))
-    out += pairs[:_PAIRS]
-    exchanges = []
-    for i in range(len(own)):
-        rest: list[Columns] = [at for k, at in enumerate(screened.terms) if k != i]
-        for r in named:
-            if r.name == own[i].name:
-                continue
-            left, _ = screened.held_out([*rest, screened.candidates[place[id(r.candidate)]]])
-            terms = (*own[:i], r.candidate.term, *own[i + 1 :])
-            exchanges.append(Move(terms, (r.candidate,), left))
-    exchanges.sort(key=lambda m: float(m.left.sum()))
-    return out + exchanges[:_EXCHANGED]
+class Moves:
+    """The changes of a model that its candidates allow."""
+
+    def __init__(
+        self, fitted: Fit, seen: Look, screened: Screen, candidates: Sequence[Candidate]
+    ) -> None:
+        self.own = fitted.effects
+        self.seen = seen
+        self.screened = screened
+        self.place = {id(c): i for i, c in enumerate(candidates)}
+        self.named = [r.candidate for r in seen.rows if not r.candidate.unnamed]
+        self.unnamed = [r.candidate for r in seen.rows if r.candidate.unnamed]
+
+    def best(self) -> list[Move]:
+        """The most promising of each sort, to be refitted."""
+        sorts = (
+            (self._added(self.named), _ADDED),
+            (self._added(self.unnamed), _UNNAMED),
+            (self._pairs(), _PAIRS),
+            (self._exchanges(), _EXCHANGED),
+        )
+        return [m for found, most in sorts for m in sorted(found, key=_total)[:most]]
+
+    def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
+        return [
+            Move((*self.own, c.term), (c,), self.seen.find(c).left) for c in candidates
+        ]
+
+    def _pairs(self) -> list[Move]:
+        found = []
+        for a, b in itertools.combinations(self.named[:_IN_PAIRS], 2):
+            left, _ = self.screened.held_out([*self.screened.terms, self._at(a), self._at(b)])
+            found.append(Move((*self.own, a.term, b.term), (a, b), left))
+        return found
+
+    def _exchanges(self) -> list[Move]:
+        found = []
+        for i, term in enumerate(self.own):
+            rest = [at for k, at in enumerate(self.screened.terms) if k != i]
+            for c in self.named:
+                if c.term.name != term.name:
+                    left, _ = self.screened.held_out([*rest, self._at(c)])
+                    terms = (*self.own[:i], c.term, *self.own[i + 1 :])
+                    found.append(Move(terms, (c,), left))
+        return found
+
+    def _at(self, candidate: Candidate) -> Columns:
+        return self.screened.candidates[self.place[id(candidate)]]
+
+
+def _total(move: Move) -> float:
+    return float(move.left.sum())
 
 
 def is_unnamed(term: Term) -> bool:

@@ -1,34 +1,49 @@
 """What a reader must know of a result beside its figures, a sentence or two each."""
 
+import numpy as np
+
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.loop import Trace
-from frictionjoint.diagnose.timing import Delay, timing_of
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.diagnose.finding import Trace
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.start import IN_MOTION
+from frictionjoint.identify.terms import Timing
+
+# standard errors beyond which an offset of the clocks is more than chance
+_BEYOND = 2.0
 
 
-def notes(found: Trace, prepared: Prepared, cov: Array) -> tuple[str, ...]:
+def notes(found: Trace, cov: Array) -> tuple[str, ...]:
     """All that there is to say.
 
     Args:
-        prepared: the logs with all their samples. cov: of all parameters of the final fit.
+        cov: of all parameters of the final fit.
     """
     return (
-        *_rest_note(prepared, found.prepared),
-        *timing_note(timing_of(found.final, cov)),
+        *_rest_note(found),
+        *timing_note(found.final, cov),
         *_law_note(found),
+        *_sight_note(found),
     )
 
 
-def timing_note(delay: Delay | None) -> tuple[str, ...]:
-    """What the fit made of the clocks of its channels."""
-    if not delay:
+def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
+    """What the fit made of the clocks of its channels.
+
+    A delay T within a sample turns an inertia J into a viscosity, J w^2 T at the frequency w.
+    """
+    at = next((i for i, t in enumerate(fitted.terms) if isinstance(t, Timing)), None)
+    if at is None:
         return ()
-    of_two, first = ("torque", "position") if delay.value > 0.0 else ("position", "torque")
+    k = fitted.layout.numbers(at).start
+    delay, error = fitted.terms[at].delay, float(np.sqrt(max(0.0, cov[k, k])))
+    if not abs(delay) > _BEYOND * error:
+        return ()
+    leads = "torque" if delay > 0.0 else "position"
     return (
-        f"In these logs a {first} belongs to the {of_two} logged {1e3 * abs(delay.value):.2g} ms "
-        f"earlier (standard error {1e3 * delay.stderr:.1g} ms): less than a sample, as where a "
-        "controller holds its torque from one tick to the next. The final fit allows for it.",
+        f"Position and torque are offset by {1e3 * abs(delay):.2g} +- {1e3 * error:.1g} ms "
+        f"({leads} leads): less than a sample, as where a controller holds its torque from one "
+        "tick to the next. The fit allows for it.",
     )
 
 
@@ -50,14 +65,29 @@ def _law_note(found: Trace) -> tuple[str, ...]:
     )
 
 
-def _rest_note(prepared: Prepared, moving: Prepared) -> tuple[str, ...]:
-    """What a reader must know of the samples behind the figures."""
-    if moving.rest_speed == 0.0:
+def _rest_note(found: Trace) -> tuple[str, ...]:
+    """What is left where the position does not determine the torque."""
+    rest = found.final.weight**2 <= IN_MOTION
+    if not rest.any():
         return ()
-    share = 1.0 - moving.samples / prepared.samples
-    unit = "m/s" if prepared.slide else "rad/s"
+    unit = "N" if found.prepared.slide else "N m"
+    error = float(np.sqrt(np.mean(found.final.residual[rest] ** 2)))
     return (
-        f"Below {moving.rest_speed:.2g} {unit} the measured position does not tell the torque: no "
-        f"presliding is resolved there. These samples and those that the filter mixes with them "
-        f"({share:.0%}) are in neither the fits nor the torque errors.",
+        f"In {rest.mean():.0%} of the samples the joint sticks or turns round, and the position "
+        f"hardly determines the torque. They count little in the fit, and their error, {error:.3g} "
+        f"{unit} rms, is not in the torque errors, which are of the motion.",
     )
+
+
+def _sight_note(found: Trace) -> tuple[str, ...]:
+    """What the logs could have shown, where nothing was found."""
+    if found.findings or found.unexplained:
+        return ()
+    unit = "N" if found.prepared.slide else "N m"
+    note = f"The smallest effect that these logs could have shown is {found.sight.torque:.2g} {unit} rms."
+    if found.sight.too_short:
+        note = (
+            f"These {found.sight.duration:.3g} s are too short to tell: {note[0].lower()}{note[1:]} "
+            f"About {found.sight.needed:.2g} s of such motion would do."
+        )
+    return (note,)

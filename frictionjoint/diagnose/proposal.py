@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
-from frictionjoint.diagnose.candidates import columns_of, signals_of
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.library import columns_of, signals_of
 from frictionjoint.diagnose.motions import (
     Carried,
     Limits,
@@ -86,7 +87,8 @@ class Planner:
         self.fitted = fitted
         self.body = body
         self.limits = seen(prepared, body)
-        self.noise = Noise(fitted.residual, fitted.log_index)
+        self.blocks = make_blocks(prepared, fitted).count
+        self.noise = Noise(fitted.residual, fitted.log_index, self.blocks)
         law = law_parameters(fitted)
         self.presliding = fitted.coefficient("Fc") / law.stiffness if law.stiffness else 0.0
         self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
@@ -157,12 +159,7 @@ class Planner:
 
     def _own(self, i: int) -> NDArray[np.int64]:
         """Columns of the jacobian that belong to term i, its coefficients first."""
-        terms, names = self.fitted.terms, len(self.fitted.names)
-        first = names - sum(len(t.coefficients) for t in terms[i:])
-        shape = names + len(self.fitted.shape.variables)
-        shape += sum(len(t.free_shape) for t in terms[:i])
-        own = first + np.arange(len(terms[i].coefficients))
-        return np.concatenate([own, shape + np.arange(len(terms[i].free_shape))])
+        return np.array(self.fitted.layout.of_term(i), dtype=np.int64)
 
     def _rival(self, effect: Effect, other: Term, law: Array) -> Effect:
         """The other effect with the coefficients it takes in place of the first one."""
@@ -185,7 +182,7 @@ class Planner:
 
     def _noise(self, limits: Limits) -> Noise:
         every = sampling(limits, self.prepared)
-        return Noise(self.fitted.residual, self.fitted.log_index, every)
+        return Noise(self.fitted.residual, self.fitted.log_index, self.blocks, every)
 
     def _motions(self, limits: Limits) -> list[tuple[Motion, Prepared, Array]]:
         """The family inside some limits, with the sensitivities of the fit along each motion."""

@@ -13,10 +13,9 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects import back_emf, motor_saturation
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.motor_torque import ON_THE_MOTOR
+from frictionjoint.identify.motor_torque import follows_motor
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -53,7 +52,9 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
     """
     found = []
     for i, term in enumerate(fitted.terms):
-        if isinstance(term, EffectTerm) and term.name not in ("inertia-error", "back-emf"):
+        if isinstance(term, EffectTerm) and not (
+            term.effect.opposes_voltage or term.effect.is_inertia
+        ):
             values = tuple(float(x) for x in fitted.term_coefficients(i))
             found.append(SimulatedEffect(term.effect, term.shape, values))
     return found
@@ -66,12 +67,12 @@ def motor_of(fitted: Fit) -> Motor | None:
     """
     if fitted.drive == "torque":
         return None
-    found = {
-        term.name: float(fitted.term_coefficients(i)[0])
-        for i, term in enumerate(fitted.terms)
-        if term.name in ON_THE_MOTOR
-    }
-    emf, saturation = (found.get(e.EFFECT.name, 0.0) for e in (back_emf, motor_saturation))
+    emf = saturation = 0.0
+    for i, term in enumerate(fitted.terms):
+        if term.opposes_voltage:
+            emf = float(fitted.term_coefficients(i)[0])
+        elif follows_motor(term):
+            saturation = float(fitted.term_coefficients(i)[0])
     return Motor(fitted.gain, emf, fitted.drive, saturation)
 
 
@@ -83,7 +84,7 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     target.frictionloss = 0.0
     target.damping = np.zeros_like(target.damping)
     for i, term in enumerate(fitted.terms):
-        if term.name == "inertia-error":
+        if isinstance(term, EffectTerm) and term.effect.is_inertia:
             # never below nothing: the rest of a negative error is beyond what armature can say
             extra = float(fitted.term_coefficients(i)[0])
             target.armature = max(0.0, float(target.armature) + extra)

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.candidates import columns_of, signals_of
+from frictionjoint.diagnose.library import columns_of, signals_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import Term
@@ -27,14 +26,17 @@ class Noise:
     """Autocovariance of a fit's residual with Bartlett's weights (Newey and West 1987).
 
     Args:
-        residual: of the fit, shape (n,); log_index: which log each sample belongs to.
+        residual: of a fit, shape (n,); log_index: which log each sample belongs to.
+        blocks: how many stretches of it are taken to be independent.
         every: records are sampled at one in so many of the logs' samples and stand for all of
             them: their noise is the mean over that many.
     """
 
-    def __init__(self, residual: Array, log_index: NDArray[np.int64], every: int = 1) -> None:
+    def __init__(
+        self, residual: Array, log_index: NDArray[np.int64], blocks: int, every: int = 1
+    ) -> None:
         self.every = every
-        lag = max(1, len(residual) // make_blocks(residual, log_index).count // every)
+        lag = max(1, len(residual) // blocks // every)
         self.autocovariance = np.zeros(lag)
         count = 0
         for i in np.unique(log_index):

@@ -1,271 +1,310 @@
-"""Which candidate explains a residual: a claim made on data it was not fitted to.
+"""What a model lacks: the search for effects, as its definition reads.
 
-1. The base model's own sensitivities are projected out of every candidate (Frisch and Waugh), so
-   that no candidate wins by undoing the fit.
-2. Gain: share of the residual's sum of squares that goes away on folds the coefficients were not
-   fitted to (whole logs where there are three or more).
-3. False alarms: score contributions of the blocks, their signs flipped at random; the p-value is
-   that of the maximum over all candidates, so the whole family is controlled.
-4. Runner-up: paired bootstrap over blocks of the difference in held-out squares; where the
-   interval holds zero the two are a tie, and of nested ones the simpler is taken.
+    fit the law; repeat: screen every change of the model, refit the best few, take the best one
+    that predicts unlike motion better; drop what is no longer needed; until nothing helps.
+
+One score decides: squares predicted by effects fitted to other motion (`score`). A change is taken
+if it gains more than one paired standard error and a least fraction of what is left, and if, over
+the whole family of candidates, chance hardly does as much.
 """
 
-import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.special import chdtrc
 
-from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks, whiten, whitener
-from frictionjoint.diagnose.candidates import Candidate
-from frictionjoint.identify.design import lengths
-from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.threads import side_by_side
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.finding import Finding, Trace, sight
+from frictionjoint.diagnose.laws import LAW_FORMS, Laws
+from frictionjoint.diagnose.library import library
+from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
+from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.start import settled
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import Term
+from frictionjoint.identify.weights import reweighed
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.threads import one_thread
 
-FLIPS = 1999
-_RESAMPLES = 300
-_TIE_QUANTILE = 0.05
-# columns whose independent part is below a thousandth of their size count as dependent
-_RCOND = 1e-6
-
-
-@dataclass(frozen=True)
-class Ranked:
-    """A candidate with its evidence.
-
-    Attributes:
-        held_out_gain: share of the residual variance taken away on held-out folds.
-        p_value: of no effect, controlled over all candidates.
-        coefficients: of the one-step fit, N m per column.
-        admissible: the coefficients keep the effect's physical bounds.
-        squares: held-out sum of squares by block.
-        on_edge: a joint refit drove a shape number to the end of its physical range.
-    """
-
-    candidate: Candidate
-    held_out_gain: float
-    p_value: float
-    coefficients: Array
-    admissible: bool
-    squares: Array = field(repr=False)
-    on_edge: bool = False
-
-    @property
-    def name(self) -> str:
-        """Name of the effect or variable."""
-        return self.candidate.term.name
+INTEGRATED_LAW = FrictionParameters.law
+SIGNIFICANCE = 0.05
+# fraction of the squares left that a change must take away: less is as likely a by-product of
+# whatever else is wrong
+SMALLEST_GAIN = 0.08
+# gain from which on an effect may have bent the law, which is then fitted from everywhere
+_BENT = 0.3
+# models within chance and this fraction of the best one's gain are a tie
+_TIE = 0.1
+# a dependence without a name stands in only where no effect explains as large a part of it
+_ENOUGH = 0.9
+# of a pair over its better half: what one of two effects must explain beside the other
+_PAIR = 0.3
+# leaders that are compared once more, by their gain over the best one's
+_LEADERS = 0.7
+_TRIED_STEPS, _MOST_CHANGES = 8, 12
 
 
-@dataclass(frozen=True)
-class Ranking:
-    """All candidates, best first, one an effect (its best shape).
-
-    Attributes:
-        ranked: best first. base_squares: held-out squares by block without any candidate.
-    """
-
-    ranked: tuple[Ranked, ...]
-    base_squares: Array = field(repr=False)
+class _Tried(NamedTuple):
+    move: Move
+    score: Scored
 
 
-def rank(
-    candidates: list[Candidate],
-    jacobian: Array,
-    residual: Array,
-    log_index: NDArray[np.int64],
-    blocks: Blocks,
-    rng: np.random.Generator,
-) -> Ranking:
-    """Rank candidates against a residual.
+class _Choice(NamedTuple):
+    taken: _Tried
+    ties: tuple[str, ...] = ()
+
+
+@dataclass
+class _State:
+    """Where the search is: logs as they are weighted now, the model, what was found."""
+
+    prepared: Prepared
+    fit: Fit
+    findings: list[Finding]
+    look: Look
+
+
+@one_thread
+def trace(
+    prepared: Prepared,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+    law: str | None = None,
+) -> Trace:
+    """Run the search on prepared logs; uses these logs only, split into folds.
 
     Args:
-        jacobian: sensitivities of the model so far, shape (n, p); residual: shape (n,).
+        seed: of flips and resampling; equal seeds give equal results.
+        progress: told what is being done.
+        law: name of the friction law; None for the integrated law, or in the result another one
+            where that is clearly better.
+    Raises:
+        ParameterError: no law has this name.
     """
-    J = scaled(jacobian)
-    Z = [scaled(c.columns) for c in candidates]
-    U = np.column_stack([J, *Z, residual])
-    grams = blocks.gram(U)
-    white = blocks.gram(whiten(U, log_index, whitener(residual, log_index)))
-    p = J.shape[1]
-    starts = np.cumsum([p, *(z.shape[1] for z in Z)])
-    sets = [np.arange(a, b) for a, b in itertools.pairwise(starts)]
-    base = np.arange(p)
-    folds = {False: blocks.fold, True: blocks.within}
-    none = grams[:, -1, -1]
-    base_squares = {w: _least(_held_out(grams, base, f), none) for w, f in folds.items()}
-    whole = grams.sum(axis=0)
-    p_values = _flip_test((grams, white), base, sets, rng)
-    rows = []
-    for i, (candidate, own) in enumerate(zip(candidates, sets, strict=True)):
-        within = candidate.within_logs
-        squares = _least(
-            _held_out(grams, np.concatenate([base, own]), folds[within]),
-            _held_out(grams, own, folds[within]),
+    rng = np.random.default_rng(seed)
+    progress("base fit")
+    prepared, base = _base(prepared, law or INTEGRATED_LAW, progress)
+    laws = Laws(prepared, base, asked=law is not None, progress=progress)
+    prepared, current = laws.better(prepared, base)
+    state = _State(prepared, current, [], Look((), np.zeros(0), 0.0))
+    for change in range(1, _MOST_CHANGES + 1):
+        progress(f"step {change}: trying candidates")
+        taken = _step(state, rng)
+        if taken:
+            progress(f"step {change}: {', '.join(taken)}")
+        elif not _other_law(state, laws):
+            break
+    return _told(state, base, laws)
+
+
+def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
+    """The law alone, with what its logs held when they began."""
+    found = fit(prepared, forms=forms_of(law), progress=progress)
+    prepared, found = reweighed(prepared, found)
+    return reweighed(*settled(prepared, found))
+
+
+def _step(state: _State, rng: np.random.Generator) -> list[str]:
+    """One change of the model, if any is justified; names of what came in."""
+    prepared, current = state.prepared, state.fit
+    blocks = make_blocks(prepared, current)
+    candidates = library(prepared, current, blocks)
+    seen, screened = look(current, blocks, candidates, rng)
+    state.look = seen
+    now = scored(current, blocks)
+    tried = [
+        _Tried(m, scored(refit(prepared, m.terms, current.shape, ROUGH, _TRIED_STEPS), blocks))
+        for m in Moves(current, seen, screened, candidates).best()
+    ]
+    choice = _chosen(now, tried, seen)
+    if choice:
+        prepared, now, tried = _looked_at_again(state, now, tried, choice.taken)
+        choice = _chosen(now, tried, seen)
+    if not choice:
+        return []
+    taken = choice.taken
+    before = state.fit
+    state.prepared, state.fit = reweighed(prepared, taken.score.fit)
+    gain = taken.score.gain(now)
+    for candidate in taken.move.added:
+        state.findings.append(
+            Finding(
+                term=candidate.term,
+                look=seen,
+                row=seen.find(candidate),
+                gain=min(gain, seen.gain(seen.find(candidate))) if gain > 0 else gain,
+                ties=choice.ties,
+                rivals=_rivals(taken, tried, now),
+                fit=state.fit,
+            )
         )
-        total = float(base_squares[within].sum())
-        beta = solve_gram(whole, np.concatenate([base, own]))[p:] / lengths(candidate.columns)
-        p_value = max(p_values[i], min(1.0, 2.0 * candidate.search_p))
-        gain = 1.0 - float(squares.sum()) / total if total > 0.0 else 0.0
-        rows.append(Ranked(candidate, gain, p_value, beta, _admissible(candidate, beta), squares))
-    return Ranking(_best_of_each(rows), base_squares[False])
+    _drop_idle(state)
+    names = {t.name for t in state.fit.effects}
+    state.findings = [f for f in state.findings if f.term.name in names]
+    return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
 
 
-def held_out_squares(
-    jacobian: Array, residual: Array, blocks: Blocks, within_logs: bool = False
-) -> Array:
-    """Sum of squares of each block with a fit's parameters as they would be without its fold.
+def _looked_at_again(
+    state: _State, now: Scored, tried: Sequence[_Tried], best: _Tried
+) -> tuple[Prepared, Scored, list[_Tried]]:
+    """The leading changes under the weights of the best one, with a law that nothing has bent.
 
-    Args:
-        jacobian: of a fit at its optimum, shape (n, p); residual: of the same fit, shape (n,).
-        within_logs: folds cut every log.
-    Returns:
-        shape (B,); to first order in the change of the parameters.
+    What was wrong before may have bent the law, and so the weights: what is left then depends on
+    which change was tried first.
     """
-    grams = blocks.gram(np.column_stack([scaled(jacobian), residual]))
-    folds = blocks.within if within_logs else blocks.fold
-    moved = _held_out(grams, np.arange(jacobian.shape[1]), folds)
-    return _least(moved, grams[:, -1, -1])
+    gain = best.score.gain(now)
+    leaders = [t for t in tried if t is best or t.score.gain(now) >= _LEADERS * gain]
+    prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
+    forms = LAW_FORMS[first.shape.variables]
+    bent = gain > _BENT
+    if bent:
+        first = min(first, fit(prepared, first.effects, forms), key=lambda f: f.drive_rms)
+        prepared, first = reweighed(prepared, first, ROUGH)
+    blocks = make_blocks(prepared, first)
+    again = []
+    for t in leaders:
+        fits = [first]
+        if t is not best:
+            starts = (first.shape, state.fit.shape)
+            fits = [refit(prepared, t.move.terms, s, ROUGH, _TRIED_STEPS) for s in starts]
+            if bent and not t.move.unnamed and len(t.move.added) == 1:
+                fits.append(fit(prepared, t.move.terms, forms))
+        again.append(_Tried(t.move, scored(min(fits, key=lambda f: f.drive_rms), blocks)))
+    without = refit(prepared, state.fit.effects, state.fit.shape, ROUGH, _TRIED_STEPS)
+    return prepared, scored(without, blocks), again
 
 
-def scaled(X: Array) -> Array:
-    """Columns of length one; those that are zero stay so."""
-    return np.asarray(X / lengths(X))
+def _chosen(now: Scored, tried: Sequence[_Tried], seen: Look) -> _Choice | None:
+    """The best change that is justified, and the effects it is tied with."""
+    good = [t for t in tried if _justified(t, now, seen)]
+    named = [t for t in good if not t.move.unnamed]
+    singles = [t for t in named if len(t.move.added) == 1]
+    best = min(singles, key=_total, default=None)
+    pair = min((t for t in named if len(t.move.added) > 1), key=_total, default=None)
+    if pair and (not best or _clearly(pair, best, _PAIR)):
+        best = pair
+    unnamed = min((t for t in good if t.move.unnamed), key=_total, default=None)
+    if unnamed and (not best or _stands_in(unnamed, best, now)):
+        return _Choice(unnamed)
+    if not best:
+        return None
+    if best is pair:
+        return _Choice(best)
+    gain = best.score.gain(now)
+    near = [
+        t
+        for t in singles
+        if len(t.move.terms) == len(best.move.terms)
+        and (t is best or not best.score.better(t.score))
+        and t.score.gain(now) >= (1.0 - _TIE) * gain
+    ]
+    simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
+    ties = [t.move.added[0].term.name for t in near if t is not simplest]
+    return _Choice(simplest, tuple(ties))
 
 
-def solve_gram(G: Array, columns: NDArray[np.int64]) -> Array:
-    """Least squares of the last column on some others, from their Gram matrix.
-
-    Columns the data cannot tell apart share their coefficient (minimum norm).
-    """
-    A = G[np.ix_(columns, columns)]
-    return np.asarray(np.linalg.pinv(A, rcond=_RCOND, hermitian=True) @ G[columns, -1])
+def _justified(tried: _Tried, now: Scored, seen: Look) -> bool:
+    """By its gain on unlike motion, and by chance over the whole family."""
+    p_value = min((seen.find(c).p_value for c in tried.move.added), default=0.0)
+    enough = tried.score.gain(now) >= SMALLEST_GAIN and tried.score.better(now)
+    return enough and p_value <= SIGNIFICANCE
 
 
-def _least(a: Array, b: Array) -> Array:
-    """The better of two predictions.
-
-    Refitting the model's own parameters without a fold can do more harm on that fold than good,
-    where the other folds hardly determine them.
-    """
-    return a if a.sum() < b.sum() else b
+def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
+    return one.score.better(other.score) and one.score.gain(other.score) > least
 
 
-def _held_out(grams: Array, columns: NDArray[np.int64], folds: NDArray[np.int64]) -> Array:
-    """Sum of squares of each block under coefficients fitted without its fold."""
-    with_target = np.append(columns, grams.shape[1] - 1)
-    own = grams[:, with_target[:, None], with_target]
-    total, inputs = own.sum(axis=0), np.arange(len(columns))
-    squares = np.empty(len(grams))
-    for fold in np.unique(folds):
-        inside = folds == fold
-        G = own[inside]
-        beta = solve_gram(total - G.sum(axis=0), inputs)
-        cross = G[:, :-1, -1] @ beta
-        quadratic = np.einsum("i,bij,j->b", beta, G[:, :-1, :-1], beta)
-        squares[inside] = G[:, -1, -1] - 2.0 * cross + quadratic
-    return squares
+def _stands_in(unnamed: _Tried, named: _Tried, now: Scored) -> bool:
+    """Whether a dependence explains clearly more than any effect."""
+    less = named.score.gain(now) < _ENOUGH * unnamed.score.gain(now)
+    return less and unnamed.score.better(named.score)
 
 
-def _flip_test(
-    kinds: tuple[Array, ...],
-    base: NDArray[np.int64],
-    sets: list[NDArray[np.int64]],
-    rng: np.random.Generator,
-) -> Array:
-    """p-value of each candidate, the largest score over all candidates as its null distribution.
-
-    Statistics of many coefficients and of single constants are put on one scale by the chi-square
-    tail each would have (Westfall and Young 1993, with an approximate marginal: it weighs the
-    candidates against each other, the flips alone make the p-value). Each candidate is tested on
-    the residual as it is, where slow effects show, and whitened, where fast ones do (`kinds`);
-    both tests are members of the family.
-    """
-    blocks = len(kinds[0])
-    signs = np.vstack([np.ones(blocks), rng.choice([-1.0, 1.0], size=(FLIPS, blocks))])
-    largest = np.full((len(sets), FLIPS + 1), -np.inf)
-    with side_by_side() as each:
-        for grams in kinds:
-            scores = _scores(grams, base, sets)
-            for i, surprise in enumerate(each(partial(_surprise, signs), scores)):
-                largest[i] = np.maximum(largest[i], surprise)
-    null = largest[:, 1:].max(axis=0)
-    return np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in largest[:, 0]])
+def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:
+    """Other effects that explain nearly as much."""
+    least = (1.0 - _TIE) * taken.score.gain(now)
+    return tuple(
+        t.move.added[0].term
+        for t in tried
+        if t is not taken and len(t.move.added) == 1 and not t.move.unnamed
+        if t.score.gain(now) >= least
+    )
 
 
-def _surprise(signs: Array, score: Array) -> Array:
-    """Of each row of signs how far out a candidate's score is, shape (flips + 1,)."""
-    spread = score.T @ score
-    inverse = np.linalg.pinv(spread, rcond=1e-9, hermitian=True)
-    s = signs @ score
-    statistic = np.sum((s @ inverse) * s, axis=1)
-    freedom = max(1, int(np.linalg.matrix_rank(spread, hermitian=True)))
-    return np.asarray(-np.log(chdtrc(freedom, statistic)))
+def _drop_idle(state: _State) -> None:
+    """Leave out, one after the other, what the model predicts as well without."""
+    while state.fit.effects:
+        blocks = make_blocks(state.prepared, state.fit)
+        now = scored(state.fit, blocks)
+        idle = []
+        for term in state.fit.effects:
+            rest = tuple(t for t in state.fit.effects if t is not term)
+            without = scored(
+                refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS), blocks
+            )
+            if not now.better(without) or now.gain(without) < SMALLEST_GAIN:
+                idle.append((now.gain(without), without.fit))
+        if not idle:
+            return
+        state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
 
 
-def _scores(
-    grams: Array, base: NDArray[np.int64], sets: list[NDArray[np.int64]]
-) -> Iterator[Array]:
-    """Contribution of each block to the score of each candidate, the base projected out."""
-    total = grams.sum(axis=0)
-    inverse = np.linalg.pinv(total[np.ix_(base, base)], rcond=1e-9, hermitian=True)
-    fitted = inverse @ total[base, -1]
-    inside = grams[:, base][:, :, base]
-    for own in sets:
-        P = inverse @ total[np.ix_(base, own)]
-        score = grams[:, own, -1] - grams[:, base, -1] @ P
-        score -= np.einsum("bij,j->bi", grams[:, own][:, :, base], fitted)
-        score += np.einsum("ki,bkl,l->bi", P, inside, fitted)
-        yield score
+def _other_law(state: _State, laws: Laws) -> bool:
+    """Take another law where that is clearly better beside the effects found."""
+    prepared, found = laws.better(state.prepared, state.fit)
+    changed = found is not state.fit
+    state.prepared, state.fit = prepared, found
+    return changed
 
 
-def _admissible(candidate: Candidate, beta: Array) -> bool:
-    term = candidate.term
-    if not isinstance(term, EffectTerm) or not term.effect.bounds:
-        return True
-    low, high = np.array(term.effect.bounds).T
-    return bool(np.all(beta >= low) and np.all(beta <= high))
+def _told(state: _State, base: Fit, laws: Laws) -> Trace:
+    """What was found, without the dependences that have no name: those are only reported."""
+    unexplained: dict[str, float] = {}
+    blocks = make_blocks(state.prepared, state.fit)
+    whole = scored(state.fit, blocks)
+    for term in state.fit.effects:
+        if is_unnamed(term):
+            rest = tuple(t for t in state.fit.effects if t is not term)
+            without = refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
+            gain = whole.gain(scored(without, blocks))
+            unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
+    if unexplained:
+        named = tuple(t for t in state.fit.effects if not is_unnamed(t))
+        alone = refit(state.prepared, named, state.fit.shape)
+        state.prepared, state.fit = reweighed(state.prepared, alone)
+        _drop_idle(state)
+    state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
+    found = []
+    for term in state.fit.effects:
+        own = [f for f in state.findings if f.term.name == term.name]
+        found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
+    other = laws.unchosen(state.prepared, state.fit, base)
+    base = refit(state.prepared, (), base.shape)
+    return Trace(
+        prepared=state.prepared,
+        base=base,
+        findings=tuple(found),
+        final=state.fit,
+        unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
+        last_look=state.look,
+        other=other,
+        sight=sight(state.prepared, state.fit, state.look),
+    )
 
 
-def _best_of_each(rows: list[Ranked]) -> tuple[Ranked, ...]:
-    """The best shape of each effect and kind of curve, with the least p-value of all its shapes.
-
-    The p-values are controlled over all shapes of all effects, so one of them is enough to say
-    that the effect's cause is there; which shape it has is then a matter of the fit.
-    """
-    best: dict[tuple[str, str], Ranked] = {}
-    least: dict[tuple[str, str], float] = {}
-    for row in rows:
-        key = (row.name, row.candidate.kind)
-        if not row.admissible:
-            continue
-        least[key] = min(least.get(key, 1.0), row.p_value)
-        if key not in best or row.held_out_gain > best[key].held_out_gain:
-            best[key] = row
-    found = (replace(row, p_value=least[key]) for key, row in best.items())
-    return tuple(sorted(found, key=lambda r: -r.held_out_gain))
+def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:
+    """Findings of one name: harmonics of a periodic effect come one by one."""
+    return [f for f in found if f.term.name == term.name]
 
 
-def margin(
-    winner: Ranked, other: Ranked, base: Array, rng: np.random.Generator
-) -> tuple[float, bool]:
-    """Difference in held-out gain, and whether it is a tie."""
-    draws = rng.integers(0, len(base), size=(_RESAMPLES, len(base)))
-    difference = other.squares - winner.squares
-    sample = difference[draws].sum(axis=1)
-    mean = float(difference.sum() / base.sum())
-    return mean, bool(np.quantile(sample, _TIE_QUANTILE) <= 0.0)
+def numbers_of(term: Term) -> int:
+    """How many numbers it takes: the fewer, the simpler."""
+    return len(term.coefficients) + len(term.shape)
 
 
-def selection_frequency(
-    winner: Ranked, ranked: tuple[Ranked, ...], rng: np.random.Generator
-) -> float:
-    """How often the winner stays the best when blocks are drawn anew."""
-    squares = np.stack([r.squares for r in ranked])
-    n = squares.shape[1]
-    draws = rng.integers(0, n, size=(_RESAMPLES, n))
-    best = np.argmin(squares[:, draws].sum(axis=2), axis=0)
-    return float(np.mean([ranked[i] is winner for i in best]))
+def _total(tried: _Tried) -> float:
+    return tried.score.total

@@ -1,39 +1,57 @@
-"""What a result amounts to: explained, in part, or nothing found."""
+"""What a result amounts to: explained, in part, nothing found, or too short to tell."""
+
+import numpy as np
 
 from frictionjoint.diagnose.blocks import correlation_time
-from frictionjoint.diagnose.floor import AT_THE_FLOOR
-from frictionjoint.diagnose.loop import Trace
+from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_data import Rms, Verdict
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
+from frictionjoint.identify.start import IN_MOTION
 
+# up to this multiple of what the instruments leave a residual counts as noise
+_AT_THE_FLOOR = 1.5
 # times the correlation of filtered white noise up to which a residual is as white
 _WHITE = 3.0
 
 
-def verdict(
-    found: Trace, unexplained: bool, prepared: Prepared, floor: float, before: Rms, after: Rms
-) -> Verdict:
-    """Explained is said only of a residual down to the torque's noise, or as white as noise.
+def noise_floor(prepared: Prepared, gain: float) -> float:
+    """What the instruments alone leave of a perfect model behind the balance's filter, N m."""
+    powers = [sum(s.noise.left(s.bandwidth_hz, BALANCE_ORDER)) for s in prepared.segments]
+    return gain * float(np.sqrt(np.mean(powers)))
 
-    Nor is it said where held-out logs contradict.
+
+def verdict(found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms]) -> Verdict:
+    """Explained is said only of a residual down to the instruments' noise, or as white as noise.
+
+    Nor is it said where held-out logs or the replay contradict, or where a parameter that was
+    added ran to the end of its range.
 
     Args:
-        unexplained: the residual still depends on a measured quantity.
-        floor: noise of the torque, N m. before, after: errors of the torque.
+        before, after: errors of the torque and of the replay.
     """
-    if not found.steps and not unexplained:
-        return "no-effect-found"
-    if not found.steps or unexplained or after.worse_than(before):
+    if not found.findings and not found.unexplained:
+        return "too-short-to-tell" if found.sight.too_short else "no-effect-found"
+    worse = any(a.worse_than(b) for b, a in zip(before, after, strict=True))
+    if not found.findings or found.unexplained or worse or _at_a_bound(found.final):
         return "partly-explained"
-    at_floor = found.final.rms <= AT_THE_FLOOR * floor
-    return "explained" if at_floor or _is_white(found.final, prepared) else "partly-explained"
+    moving = found.final.weight**2 > IN_MOTION
+    left = float(np.sqrt(np.mean(found.final.residual[moving] ** 2)))
+    at_floor = left <= _AT_THE_FLOOR * noise_floor(found.prepared, found.final.gain)
+    white = at_floor or _is_white(found.final, found.prepared)
+    return "explained" if white else "partly-explained"
+
+
+def _at_a_bound(fitted: Fit) -> bool:
+    """Whether a parameter of an effect has run to the end of its range."""
+    return any(bool(fitted.bound[fitted.layout.of_term(i)].any()) for i in range(len(fitted.effects)))
 
 
 def _is_white(fitted: Fit, prepared: Prepared) -> bool:
     """Whether a residual is correlated hardly longer than filtered white noise is."""
+    e = fitted.residual * fitted.weight
     for i, s in enumerate(prepared.segments):
         filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))
-        if correlation_time(fitted.residual[fitted.log_index == i]) > _WHITE * filtered_noise:
+        if correlation_time(e[fitted.log_index == i]) > _WHITE * filtered_noise:
             return False
     return True

@@ -32,7 +32,7 @@ class Effect:
         coefficients: names of the linear coefficients; units: one unit a coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
         shape: names of the shape numbers; shape_units: their units.
-        shape_fixed: the shape numbers are a reference, not to be refined.
+        shape_fixed: how many of the shape numbers, the first ones, are references, not estimated.
         shapes: grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS).
         needs: signal columns without which the effect cannot be tested.
         entry: how it enters. cause, form, source, signature: for people.
@@ -50,6 +50,7 @@ class Effect:
         on_motor: it stands between the drive and the motor's torque.
         delays: its shape number is a time by which the drive is logged early, s.
         geared: the load it looks at is what the gear transmits, without what turns the armature.
+        is_inertia: its coefficient adds to the joint's inertia.
         of_inertia: bounds are in units of the joint's inertia.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
@@ -68,7 +69,7 @@ class Effect:
     entry: Entry = "adds torque"
     shape: tuple[str, ...] = ()
     shape_units: tuple[str, ...] = ()
-    shape_fixed: bool = False
+    shape_fixed: int = 0
     shapes: Callable[[Array], list[Shape]] = _no_shape
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()
@@ -82,6 +83,7 @@ class Effect:
     on_motor: bool = False
     delays: bool = False
     geared: bool = False
+    is_inertia: bool = False
     of_inertia: bool = False
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
 

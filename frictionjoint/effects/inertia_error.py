@@ -24,4 +24,5 @@ EFFECT = Effect(
     signature="proportional to acceleration at every frequency",
     separating_motion="fast motion at two frequencies at least a factor of two apart",
     needs=(A,),
+    is_inertia=True,
 )

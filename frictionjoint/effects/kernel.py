@@ -63,7 +63,7 @@ _motor_side = joint_elasticity.torque
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """Torque of one effect; numba cannot cache a table of functions, hence the chain.
 
-    15 was an expansion of the elastic joint in derivatives of its motion.
+    8 was a friction linear in the temperature, 15 an elastic joint expanded in derivatives.
     """
     if effect_id == 1:
         return _bias(P, e, sig, X, x)
@@ -79,8 +79,6 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _viscous(P, e, sig, X, x)
     if effect_id == 7:
         return _load(P, e, sig, X, x)
-    if effect_id == 8:
-        return _temperature(P, e, sig, X, x)
     if effect_id == 9:
         return _warm_up(P, e, sig, X, x)
     if effect_id == 10:
@@ -115,6 +113,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _load_stribeck(P, e, sig, X, x)
     if effect_id == 26:
         return _saturation(P, e, sig, X, x)
+    if effect_id == 27:
+        return _temperature(P, e, sig, X, x)
     return np.nan
 
 

@@ -33,7 +33,6 @@ EFFECT = Effect(
     separating_motion="two motions of the same shape at different speeds",
     entry="acts on the measurement",
     delays=True,
-    needs=(DTAU,),
     shape=("delay",),
     shape_units=("s",),
     shapes=_none_yet,

@@ -1,42 +1,49 @@
-"""temperature-dependent: level and viscosity that change with the measured temperature."""
+"""temperature-dependent: level and viscosity that fall with the measured temperature."""
 
 import math
 
+import numpy as np
 from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
 
+# K over which a change falls to 1/e: where a search starts. The last is next to linear.
+_SCALES = (8.0, 20.0, 60.0, 300.0)
+
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(T - T0) (a Fh/Fc + b v); nothing where no temperature is known: the joint is at T0."""
+    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); nothing where no temperature is known: it is T0."""
     if math.isnan(sig[TEMP]):
         return 0.0
-    return (sig[TEMP] - P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
+    change = math.expm1(-(sig[TEMP] - P[e]) / P[e + 1])
+    return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
 
-def _reference(signals: Array) -> list[Shape]:
-    # the base fit holds at the mean temperature of its logs: measure from there
-    return [(float(signals[:, TEMP].mean()),)]
+def _references(signals: Array) -> list[Shape]:
+    # the base fit holds at the mean temperature of its logs: changes are counted from there
+    reference = float(np.nanmean(signals[:, TEMP]))
+    return [(reference, scale) for scale in _SCALES]
 
 
 EFFECT = Effect(
     name="temperature-dependent",
-    effect_id=8,
-    coefficients=("level_per_K", "viscous_per_K"),
-    units=("T/K", "T s/x/K"),
+    effect_id=27,
+    coefficients=("level", "viscous"),
+    units=("T", "T s/x"),
     cause="lubricant viscosity and seal friction falling with temperature",
-    form="(T - T0) (a Fh/Fc + b v), the first order of Fv0 + FvT exp(-T/T0)",
-    source="Bittencourt and Gunnarsson (2012)",
+    form="(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v)",
+    source="Bittencourt and Gunnarsson (2012), Fv0 + FvT exp(-T/T0)",
     signature="same motion, friction that follows the measured temperature",
     separating_motion="the same motion cold and warm, and warm after a pause",
     entry="scales the friction level",
     slow=True,
-    shape=("T0",),
-    shape_units=("deg C",),
-    shape_fixed=True,
-    shapes=_reference,
+    shape=("T0", "scale"),
+    shape_units=("deg C", "K"),
+    shape_fixed=1,
+    shape_bounds=((-100.0, 300.0), (2.0, 1000.0)),
+    shapes=_references,
     needs=(TEMP,),
 )

@@ -62,13 +62,20 @@ class Balance:
             whole = saturated(whole, beta, self.layout)
         return whole, np.concatenate(y)
 
-    def moves(self, law: Shape, terms: tuple[Term, ...], beta: Array) -> Array:
+    def moves(
+        self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool = True
+    ) -> Array:
         """Derivative of columns times `beta` less target by every nonlinear number, shape (n, m).
 
         The law's own are carried through its kernel along with its torque.
+
+        Args:
+            through_terms: with what the law changes in terms that follow it, which a search does
+                without.
         """
+        make = partial(self._log_moves, law, terms, beta, through_terms)
         with side_by_side() as each:
-            found = list(each(partial(self._log_moves, law, terms, beta), range(len(self.prepared))))
+            found = list(each(make, range(len(self.prepared))))
         return np.concatenate(found)
 
     def _log_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
@@ -108,9 +115,11 @@ class Balance:
             ("track", i, law), lambda: law_track(self.prepared.segments[i], law)
         )
 
-    def _log_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
+    def _log_moves(
+        self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int
+    ) -> Array:
         s, layout = self.prepared.segments[i], self.layout
-        found = list(self._law_moves(law, terms, beta, i).T)
+        found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
             for j, x in enumerate(term.free_shape):
                 if term.delay or not term.coefficients:
@@ -137,13 +146,12 @@ class Balance:
                 continue
             signals = self._signals(term, law, i).copy()
             own, weights = signals[:, H].copy(), beta[layout.coefficients(k)]
+            here = term.columns(s, signals) @ weights
             for j, tangent in enumerate(dH):
+                # these columns are linear in H, but for a bound on it
                 h = _STEP / (float(np.abs(tangent).max()) or 1.0)
-                pair = []
-                for d in (h, -h):
-                    signals[:, H] = own + d * tangent
-                    pair.append(term.columns(s, signals) @ weights)
-                torque[j] += (pair[0] - pair[1]) / (2.0 * h)
+                signals[:, H] = own + h * tangent
+                torque[j] += (term.columns(s, signals) @ weights - here) / h
         return kept(s, torque.T)
 
     def _get(self, key: object, make: "partial[Array]") -> Array:

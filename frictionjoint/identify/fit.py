@@ -28,8 +28,8 @@ _MOST_STEPS = 20
 CLOSE, ROUGH = 1e-6, 1e-3
 # how far a term's shape number may move in one search, over itself
 _REACH = 0.6
-# resonances that the band of the balance can still tell, over its corner
-_ABOVE_BAND = 1.5
+# highest resonance that still shows in the band of the balance, over its corner
+HEARD = 2.0
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ class Search:
         """Physical ranges; a frequency in time no higher than the balance can still tell."""
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
-            top = _ABOVE_BAND * self.prepared.band.balance
+            top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
                 if unit == "Hz":
                     limits[i] = (limits[i][0], max(min(limits[i][1], top), 1.01 * limits[i][0]))
@@ -263,7 +263,7 @@ class Search:
         """Of the residual by the numbers searched, the coefficients solved for all along."""
         X, _, beta = self.solved(x)
         w = self.weight[:, None]
-        moves = self.balance.moves(*self.split(x), beta) * w
+        moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
         free = X[:, (beta > self.low) & (beta < self.high)] * w
         length = np.linalg.norm(free, axis=0)
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])

@@ -313,8 +313,9 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
     signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
     signals[:, DT] = dt
     signals[0, DT] = 0.0
-    if log.temperature is not None:
-        signals[:, TEMP] = uniform(log.time, log.temperature, t)
+    # not a number where no thermometer was read
+    known = log.temperature is not None
+    signals[:, TEMP] = uniform(log.time, log.temperature, t) if known else np.nan
     mask = np.ones(n, dtype=bool)
     # a zero-phase filter is not to be trusted within about one period of its corner of the ends
     edge = min(n // 10, max(2, int(1.0 / (band.balance * dt))))

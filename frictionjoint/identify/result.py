@@ -140,7 +140,8 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
         at = layout.numbers(i).start
         effect: Effect = term.effect
         for k, name in enumerate(effect.shape):
-            error = None if effect.shape_fixed else _root(cov[at + k, at + k])
+            fixed = effect.shape_fixed
+            error = None if k < fixed else _root(cov[at + k - fixed, at + k - fixed])
             unit = spelled(effect.shape_units[k], slide)
             found[name] = Estimate(term.shape[k], error, unit)
     return found

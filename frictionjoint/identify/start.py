@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
@@ -20,6 +21,8 @@ from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import EffectTerm
 
+# squared weight from which on a sample counts as in motion
+IN_MOTION = 0.5
 # trial torques at the first sample over Fc, and how near to the best one is near enough
 _TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
 # share of a log's squares that another start must take away
@@ -142,21 +145,28 @@ class Prediction(NamedTuple):
     Attributes:
         measured: by the gain of the fit where the drive's is not known. predicted: by the fit.
         friction: of the law alone, a part of what is predicted.
+        weight: of each sample, as the logs have it.
     """
 
     measured: list[Array]
     predicted: list[Array]
     friction: list[Array]
+    weight: list[Array]
 
     @property
     def error(self) -> Array:
         """Measured less predicted, log after log, shape (n,)."""
         return np.concatenate(self.measured) - np.concatenate(self.predicted)
 
+    @property
+    def in_motion(self) -> NDArray[np.bool_]:
+        """The samples whose torque the position determines, shape (n,)."""
+        return np.asarray(np.concatenate(self.weight) ** 2 > IN_MOTION)
+
 
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """What a fit says of logs, without refitting; their starts are sought."""
-    found = Prediction([], [], [])
+    found = Prediction([], [], [], [])
     law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
     # the model's columns are those of the logs it was fitted to, let go or not
     like = replace(prepared, let_go=prepared.voltage_driven and "sigma2" in fitted.names)
@@ -169,4 +179,5 @@ def predict(prepared: Prepared, fitted: Fit) -> Prediction:
         found.measured.append(y * fitted.gain + known)
         found.predicted.append(X @ fitted.beta * fitted.gain + known)
         found.friction.append(X[:, law] @ fitted.beta[law] * fitted.gain)
+        found.weight.append(one.segments[0].kept_weight)
     return found

@@ -17,9 +17,9 @@ from frictionjoint.threads import one_thread
 # samples that the coarse look is at
 _COARSE = 3000
 # starts of each law that ripen, and for how many steps
-_RIPENING, _STEPS = 4, 8
+_RIPENING, _STEPS, _FEW = 4, 10, 4
 # cost over the best one's up to which a start is tried on all samples
-_NEAR_BEST, _FINALISTS = 1.3, 3
+_NEAR_BEST, _FINALISTS = 1.3, 2
 
 
 @one_thread
@@ -34,22 +34,7 @@ def fit(
     Args:
         forms: of the law, each tried from its own grid.
     """
-    terms = timed(prepared, terms)
-    coarse = prepared.thinned(_COARSE)
-    laws: dict[tuple[str, ...], list[Place]] = {}
-    for i, form in enumerate(forms):
-        progress(f"fit: form {i + 1} of {len(forms)}")
-        search = Search(coarse, terms, form)
-        for law in form.grid(search.vmax, search.span):
-            x = search.vector(law)
-            cost = 0.5 * float(np.sum(search.residual(x) ** 2))
-            laws.setdefault(form.variables, []).append(Place(cost, search, x))
-    ripe: list[Place] = []
-    for i, places in enumerate(laws.values()):
-        progress(f"fit: law {i + 1} of {len(laws)}")
-        places.sort(key=lambda place: place.cost)
-        ripe += [p.search.run(p.x, _STEPS, ROUGH) for p in places[:_RIPENING]]
-    ripe.sort(key=lambda place: place.cost)
+    ripe = ripened(prepared, terms, forms, progress)
     finalists = [p for p in ripe if p.cost <= _NEAR_BEST * ripe[0].cost][:_FINALISTS]
     final = []
     for i, place in enumerate(finalists):
@@ -57,7 +42,29 @@ def fit(
         shape, moved = place.search.split(place.x)
         searches = [Search(prepared, moved, choice) for choice in shape.last_choices()]
         search = min(searches, key=lambda s: float(np.sum(s.residual(s.start) ** 2)))
-        final.append(search.run(search.start, _STEPS, ROUGH))
+        final.append(search.run(search.start, _FEW, ROUGH))
     best = min(final, key=lambda place: place.cost)
     found = best.search.run(best.x, _STEPS, CLOSE)
     return found.search.result(found.x)
+
+
+@one_thread
+def ripened(
+    prepared: Prepared,
+    terms: tuple[Term, ...],
+    forms: Sequence[Shape],
+    progress: Callable[[str], None] = lambda text: None,
+) -> list[Place]:
+    """The best places of a coarse look, best first; costs are those of the coarse look."""
+    terms = timed(prepared, terms)
+    coarse = prepared.thinned(_COARSE)
+    places: list[Place] = []
+    for i, form in enumerate(forms):
+        progress(f"fit: form {i + 1} of {len(forms)}")
+        search = Search(coarse, terms, form)
+        for law in form.grid(search.vmax, search.span):
+            x = search.vector(law)
+            places.append(Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x))
+    places.sort(key=lambda place: place.cost)
+    ripe = [p.search.run(p.x, _STEPS, ROUGH) for p in places[:_RIPENING]]
+    return sorted(ripe, key=lambda place: place.cost)

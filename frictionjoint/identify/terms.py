@@ -83,17 +83,17 @@ class EffectTerm:
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """None where the shape is a fixed reference."""
-        return () if self.effect.shape_fixed else self.shape
+        """Those after the fixed references."""
+        return self.shape[self.effect.shape_fixed :]
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """Those of the effect."""
-        return self.effect.shape_bounds if self.free_shape else ()
+        return self.effect.shape_bounds[self.effect.shape_fixed :]
 
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
         """The same effect elsewhere on its grid."""
-        return replace(self, shape=shape)
+        return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape))
 
     @property
     def follows_law(self) -> bool:

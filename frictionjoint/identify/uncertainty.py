@@ -42,7 +42,7 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
         prepared: the logs the fit is of.
         block_of_sample: blocks of time, shape (n,).
     """
-    J, e = fitted.jacobian, fitted.residual
+    J, e = fitted.jacobian * fitted.weight[:, None], fitted.residual * fitted.weight
     scale = np.linalg.norm(J, axis=0)
     dead = scale < 1e-12 * scale.max()
     scale[dead] = 1.0

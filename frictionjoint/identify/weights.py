@@ -13,28 +13,41 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import law_track
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import CLOSE, Fit, refit
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
 DISCREPANCY = 0.05
-# weight, squared, from which on a sample counts as in motion
-IN_MOTION = 0.5
 # fraction of sticking up to which a sample tells what moving samples leave
 _SLIDING = 0.05
 
 
-def weighted(prepared: Prepared, fitted: Fit) -> Prepared:
-    """The logs with their samples weighted by what a fitted law says of them."""
+def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tuple[Prepared, Fit]:
+    """The logs weighted by a fit of them, and that fit again."""
+    prepared = weighted(prepared, fitted, sliding_error(prepared, fitted))
+    return prepared, refit(prepared, fitted.terms, fitted.shape, closeness)
+
+
+def sliding_error(prepared: Prepared, fitted: Fit) -> float:
+    """rms of what a fit leaves of its logs in sliding, N m."""
+    kept = [_sticking(s, fitted)[:: s.step][s.kept] for s in prepared.segments]
+    sliding = np.concatenate(kept) < _SLIDING
+    e = fitted.residual[sliding] if sliding.any() else fitted.residual
+    return float(np.sqrt(np.mean(e**2)))
+
+
+def weighted(prepared: Prepared, fitted: Fit, base: float) -> Prepared:
+    """Logs with their samples weighted by what a fitted law says of them.
+
+    Args:
+        base: error in sliding that the weights are relative to, see `sliding_error`.
+    """
     stuck = [_sticking(s, fitted) for s in prepared.segments]
     law = law_parameters(fitted)
     level = fitted.levels[0]
-    kept = [x[:: s.step][s.kept] for s, x in zip(prepared.segments, stuck, strict=True)]
-    sliding = np.concatenate(kept) < _SLIDING
-    e = fitted.residual[sliding] if sliding.any() else fitted.residual
-    base = float(np.sqrt(np.mean(e**2))) or 1e-300
+    base = base or 1e-300
     segments = []
     for s, x in zip(prepared.segments, stuck, strict=True):
         unresolved = min(law.stiffness * s.noise.resolution, level)

@@ -52,12 +52,11 @@ class LowPass:
         about its ends, which keeps its value and its slope.
         """
         ends = np.array([x[0], x[-1]])
-        rest = x - self._chord(ends, np.arange(self.n))
+        rest = x - self._chord(ends, self._parts)
         pad, tail = self._pad, self._length - self._pad - self.n
         before, after = -rest[pad:0:-1], -rest[-2 : -min(tail, self._pad) - 2 : -1]
         gap = np.zeros((self._length - len(before) - self.n - len(after), *x.shape[1:]))
-        fade = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, pad + 1)[1:]) ** 2
-        fade = fade.reshape(-1, *(1,) * (x.ndim - 1))
+        fade = self._fade.reshape(-1, *(1,) * (x.ndim - 1))
         whole = np.concatenate([before * fade, rest, after * fade[::-1][: len(after)], gap])
         return np.asarray(rfft(whole, axis=0)), ends
 
@@ -76,14 +75,22 @@ class LowPass:
         first = self._pad // self.step
         found = out[first : first + count]
         if derivative == 0:
-            found = found + self._chord(ends, np.arange(count) * self.step - delay / self.dt)
+            late = delay / (self.dt * (self.n - 1.0))
+            found = found + self._chord(ends, self._parts[:: self.step] - late)
         elif derivative == 1:
             found = found + (ends[1] - ends[0]) / ((self.n - 1) * self.dt)
         return np.asarray(found)
 
-    def _chord(self, ends: Array, at: Array) -> Array:
-        part = (at / (self.n - 1)).reshape(-1, *(1,) * (ends.ndim - 1))
-        return np.asarray(ends[0] + part * (ends[1] - ends[0]))
+    def _chord(self, ends: Array, part: Array) -> Array:
+        return np.asarray(ends[0] + part.reshape(-1, *(1,) * (ends.ndim - 1)) * (ends[1] - ends[0]))
+
+    @cached_property
+    def _parts(self) -> Array:
+        return np.arange(self.n) / (self.n - 1.0)
+
+    @cached_property
+    def _fade(self) -> Array:
+        return np.asarray(np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, self._pad + 1)[1:]) ** 2)
 
     @cached_property
     def _pad(self) -> int:

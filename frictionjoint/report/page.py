@@ -6,7 +6,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
-from frictionjoint.diagnose.choice import SMALLEST_GAIN
+from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.report import plots, presliding, wording
 from frictionjoint.report.html import fill, plot

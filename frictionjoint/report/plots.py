@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.choice import SMALLEST_GAIN
+from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Curve, Looked, Report
 from frictionjoint.report.wording import axis, units
 

@@ -1,0 +1,112 @@
+"""What the search found: effects with their evidence, and what these logs could have shown."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import chdtri
+
+from frictionjoint.diagnose.blocks import correlation_time
+from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import Term
+
+# fraction of a residual's squares that only these logs' largest effect could take: beyond it they
+# are too short
+_TOO_MUCH = 0.5
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that joined the model.
+
+    Attributes:
+        term: at its final shape. look: all candidates when it was chosen; row: its own.
+        gain: fraction of the squares left that it takes from motion unlike that it was fitted to,
+            its shape numbers chosen without that motion too.
+        ties: effects that the logs cannot distinguish from it. rivals: effects nearly as good.
+        fit: the model right after it joined.
+    """
+
+    term: Term
+    look: Look = field(repr=False)
+    row: Looked = field(repr=False)
+    gain: float
+    ties: tuple[str, ...]
+    rivals: tuple[Term, ...]
+    fit: Fit = field(repr=False)
+
+    @property
+    def runner_up(self) -> Looked | None:
+        """The next best effect of its look."""
+        rows = (r for r in self.look.rows if not r.candidate.unnamed and r.name != self.term.name)
+        return next(rows, None)
+
+    @property
+    def margin(self) -> float:
+        """Gain beyond the runner-up's."""
+        runner = self.runner_up
+        return self.look.gain(self.row) - (self.look.gain(runner) if runner else 0.0)
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The smallest effect that the logs could have shown.
+
+    Attributes:
+        torque: rms, N m. duration: s of the logs; needed: s of such motion that would show an
+            effect that takes half of what is left.
+    """
+
+    torque: float
+    duration: float
+    needed: float
+
+    @property
+    def too_short(self) -> bool:
+        """Whether even an effect that makes half of what is left would not have been called."""
+        return self.needed > self.duration
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Outcome of the search.
+
+    Attributes:
+        prepared: the logs as they were weighted last.
+        base: fit of the law alone. findings: additions in order. final: the last fit.
+        unexplained: quantities without a named effect, with the fraction of squares they explain.
+        last_look: candidates against the final residual.
+        other: the same additions to the law of the base fit, where the final law is another.
+        sight: what could have been seen.
+    """
+
+    prepared: Prepared
+    base: Fit
+    findings: tuple[Finding, ...]
+    final: Fit
+    unexplained: tuple[tuple[str, float], ...]
+    last_look: Look
+    other: Fit | None
+    sight: Sight
+
+
+def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
+    """What the logs could have shown.
+
+    A score of blocks that are alike reaches at most their number, so an effect of fraction g gives
+    about B g / (1 - g) for B independent blocks, and must exceed what chance reaches over the
+    whole family.
+    """
+    e = fitted.residual * fitted.weight
+    longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))
+    blocks = max(2.0, len(e) / (2.0 * longest))
+    needed = float(chdtri(1, np.exp(-look.chance))) if look.chance > 0.0 else 0.0
+    fraction = needed / (needed + blocks)
+    duration = sum(len(s.drive) * s.dt for s in prepared.segments)
+    enough = needed * (1.0 - _TOO_MUCH) / _TOO_MUCH
+    return Sight(
+        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.gain,
+        duration,
+        duration * enough / blocks,
+    )

@@ -1,0 +1,63 @@
+"""Which friction law the logs ask for: the integrated one, or a rival that fits clearly better."""
+
+from collections.abc import Callable
+
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
+from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.weights import reweighed
+from frictionjoint.laws import LAWS
+
+# of the error: what chance or a few more parameters do not make
+_CLEARLY = 0.95
+# laws that take the integrated one's place where the residual of one is clearly smaller. Maxwell-slip
+# must follow its sliding level promptly: its lag would hide an effect of that name.
+_RIVALS = (prompt_maxwell_slip(), forms_of("lugre"), forms_of("elastoplastic"))
+# the forms of every law by the names of its numbers
+LAW_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
+    forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)
+}
+
+
+class Laws:
+    """The best shape known of each law, to start from when the model has changed.
+
+    Args:
+        prepared: the logs. base: the law that is fitted first.
+        asked: only that law is wanted.
+    """
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        base: Fit,
+        asked: bool,
+        progress: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.own = base.shape.variables
+        self.shapes: dict[tuple[str, ...], Shape] = {self.own: base.shape}
+        for forms in () if asked else _RIVALS:
+            progress("fit: other laws")
+            place = ripened(prepared, base.effects, forms)[0]
+            self.shapes[forms[0].variables] = place.search.split(place.x)[0]
+
+    def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+        """A fit of the same effects with another law where that is clearly better."""
+        self.shapes[fitted.shape.variables] = fitted.shape
+        best = fitted
+        for variables, shape in self.shapes.items():
+            if variables != fitted.shape.variables:
+                other = refit(prepared, fitted.effects, shape, ROUGH)
+                self.shapes[variables] = other.shape
+                best = min(best, other, key=lambda f: f.drive_rms)
+        if best is fitted or best.drive_rms >= _CLEARLY * fitted.drive_rms:
+            return prepared, fitted
+        return reweighed(prepared, best)
+
+    def unchosen(self, prepared: Prepared, final: Fit, base: Fit) -> Fit | None:
+        """The final effects with the law of the base fit, where the final one is another."""
+        if final.shape.variables == base.shape.variables:
+            return None
+        return refit(prepared, final.effects, self.shapes[self.own], ROUGH)
