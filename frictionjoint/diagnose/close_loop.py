@@ -92,7 +92,7 @@ def close_loop(
     progress("rigid-body torque")
     fitted_on = prepare(list(logs), body)
     kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
-    found = trace(fitted_on, seed, progress, law)
+    found = trace(fitted_on, seed, progress, law, lambda f: replay(fitted_on, body, f).rms)
     for fitted in (found.base, found.final):
         require_gain(fitted)
     moving = found.prepared

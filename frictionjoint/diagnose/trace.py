@@ -17,7 +17,7 @@ import numpy as np
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
-from frictionjoint.diagnose.library import library
+from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import ROUGH, Fit, refit
@@ -25,7 +25,7 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread
@@ -45,6 +45,8 @@ _ENOUGH = 0.9
 _PAIR = 0.3
 # leaders that are compared once more, by their gain over the best one's
 _LEADERS = 0.7
+# of the replay's error, that leaving an effect out must take away
+_NEARER = 0.05
 _TRIED_STEPS, _MOST_CHANGES = 8, 12
 
 
@@ -74,6 +76,7 @@ def trace(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
+    replayed: Callable[[Fit], float | None] = lambda fitted: None,
 ) -> Trace:
     """Run the search on prepared logs; uses these logs only, split into folds.
 
@@ -82,6 +85,8 @@ def trace(
         progress: told what is being done.
         law: name of the friction law; None for the integrated law, or in the result another one
             where that is clearly better.
+        replayed: error of the motion simulated with a fit on these logs, rad (m). What makes it
+            worse is dropped.
     Raises:
         ParameterError: no law has this name.
     """
@@ -98,7 +103,7 @@ def trace(
             progress(f"step {change}: {', '.join(taken)}")
         elif not _other_law(state, laws):
             break
-    return _told(state, base, laws)
+    return _told(state, base, laws, replayed)
 
 
 def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
@@ -112,7 +117,7 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
     prepared, current = state.prepared, state.fit
     blocks = make_blocks(prepared, current)
-    candidates = library(prepared, current, blocks)
+    candidates = _first(state, library(prepared, current, blocks))
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)
@@ -146,6 +151,14 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     names = {t.name for t in state.fit.effects}
     state.findings = [f for f in state.findings if f.term.name in names]
     return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
+
+
+def _first(state: _State, candidates: list[Candidate]) -> list[Candidate]:
+    """What has to be decided before anything else, where there is such a thing; else all."""
+    first = [
+        c for c in candidates if isinstance(c.term, EffectTerm) and c.term.effect.first
+    ]
+    return first if first and not state.fit.effects else candidates
 
 
 def _looked_at_again(
@@ -261,7 +274,29 @@ def _other_law(state: _State, laws: Laws) -> bool:
     return changed
 
 
-def _told(state: _State, base: Fit, laws: Laws) -> Trace:
+def _drop_what_moves_worse(state: _State, replayed: Callable[[Fit], float | None]) -> None:
+    """Leave out, one after the other, effects without which the simulated motion is nearer."""
+    while state.fit.effects:
+        now = replayed(state.fit)
+        if now is None:
+            return
+        trials = []
+        for term in state.fit.effects:
+            rest = tuple(t for t in state.fit.effects if t is not term)
+            without = refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
+            error = replayed(without)
+            if error is not None and error < (1.0 - _NEARER) * now:
+                trials.append((error, without))
+        if not trials:
+            return
+        state.prepared, state.fit = reweighed(
+            state.prepared, min(trials, key=lambda x: x[0])[1]
+        )
+
+
+def _told(
+    state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]
+) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     blocks = make_blocks(state.prepared, state.fit)
@@ -278,6 +313,7 @@ def _told(state: _State, base: Fit, laws: Laws) -> Trace:
         state.prepared, state.fit = reweighed(state.prepared, alone)
         _drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
+    _drop_what_moves_worse(state, replayed)
     found = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
