@@ -35,6 +35,9 @@ SIGNIFICANCE = 0.05
 # fraction of the squares left that a change must take away: less is as likely a by-product of
 # whatever else is wrong
 SMALLEST_GAIN = 0.08
+# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is as
+# likely the law's own error as an effect
+DISCREPANCY = 0.01
 # gain from which on an effect may have bent the law, which is then fitted from everywhere
 _BENT = 0.3
 # models within chance and this fraction of the best one's gain are a tie
@@ -224,7 +227,7 @@ def _justified(tried: _Tried, now: Scored, seen: Look) -> bool:
     """By its gain on unlike motion, and by chance over the whole family."""
     p_value = min((seen.find(c).p_value for c in tried.move.added), default=0.0)
     enough = tried.score.gain(now) >= SMALLEST_GAIN and tried.score.better(now)
-    return enough and p_value <= SIGNIFICANCE
+    return enough and p_value <= SIGNIFICANCE and tried.score.moved(now) >= DISCREPANCY
 
 
 def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
@@ -259,7 +262,8 @@ def _drop_idle(state: _State) -> None:
             without = scored(
                 refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS), blocks
             )
-            if not now.better(without) or now.gain(without) < SMALLEST_GAIN:
+            needed = now.gain(without) >= SMALLEST_GAIN and now.moved(without) >= DISCREPANCY
+            if not (needed and now.better(without)):
                 idle.append((now.gain(without), without.fit))
         if not idle:
             return
