@@ -30,6 +30,8 @@ _AR_ORDER = 6
 _PIECES = 5
 # logs from which on a fold is a log, and kinds of motion where there are fewer
 _LOGS, _KINDS = 3, 4
+# logs from which on alike ones make a fold together
+_MANY_LOGS = 8
 
 
 @dataclass(frozen=True)
@@ -118,12 +120,18 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         of_sample[where] = own + len(log)
         halves += [int(2 * b >= k) for b in range(k)]
         log += [int(i)] * k
-    fold = np.array(log) if len(logs) >= _LOGS else _kinds(prepared, of_sample)
+    if len(logs) < _LOGS:
+        fold = _kinds(prepared, of_sample)
+    elif len(logs) < _MANY_LOGS:
+        fold = np.array(log)
+    else:
+        # logs that are alike are no test of each other
+        fold = _kinds(prepared, log_index)[np.array(log)]
     return Blocks(of_sample, fold, np.array(halves), np.array(log))
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:
-    """Kind of motion of each block: speed, acceleration, mean position and direction."""
+    """Kind of motion of each block, or log: speed, acceleration, mean position and direction."""
     q, v, a = (
         np.concatenate([s.signals[:: s.step, k][s.kept] for s in prepared.segments])
         for k in (Q, V, A)
