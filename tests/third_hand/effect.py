@@ -67,10 +67,8 @@ def moved(kind: str, joint: Joint, r: Record) -> np.ndarray:
     if kind == "stick-slip-contact":
         acts = needed(without(joint, ALL[kind].fields), joint, r)
         return r["asked"] - acts
-    if kind in ("backlash", "joint-elasticity"):
-        fields = ("link", "gap")
-    else:
-        fields = ALL[kind].fields
+    rigid = {"backlash": ("link", "gap"), "joint-elasticity": ("link", "gap")}
+    fields = rigid.get(kind, ALL[kind].fields)
     return needed(joint, joint, r) - needed(without(joint, fields), joint, r)
 
 

@@ -21,7 +21,7 @@ class Limits:
 
 def reference(rng: np.random.Generator, style: str, seconds: float, rate: float, limits: Limits):
     """Position, velocity and acceleration at each tick, shape (ticks, 3)."""
-    t = np.arange(int(seconds * rate) + 1) / rate
+    t = np.arange(int((seconds + 0.5) * rate)) / rate  # its end, where it stops, is not reached
     make = dict(zip(STYLES, (multisine, point_to_point, triangle, chirp, staircase), strict=True))
     q = make[style](rng, t, limits)
     v = np.gradient(q, t)
@@ -34,7 +34,7 @@ def multisine(rng, t, limits):
     size = rng.uniform(0.5, 1.0, n) * f ** -rng.uniform(1.2, 1.6)
     phase = rng.uniform(0, 2 * np.pi, n)
     q = np.sin(2 * np.pi * np.outer(t, f) + phase) @ size
-    q = q * np.sin(np.pi / 2 * np.minimum(t, 1.0)) ** 2  # from rest
+    q = q * from_rest(t)
     v = np.gradient(q, t)
     most = [abs(q).max() / limits.reach, abs(v).max() / limits.speed]
     most.append(abs(np.gradient(v, t)).max() / limits.acceleration)
@@ -48,7 +48,7 @@ def chirp(rng, t, limits):
     size = np.array([np.full_like(w, limits.reach), limits.speed / w, limits.acceleration / w**2])
     size = (size**-4.0).sum(axis=0) ** -0.25  # the smallest of the three, smoothly
     phase = 2 * np.pi * np.cumsum(f) * (t[1] - t[0])
-    return 0.9 * size * np.sin(phase) * np.minimum(t, 1.0)
+    return 0.9 * size * np.sin(phase) * from_rest(t)
 
 
 def triangle(rng, t, limits):
@@ -98,6 +98,10 @@ def staircase(rng, t, limits):
         q += sign * height * s**3 * (10 - 15 * s + 6 * s**2)  # least jerk
         where, now = where + sign * height, now + seconds
     return q
+
+
+def from_rest(t):
+    return np.sin(np.pi / 2 * np.minimum(t, 1.0)) ** 2
 
 
 def smooth(q, t, *widths):

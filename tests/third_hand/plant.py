@@ -8,7 +8,7 @@ from . import control, instrument
 from .draw import Drawn, draw
 from .effect import Record, rms, shares, stacked
 from .friction import slip_elements
-from .hidden import NAMES, ONE_SIDED, ALL
+from .hidden import ALL, NAMES, ONE_SIDED
 from .instrument import Instruments
 from .integrate import COLUMNS, simulate
 from .joint import AMBIENT, LAWS, Joint
@@ -103,7 +103,7 @@ def usable(r: Record, d: Drawn) -> bool:
 
 
 def bearable(rng, kinds, d: Drawn, fit: Record, held: Record) -> float | None:
-    """Noise under which every hidden effect is visible, None if that is less than instruments have."""
+    """Noise under which every hidden effect is visible, None if no instrument has so little."""
     noise = d.instruments.noise
     seen, seen_held = shares(kinds, d.joint, fit, 1.0), shares(kinds, d.joint, held, 1.0)
     for kind in kinds:
