@@ -11,25 +11,23 @@ from .joint import AMBIENT
 
 # state: position, velocity, the same of the link, bristle, lagged level, temperature, time at rest
 STATES = 8
-COLUMNS = tuple(
-    [
-        "time",
-        "position",
-        "velocity",
-        "acceleration",
-        "asked",
-        "friction",
-        "sliding",
-        "level",
-        "gravity",
-        "coupling",
-        "load",
-        "temperature",
-        "age",
-        "impulse",
-        "link",
-    ]
-)
+COLUMNS = [
+    "time",
+    "position",
+    "velocity",
+    "acceleration",
+    "asked",
+    "friction",
+    "sliding",
+    "level",
+    "gravity",
+    "coupling",
+    "load",
+    "temperature",
+    "age",
+    "impulse",
+    "link",
+]
 FRICTION, SLIDING, LEVEL, GRAVITY, COUPLING, LOAD, ACCELERATION = range(7)
 
 

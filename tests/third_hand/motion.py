@@ -30,8 +30,8 @@ def reference(rng: np.random.Generator, style: str, seconds: float, rate: float,
 
 def multisine(rng, t, limits):
     n = rng.integers(6, 11)
-    f = np.geomspace(0.06, limits.frequency, n) * rng.uniform(0.9, 1.1, n)
-    size = rng.uniform(0.5, 1.0, n) * f ** -rng.uniform(1.2, 1.6)
+    f = np.geomspace(0.1, limits.frequency, n) * rng.uniform(0.9, 1.1, n)
+    size = rng.uniform(0.5, 1.0, n) * f ** -rng.uniform(1.0, 1.4)
     phase = rng.uniform(0, 2 * np.pi, n)
     q = np.sin(2 * np.pi * np.outer(t, f) + phase) @ size
     q = q * from_rest(t)
@@ -56,12 +56,14 @@ def triangle(rng, t, limits):
     speeds = limits.speed * np.geomspace(0.03, 0.9, n) * rng.uniform(0.8, 1.1, n)
     when, where, sign = [0.0], [0.0], 1.0
     for k, speed in enumerate(rng.permutation(speeds)):
-        reach = limits.reach * rng.uniform(0.4, 1.0)
         end = t[-1] * (k + 1) / n
+        # the slow ones turn nearer, about where they begin
+        reach = min(limits.reach * rng.uniform(0.4, 1.0), speed * (end - when[-1]) / 3)
+        centre = np.clip(where[-1], reach - limits.reach, limits.reach - reach)
         while when[-1] < end:
-            target = sign * reach
+            target = centre + sign * reach
             seconds = abs(target - where[-1]) / speed
-            if when[-1] + seconds > end:  # the slow ones do not reach their corner
+            if when[-1] + seconds > end:  # the next speed begins before this corner
                 seconds = max(end - when[-1], 0.05)
                 target = where[-1] + np.sign(target - where[-1]) * speed * seconds
             else:
@@ -75,7 +77,8 @@ def triangle(rng, t, limits):
 def point_to_point(rng, t, limits):
     when, where = [0.0], [rng.uniform(-1, 1) * limits.reach]
     while when[-1] < t[-1]:
-        when.append(when[-1] + rng.choice([rng.uniform(0.1, 0.5), rng.uniform(0.5, 2.5)]))
+        rest = rng.uniform(0.1, 0.5) if rng.random() < 0.6 else rng.uniform(0.5, 2.0)
+        when.append(when[-1] + rest)
         where.append(where[-1])
         target = rng.uniform(-1, 1) * limits.reach
         speed = limits.speed * rng.uniform(0.15, 1.0)
@@ -86,12 +89,12 @@ def point_to_point(rng, t, limits):
 
 
 def staircase(rng, t, limits):
-    height = limits.reach * rng.uniform(0.15, 0.5)
+    height = limits.reach * rng.uniform(0.3, 0.9)
     fastest = max(1.9 * height / limits.speed, (5.8 * height / limits.acceleration) ** 0.5)
     seconds = fastest * rng.uniform(1.0, 2.0)
     q, where, sign, now = np.full_like(t, -limits.reach), -limits.reach, 1.0, 0.0
     while now < t[-1]:
-        now += rng.uniform(0.3, 1.5)
+        now += rng.uniform(0.2, 1.2)
         if abs(where + sign * height) > limits.reach:
             sign = -sign
         s = np.clip((t - now) / seconds, 0.0, 1.0)

@@ -17,6 +17,7 @@ from .motion import reference
 LOGS = ("fit1", "fit2", "fit3", "held")
 ENOUGH, ENOUGH_HELD, ENOUGH_LEFT = 5.0, 3.0, 2.0  # an effect's rms over the noise
 QUIETEST = 0.0015  # of the Coulomb torque; an effect that needs less noise is drawn again
+BOTH_WAYS = 0.12
 SEEN, TOO_MUCH = 0.03, 1.5  # an effect's rms over the friction's
 
 
@@ -53,7 +54,7 @@ def attempt(rng: np.random.Generator, kinds: tuple[str, ...]) -> Plant | None:
             return None
     fit, held = stacked(records[:-1]), records[-1]
     noise = bearable(rng, kinds, d, fit, held)
-    if noise is None:
+    if noise is None or not (both_ways(fit, d, BOTH_WAYS) and both_ways(held, d, BOTH_WAYS / 2)):
         return None
     d = replace(d, instruments=quieter(d.instruments, noise))
     logs = {name: logged(rng, d, r) for name, r in zip(LOGS, records, strict=True)}
@@ -100,6 +101,12 @@ def usable(r: Record, d: Drawn) -> bool:
     near = abs(r["position"]).max() < 2.5 * d.limits.reach + 0.3
     moves = rms(r["velocity"]) > 0.05 * d.limits.speed * (0.3 if d.slow else 1.0)
     return near and moves and abs(r["asked"]).max() < 0.99 * d.controller.limit
+
+
+def both_ways(r: Record, d: Drawn, part: float) -> bool:
+    """Whether at least this part of the time goes into sliding up, and as much down."""
+    fast = 1.5 * d.joint.stribeck_velocity
+    return min(np.mean(r["velocity"] > fast), np.mean(r["velocity"] < -fast)) > part
 
 
 def bearable(rng, kinds, d: Drawn, fit: Record, held: Record) -> float | None:
