@@ -37,7 +37,9 @@ def draw(rng: np.random.Generator, coulomb: float, counts: int, rate: float, qui
     counts = int(2 ** rng.integers(counts, 21))
     rate = float(rng.choice([r for r in RATES if r >= rate]))
     noise = coulomb * np.exp(rng.uniform(np.log(0.003), np.log(max(quiet, 0.004))))
-    jitters = rng.random() < 0.25
+    jitters, stamped = rng.random() < 0.25, bool(rng.random() < 0.5)
+    # an instant that the log does not know is an error of the position
+    jitter = rng.uniform(0.01, 0.06) / rate if stamped else rng.uniform(15e-6, 50e-6)
     return Instruments(
         rate=rate,
         control_rate=float(rng.choice(CONTROL_RATES)),
@@ -50,8 +52,8 @@ def draw(rng: np.random.Generator, coulomb: float, counts: int, rate: float, qui
         ripple=noise * rng.uniform(0.1, 0.4),
         # six times the pole pairs times the gear's ratio
         ripple_order=float(6 * rng.integers(4, 12) * rng.choice([50, 80, 100, 120, 160])),
-        jitter=rng.uniform(0.01, 0.06) / rate if jitters else 0.0,
-        stamped=bool(rng.random() < 0.5),
+        jitter=float(jitter) if jitters else 0.0,
+        stamped=stamped,
     )
 
 

@@ -58,7 +58,8 @@ def attempt(rng: np.random.Generator, kinds: tuple[str, ...]) -> Plant | None:
         return None
     d = replace(d, instruments=quieter(d.instruments, noise))
     logs = {name: logged(rng, d, r) for name, r in zip(LOGS, records, strict=True)}
-    return Plant({n: log for n, (log, _) in logs.items()}, answer(kinds, d, records, logs), d.joint)
+    columns = {name: log for name, (log, _, _) in logs.items()}
+    return Plant(columns, answer(kinds, d, records, logs), d.joint)
 
 
 def run(rng: np.random.Generator, d: Drawn, index: int) -> Record:
@@ -130,8 +131,8 @@ def quieter(i: Instruments, noise: float) -> Instruments:
     return replace(i, noise=noise, ripple=i.ripple * scale, resolution=i.resolution * scale)
 
 
-def logged(rng, d: Drawn, r: Record) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The log, and how much its torque differs from what was asked."""
+def logged(rng, d: Drawn, r: Record) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """The log, and by how much its torque and position are wrong, effects apart."""
     i = d.instruments
     phase = i.ripple_order * r["position"] + rng.uniform(0, 2 * np.pi)
     wrong = instrument.torque_noise(rng, r["time"].size, i) + i.ripple * np.sin(phase)
@@ -141,7 +142,9 @@ def logged(rng, d: Drawn, r: Record) -> tuple[dict[str, np.ndarray], np.ndarray]
     log["torque_nm"] = torque
     if d.thermometer or d.idle_thermometer:
         log["temperature_c"] = r["logged_temperature"]
-    return log, torque - r["asked"]
+    late = r["time"] - r["time"][0] - log["time_s"]
+    unseen = r["velocity"] * (late - late.mean())
+    return log, torque - r["asked"], log["position_rad"] - position + unseen
 
 
 def hold(r: Record) -> np.ndarray:
@@ -171,7 +174,8 @@ def answer(kinds, d: Drawn, records: list[Record], logs) -> dict:
         "variable": variable,
         "effects": told,
         "noise_rms": i.noise,
-        "true_rms": by_role([wrong for _, wrong in logs.values()]),
+        "true_rms": by_role([wrong for _, wrong, _ in logs.values()]),
+        "position_rms": by_role([wrong for _, _, wrong in logs.values()]),
         "hold_rms": by_role([hold(r) for r in records]),
         "friction_rms": rms(fit["friction"]),
         "parameters": joint._asdict() | {"law": LAWS[joint.law]} | d.of_the_log(),
