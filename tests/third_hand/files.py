@@ -1,4 +1,22 @@
-"""A plant as a folder: four logs, the believed model, the answer."""
+"""A plant as a folder: four logs, the believed model, the answer.
+
+answer.json, torques in N m, those of {"fit", "held_out"} over the logs of that role:
+
+kinds           what is hidden, empty if nothing is
+accept          for each kind the catalogue's names that are right; "none" where adding nothing is
+                right too; empty for what the catalogue does not hold
+variable        for what the catalogue does not hold, quantities that are the right report
+effects         for each kind the rms of its torque over the fitted logs, that over the noise and
+                over the friction, and what a friction law with parameters of its own for each
+                direction must leave of it, over the noise
+noise_rms       white and coloured noise of the torque
+true_rms        the same with the drive's ripple and the torque's resolution: torque logged less
+                torque asked, which the true model leaves where the motion is known exactly
+hold_rms        what sampling a torque that changes between samples adds to that
+presliding_rms  and the error of the position, through the joint's stiffness while it sticks
+position_rms    error of the logged positions, rad: counts, and instants that the log has wrong
+parameters      the joint's fields, and of the logs: delay (s), growth from log to log, eccentricity
+"""
 
 import json
 from pathlib import Path

@@ -12,7 +12,7 @@ from numba import njit
 from .joint import AMBIENT
 
 CREEP = 2e-3  # rad/s, over which the smooth curve changes sign
-TANH_FRACTION = 0.35  # of the level, carried by the smooth curve
+TANH_FRACTION = 0.15  # of the level, carried by the smooth curve
 ELEMENTS = 8  # Maxwell-slip elements that carry the rest
 
 

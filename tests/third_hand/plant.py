@@ -154,12 +154,18 @@ def hold(r: Record) -> np.ndarray:
     return sampled - (impulse[2:] - impulse[:-2]) / (t[2:] - t[:-2])
 
 
+def unresolved(joint: Joint, r: Record, wrong: np.ndarray) -> np.ndarray:
+    """Torque that the error of the position stands for while the joint sticks."""
+    sticks = abs(r["sliding"]) < 0.95 * r["level"]
+    return np.where(sticks, joint.stiffness * wrong, 0.0).clip(-r["level"], r["level"])
+
+
 def by_role(of_logs: list[np.ndarray]) -> dict[str, float]:
     return {"fit": rms(np.concatenate(of_logs[:-1])), "held_out": rms(of_logs[-1])}
 
 
 def answer(kinds, d: Drawn, records: list[Record], logs) -> dict:
-    """As written to answer.json: see the package's docstring and `files`."""
+    """As written to answer.json; its keys are explained in `files`."""
     fit, i, joint = stacked(records[:-1]), d.instruments, d.joint
     told = shares(kinds, joint, fit, i.noise)
     accept = {}
@@ -177,6 +183,9 @@ def answer(kinds, d: Drawn, records: list[Record], logs) -> dict:
         "true_rms": by_role([wrong for _, wrong, _ in logs.values()]),
         "position_rms": by_role([wrong for _, _, wrong in logs.values()]),
         "hold_rms": by_role([hold(r) for r in records]),
+        "presliding_rms": by_role(
+            [unresolved(joint, r, log[2]) for log, r in zip(logs.values(), records, strict=True)]
+        ),
         "friction_rms": rms(fit["friction"]),
         "parameters": joint._asdict() | {"law": LAWS[joint.law]} | d.of_the_log(),
         "controller": d.controller._asdict() | {"kind": control.CONTROLLERS[d.controller.kind]},
