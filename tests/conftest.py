@@ -9,6 +9,9 @@ from hypothesis import settings
 
 # the trial plants live beside the scripts that use them
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+# tests.third_hand has one name everywhere: numba's cache holds it. Last, so that an installed
+# frictionjoint is the one that is tested
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 # first examples compile kernels: a deadline would time the compiler
 settings.register_profile("frictionjoint", deadline=None)
