@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.law.motion import friction_torque
     from frictionjoint.parameters import FrictionParameters
-    from frictionjoint.simulate.attach import attach
+    from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.remembered import remembered
     from frictionjoint.simulate.warp import attach_warp
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "close_loop": "frictionjoint.diagnose.close_loop",
     "attach": "frictionjoint.simulate.attach",
+    "disable": "frictionjoint.simulate.attach",
+    "enable": "frictionjoint.simulate.attach",
     "attach_warp": "frictionjoint.simulate.warp",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
@@ -29,6 +31,8 @@ __all__ = [
     "attach",
     "attach_warp",
     "close_loop",
+    "disable",
+    "enable",
     "friction_torque",
     "install",
     "load_model",

@@ -50,6 +50,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
+from frictionjoint.model_text import model_text
 from frictionjoint.threads import one_thread
 
 # share of an effect's gain from which on another one is worth a record that parts the two
@@ -134,7 +135,7 @@ def close_loop(
         noise_floor=floor,
         unexplained=unexplained,
         verdict=verdict(found, bool(unexplained), moving, floor, *torque),
-        mjcf=spec.to_xml(),
+        mjcf=model_text(spec, model),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),

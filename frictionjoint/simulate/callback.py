@@ -26,6 +26,7 @@ from frictionjoint.simulate.carrier import (
     RESOLVED,
     ROW,
 )
+from frictionjoint.simulate.first_sight import make_ready, make_ready_in_c
 from frictionjoint.simulate.layout import offsets
 from frictionjoint.simulate.motor_demand import asked_torque, saturates
 from frictionjoint.simulate.pointers import (
@@ -85,8 +86,13 @@ def build_native() -> Any:
         row = 0
         for i in range(n):
             block = int(address[i])
-            if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
+            if P[block] != MAGIC:
                 continue
+            if P[block + RESOLVED] != 1.0:
+                if P[block + RESOLVED] == 0.0:
+                    make_ready_in_c(m)
+                if P[block + RESOLVED] != 1.0:
+                    continue
             x = int(P[block + ROW])
             q = qpos[int(P[block + QPOS])]
             dof = int(P[block + DOF])
@@ -189,7 +195,11 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     stiff: list[int] = []
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
-        if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
+        if P[block] != MAGIC:
+            continue
+        if P[block + RESOLVED] == 0.0:
+            make_ready(model)
+        if P[block + RESOLVED] != 1.0:
             continue
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time

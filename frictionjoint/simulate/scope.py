@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
 from frictionjoint.parameters import FrictionParameters
@@ -55,6 +56,7 @@ class Scope:
     """
 
     def __init__(self, model: mujoco.MjModel, joint: str, seconds: float = 5.0) -> None:
+        require_model(model, "Scope")
         carried = read_friction(model)
         if joint not in carried:
             raise ModelError(
