@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.remembered import remembered
+    from frictionjoint.simulate.torque import torque
+    from frictionjoint.simulate.uninstall import uninstall
     from frictionjoint.simulate.warp import attach_warp
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
@@ -22,6 +24,8 @@ _HOMES = {
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "remembered": "frictionjoint.simulate.remembered",
+    "torque": "frictionjoint.simulate.torque",
+    "uninstall": "frictionjoint.simulate.uninstall",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
@@ -37,6 +41,8 @@ __all__ = [
     "install",
     "load_model",
     "remembered",
+    "torque",
+    "uninstall",
 ]
 
 

@@ -38,7 +38,7 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
     with as_python_warnings(), compiling():
         before = spec.compile()
         own = Path(spec.modelfiledir or ".").absolute()
-        folders = [own, *_folders_of_parts(Path(source))]
+        folders = [own, *(part.absolute().parent for part in sources(Path(source)))]
         for asset, key, place in _files(spec):
             _set(asset, key, _found(_get(asset, key), place, folders))
         spec.meshdir = spec.texturedir = ""
@@ -53,9 +53,15 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
 
 
 def placed(text: str, folder: Path) -> str:
-    """The text with paths of asset files relative to the folder that it will be written to."""
+    """The text with paths of asset files relative to the folder that it will be written to.
+
+    They stay absolute where the folder lies behind a symbolic link: from there ".." leads elsewhere
+    for MuJoCo than for the system.
+    """
+    home = Path(os.path.abspath(folder))
+    if home != home.resolve():
+        return text
     root = ElementTree.fromstring(text, ElementTree.XMLParser(target=_with_comments()))
-    home = folder.resolve()
     for element in root.iter():
         for key, value in element.attrib.items():
             if key.startswith("file") and os.path.isabs(value):
@@ -82,7 +88,6 @@ def _with_comments() -> ElementTree.TreeBuilder:
 
 
 def _relative(path: Path, home: Path) -> str:
-    # a folder on the way may be a link, from which ".." leads elsewhere
     path = path.parent.resolve() / path.name
     try:
         return Path(os.path.relpath(path, home)).as_posix()
@@ -90,19 +95,20 @@ def _relative(path: Path, home: Path) -> str:
         return path.as_posix()  # on another drive
 
 
-def _folders_of_parts(source: Path) -> Iterator[Path]:
-    """Folders of the models that an MJCF attaches: their assets are named relative to them."""
+def sources(model: Path, main: Path | None = None) -> Iterator[Path]:
+    """The file of a model, and those that it includes or attaches; `main` is what includes it."""
+    yield model
     try:
-        root = ElementTree.parse(source).getroot()
+        root = ElementTree.parse(model).getroot()
     except (OSError, ElementTree.ParseError, ValueError):
-        return  # a text, or an error that MuJoCo tells better
+        return  # an MJCF's text, or an error that MuJoCo tells better
     for element in root.iter():
         name = element.get("file")
         if name and element.tag in ("model", "include"):
-            part = source.absolute().parent / name
-            if element.tag == "model":
-                yield part.parent
-            yield from _folders_of_parts(part)
+            # MuJoCo takes an include's name relative to the main file
+            for home in dict.fromkeys((model.parent, (main or model).parent)):
+                if (home / name).is_file():
+                    yield from sources(home / name, main or model)
 
 
 def _files(spec: mujoco.MjSpec) -> Iterator[tuple[Any, str | tuple[str, int], str]]:

@@ -1,5 +1,6 @@
 """Write a report's folder whole or not at all."""
 
+import contextlib
 import json
 import os
 import secrets
@@ -47,34 +48,63 @@ def write_files(
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
-    staging, hidden = None, ""
     try:
-        new = not folder.exists()
-        if new:
-            folder.absolute().parent.mkdir(parents=True, exist_ok=True)
-            place = staging = Path(tempfile.mkdtemp(prefix=_HIDDEN, dir=folder.absolute().parent))
+        if folder.exists():
+            _into(folder, contents, checks or {})
         else:
-            place, hidden = folder, f"{_HIDDEN}{secrets.token_hex(4)}-"
-        for name, content in contents.items():
-            data = content if isinstance(content, bytes) else content.encode()
-            (place / (hidden + name)).write_bytes(data)
-        for name, check in (checks or {}).items():
-            check(place / (hidden + name))
-        if new:
-            place.chmod(0o777 & ~_umask())  # mkdtemp makes it private
-            os.rename(place, folder)
-            return
-        for name in contents:
-            os.replace(place / (hidden + name), folder / name)
+            _as_new(folder, contents, checks or {})
     except OSError as error:
         reason = error.strerror or str(error)
         raise FrictionJointError(f"{folder}: cannot write the result: {reason}") from None
-    finally:
+
+
+def _as_new(
+    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
+) -> None:
+    parent = folder.absolute().parent
+    missing = [p for p in (parent, *parent.parents) if not p.exists()]
+    staging = None
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(prefix=_HIDDEN, dir=parent))
+        _finish(staging, "", contents, checks)
+        staging.chmod(0o777 & ~_umask())  # mkdtemp makes it private
+        os.rename(staging, folder)
+    except BaseException:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
-        if hidden:
-            for name in contents:
-                (folder / (hidden + name)).unlink(missing_ok=True)
+        for empty in missing:
+            with contextlib.suppress(OSError):
+                empty.rmdir()
+        raise
+
+
+def _into(
+    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
+) -> None:
+    hidden = f"{_HIDDEN}{secrets.token_hex(4)}-"
+    try:
+        _finish(folder, hidden, contents, checks)
+        for name in contents:
+            os.replace(folder / (hidden + name), folder / name)
+    finally:
+        for name in contents:
+            with contextlib.suppress(OSError):
+                (folder / (hidden + name)).unlink()
+
+
+def _finish(
+    folder: Path,
+    prefix: str,
+    contents: Mapping[str, str | bytes],
+    checks: Mapping[str, Callable[[Path], None]],
+) -> None:
+    """Write and check all files under their names with a prefix."""
+    for name, content in contents.items():
+        data = content if isinstance(content, bytes) else content.encode()
+        (folder / (prefix + name)).write_bytes(data)
+    for name, check in checks.items():
+        check(folder / (prefix + name))
 
 
 def _umask() -> int:
