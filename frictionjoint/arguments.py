@@ -72,4 +72,6 @@ def require_friction(friction: Any, function: str = "install") -> None:
 def require_path(path: Any, function: str) -> None:
     """A str or a Path."""
     if not isinstance(path, str | Path):
-        raise TypeError(f"{function} takes the path of a file, not {kind_of(path)}: give str or Path")
+        raise TypeError(
+            f"{function} takes the path of a file, not {kind_of(path)}: give str or Path"
+        )

@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -11,6 +12,9 @@ import mujoco
 from frictionjoint.errors import ModelError
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.urdf import with_found_meshes
+
+# what all functions of ctypes have as base, whatever their prototype
+_C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
 
 def read_spec(model: str | Path) -> mujoco.MjSpec:
@@ -53,7 +57,9 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     except ValueError as error:
         looked = f"; not found from its folder upwards: {', '.join(missing)}" if missing else ""
         reason = " ".join(str(error).split())
-        raise ModelError(f"{source_name(model)}: MuJoCo cannot compile it: {reason}{looked}") from None
+        raise ModelError(
+            f"{source_name(model)}: MuJoCo cannot compile it: {reason}{looked}"
+        ) from None
 
 
 def source_name(model: str | Path) -> str:
@@ -71,7 +77,12 @@ def is_urdf(path: Path) -> bool:
         _, outermost = next(ElementTree.iterparse(path, events=("start",)))
     except (ElementTree.ParseError, StopIteration, OSError):
         return False  # MuJoCo says what is wrong
-    return outermost.tag == "robot"
+    return bool(outermost.tag == "robot")
+
+
+def is_c(callback: Any) -> bool:
+    """Whether a callback is a C function, given through ctypes."""
+    return isinstance(callback, _C_FUNCTION)
 
 
 @contextlib.contextmanager
@@ -82,8 +93,7 @@ def compiling() -> Iterator[None]:
     one is lifted for the time.
     """
     current = mujoco.get_mjcb_passive()
-    # all that ctypes calls functions, whatever their prototype, have this base
-    if current is None or isinstance(current, ctypes._CFuncPtr):
+    if current is None or is_c(current):
         yield
         return
     mujoco.set_mjcb_passive(None)

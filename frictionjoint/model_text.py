@@ -159,7 +159,9 @@ def _require_same(before: mujoco.MjModel, after: mujoco.MjModel, name: str) -> N
     for key in _SIZES:
         old, new = getattr(before, key), getattr(after, key)
         if old != new:
-            raise ModelError(f"{name}: MuJoCo's own text of it is another model, {key} {new} not {old}")
+            raise ModelError(
+                f"{name}: MuJoCo's own text of it is another model, {key} {new} not {old}"
+            )
     for key in _FROM_FILES:
         old, new = np.asarray(getattr(before, key)), np.asarray(getattr(after, key))
         if old.shape != new.shape or not np.allclose(old, new, rtol=_DIGITS, atol=_DIGITS):

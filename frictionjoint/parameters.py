@@ -191,8 +191,8 @@ def require_table(values: Any) -> None:
     """Raise TypeError unless these are values by name."""
     if not isinstance(values, Mapping):
         raise TypeError(
-            f"parameters are made of a dict of values by name, not of {type(values).__name__}: read "
-            "a file with frictionjoint.files.read_parameters(path)"
+            f"parameters are made of a dict of values by name, not of {type(values).__name__}: a "
+            "file is read by frictionjoint.files.read_parameters(path)"
         )
 
 

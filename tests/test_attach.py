@@ -1,4 +1,4 @@
-"""Friction acts when it is asked to, for one model or the whole process, and nothing else is lost."""
+"""Friction acts when asked to, for one model or the whole process, and nothing else is lost."""
 
 import ctypes
 import warnings

@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from test_cli import run
+from command_line import run
 
 import frictionjoint as fj
 from frictionjoint.errors import FrictionJointError, ModelError
@@ -35,7 +35,9 @@ def png(path: Path, colour: int) -> None:
     """A picture of four by four pixels, with a darker corner."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     rows = b"".join(bytes([0, *[colour, colour, colour] * 3, 9, 9, 9]) for _ in range(4))
     head = struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)
@@ -104,7 +106,9 @@ def install(home, *arguments):
     return run("install", "robot/arm/arm.xml", *arguments, cwd=home)
 
 
-@pytest.mark.parametrize("out", ["robot/arm/with.xml", "with.xml", "new/deep/with.xml", "link/w.xml"])
+@pytest.mark.parametrize(
+    "out", ["robot/arm/with.xml", "with.xml", "new/deep/with.xml", "link/w.xml"]
+)
 def test_an_installed_model_finds_its_files_from_wherever_it_lies(out, home):
     (home / "elsewhere" / "here").mkdir(parents=True)
     (home / "link").symlink_to(home / "elsewhere" / "here")
@@ -228,7 +232,9 @@ def test_all_gives_joints_named_by_joint_their_own(home):
 
 def test_all_refuses_joints_without_names(tmp_path):
     (tmp_path / "f.toml").write_text(toml_text(FRICTION))
-    text = "<mujoco><worldbody><body name='link'><joint/><geom size='1'/></body></worldbody></mujoco>"
+    text = (
+        "<mujoco><worldbody><body name='link'><joint/><geom size='1'/></body></worldbody></mujoco>"
+    )
     (tmp_path / "arm.xml").write_text(text)
     done = run("install", "arm.xml", "--all", "f.toml", "--out", "with.xml", cwd=tmp_path)
     assert done.returncode == 2
@@ -308,7 +314,9 @@ def size(model: mujoco.MjModel) -> float:
 )
 def test_a_urdf_gets_friction_and_keeps_its_meshes(where, package, tmp_path):
     collision = where.format(package=package)
-    text = URDF.format(more="", visual=collision.replace("collision", "visual"), collision=collision)
+    text = URDF.format(
+        more="", visual=collision.replace("collision", "visual"), collision=collision
+    )
     (package / "urdf" / "arm.urdf").write_text(text)
     done = run(
         *("install", package / "urdf" / "arm.urdf", "--all", "f.toml", "--clear-native"),

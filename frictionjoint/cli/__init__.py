@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn, TextIO
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.models import check, install, uninstall, view
-from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
-from frictionjoint.errors import FrictionJointError, LogError, ParameterError
+from frictionjoint.cli.terminal import progress, show_estimates, show_report
+from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130

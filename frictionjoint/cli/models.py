@@ -34,7 +34,9 @@ def install(
     every: Annotated[
         Path | None,
         typer.Option(
-            "--all", metavar="TOML", help="Parameters of all hinges and slides not named by --joint."
+            "--all",
+            metavar="TOML",
+            help="Parameters of all other hinge and slide joints.",
         ),
     ] = None,
     clear_native: Annotated[
@@ -53,7 +55,7 @@ def install(
 
     `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
 
-    `frictionjoint install arm.urdf --all gear.toml --joint wrist=w.toml --clear-native --out arm.xml`
+    `frictionjoint install arm.urdf --all gear.toml --clear-native --out arm_friction.xml`
     """
     from frictionjoint.model_files import read_spec
     from frictionjoint.simulate.carrier import install as install_in_spec

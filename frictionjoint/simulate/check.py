@@ -21,9 +21,8 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     require_model(model, "check_model")
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    inverse = np.linalg.inv(mass)
+    inverse = np.zeros((model.nv, model.nv))
+    mujoco.mj_solveM(model, data, inverse, np.eye(model.nv))
     rows = []
     carried_by = read_friction(model)
     native = native_friction(model, carried_by)

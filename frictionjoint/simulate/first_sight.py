@@ -39,15 +39,17 @@ def make_ready(model: Any) -> None:
             for at in found.values():
                 if model.numeric_data[at] == MAGIC:
                     model.numeric_data[at + RESOLVED] = REFUSED
-            warnings.warn(f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2)
+            warnings.warn(
+                f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2
+            )
 
 
-@ctypes.CFUNCTYPE(None, ctypes.c_void_p)
 def _called_from_c(address: int) -> None:
     make_ready(ModelView(address))
 
 
-binding.add_symbol(_SYMBOL, ctypes.cast(_called_from_c, ctypes.c_void_p).value)
+_kept = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(_called_from_c)
+binding.add_symbol(_SYMBOL, ctypes.cast(_kept, ctypes.c_void_p).value)
 make_ready_in_c = cast(
     "Callable[[ctypes.c_void_p], None]",
     types.ExternalFunction(_SYMBOL, types.void(types.voidptr)),

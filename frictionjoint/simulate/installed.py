@@ -16,6 +16,7 @@ import mujoco
 from numba import cfunc, types
 
 from frictionjoint.errors import ModelError
+from frictionjoint.model_files import is_c
 from frictionjoint.simulate.callback import build_native, python_callback
 from frictionjoint.simulate.layout import LayoutMismatchError
 
@@ -96,7 +97,7 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     """One callback that calls two; C where both are C, so that no thread waits for Python."""
     if first is None:
         return kernel
-    if _is_c(first) and _is_c(kernel):
+    if is_c(first) and is_c(kernel):
         return _both_in_c(_address(first), _address(kernel))
     calls = tuple(map(_from_python, (first, kernel)))
 
@@ -107,17 +108,12 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     return both
 
 
-def _is_c(callback: Any) -> bool:
-    # all that ctypes calls functions, whatever their prototype, have this base
-    return isinstance(callback, ctypes._CFuncPtr)
-
-
 def _address(callback: Any) -> int:
     return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
 
 
 def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], None]:
-    if not _is_c(callback):
+    if not is_c(callback):
         return cast("Callable[[mujoco.MjModel, mujoco.MjData], None]", callback)
     function = _C_CALLBACK(_address(callback))
     return lambda model, data: function(model._address, data._address)
@@ -131,6 +127,6 @@ def _both_in_c(first: int, then: int) -> Any:
         one(m, d)
         other(m, d)
 
-    callback = both.ctypes
+    callback: Any = both.ctypes
     callback._kept = both  # its code lives as long as the callback
     return callback

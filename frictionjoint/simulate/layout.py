@@ -88,7 +88,7 @@ def model_structure() -> Any:
 
 @lru_cache(maxsize=1)
 def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
-    """The arrays of mjModel by name: C type of a number, and extents or the fields that hold them."""
+    """The arrays of mjModel by name: C type of a number, and extents or their fields."""
     return {
         field.name: (_ctype(field.type.inner_type), field.array_extent)
         for field in structs.STRUCTS["mjModel"].fields

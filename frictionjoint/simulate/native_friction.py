@@ -5,9 +5,7 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-MEND = (
-    "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
-)
+MEND = "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
 
 
 def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:

@@ -86,7 +86,8 @@ def torque_now(
     elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)
-            commit_effects(P, p, effects, X, x)
+        # also after a start, where each effect has set its own memory
+        commit_effects(P, p, effects, X, x)
         X[x + V_COMMITTED] = X[x + V_EVALUATED]
         X[x + TORQUE_COMMITTED] = X[x + TORQUE]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]

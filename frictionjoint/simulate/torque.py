@@ -1,4 +1,4 @@
-"""The friction torque that acts on each joint, with its parts, as the callback left it in the data."""
+"""The friction torque that acts on each joint, with its parts, read from the data."""
 
 from dataclasses import dataclass
 
