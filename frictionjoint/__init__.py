@@ -7,19 +7,25 @@ if TYPE_CHECKING:
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.law.motion import friction_torque
     from frictionjoint.parameters import FrictionParameters
-    from frictionjoint.simulate.attach import attach
+    from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.remembered import remembered
+    from frictionjoint.simulate.torque import torque
+    from frictionjoint.simulate.uninstall import uninstall
     from frictionjoint.simulate.warp import attach_warp
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
     "close_loop": "frictionjoint.diagnose.close_loop",
     "attach": "frictionjoint.simulate.attach",
+    "disable": "frictionjoint.simulate.attach",
+    "enable": "frictionjoint.simulate.attach",
     "attach_warp": "frictionjoint.simulate.warp",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "remembered": "frictionjoint.simulate.remembered",
+    "torque": "frictionjoint.simulate.torque",
+    "uninstall": "frictionjoint.simulate.uninstall",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
@@ -29,10 +35,14 @@ __all__ = [
     "attach",
     "attach_warp",
     "close_loop",
+    "disable",
+    "enable",
     "friction_torque",
     "install",
     "load_model",
     "remembered",
+    "torque",
+    "uninstall",
 ]
 
 

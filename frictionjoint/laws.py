@@ -1,13 +1,14 @@
 """All friction laws by name and by number: reading parameters back from files and models."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.parameters import Friction, FrictionParameters
+from frictionjoint.parameters import Friction, FrictionParameters, require_table
 from frictionjoint.rivals import RIVALS
 
 _CLASSES: dict[str, Any] = {
@@ -24,6 +25,7 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
     Raises:
         ParameterError: unknown law, or parameters that it refuses.
     """
+    require_table(values)
     law = values.get("law", "integrated")
     if not isinstance(law, str) or law not in _CLASSES:
         raise ParameterError(f"unknown law {law!r}: known are {', '.join(_CLASSES)}")
@@ -41,3 +43,24 @@ def unpack(block: NDArray[np.float64]) -> Friction:
         raise ParameterError(f"no friction law has the number {block[:1]}")
     found: Friction = _NUMBERS[float(block[0])].unpack(block)
     return found
+
+
+def require_parameters(parameters: Any, where: str) -> None:
+    """Raise TypeError, with what to give instead, unless these are parameters of a law."""
+    if isinstance(parameters, tuple(_CLASSES.values())):
+        return
+    if isinstance(parameters, Mapping):
+        mend = "make them with FrictionParameters.from_dict(...)"
+    elif isinstance(parameters, str | Path):
+        mend = "read the file with frictionjoint.files.read_parameters(path).parameters"
+    elif hasattr(parameters, "parameters") and hasattr(parameters, "effects"):
+        mend = "give its .parameters, and its .effects as the effects of the joint"
+    else:
+        mend = "make them with FrictionParameters(...)"
+    raise TypeError(f"{where}: {kind_of(parameters)} is no friction parameters: {mend}")
+
+
+def kind_of(value: Any) -> str:
+    """Name of a value's type for a message."""
+    kind = type(value)
+    return kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__name__}"

@@ -179,10 +179,21 @@ class FrictionParameters:
 
         Raises:
             ParameterError: a key is unknown or missing.
+            TypeError: `values` is no dict.
         """
+        require_table(values)
         given = {key: x for key, x in values.items() if key != "law"}
         check_keys(cls, given)
         return cls(**given)
+
+
+def require_table(values: Any) -> None:
+    """Raise TypeError unless these are values by name."""
+    if not isinstance(values, Mapping):
+        raise TypeError(
+            f"parameters are made of a dict of values by name, not of {type(values).__name__}: a "
+            "file is read by frictionjoint.files.read_parameters(path)"
+        )
 
 
 def check_keys(cls: type, given: Mapping[str, Any]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.parameters import check_keys, check_number, require
+from frictionjoint.parameters import check_keys, check_number, require, require_table
 
 MOST_ELEMENTS = 16
 _SIDES = ("pos", "neg")
@@ -95,6 +95,7 @@ class _Rival:
         Raises:
             ParameterError: a key is unknown or missing, or a value out of range.
         """
+        require_table(values)
         given = {key: x for key, x in values.items() if key != "law"}
         check_keys(cls, given)
         return cls(**given)

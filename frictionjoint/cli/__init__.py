@@ -1,4 +1,4 @@
-"""Command line: ``frictionjoint demo | close-loop | identify | compare | install | check | data``.
+"""Command line: ``frictionjoint demo | close-loop | identify | compare | install | check | ...``.
 
 One function a command; what they print is in `terminal`, how they end is in `main`.
 """
@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn, TextIO
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
-from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
-from frictionjoint.errors import FrictionJointError, LogError, ParameterError
+from frictionjoint.cli.models import check, install, uninstall, view
+from frictionjoint.cli.terminal import progress, show_estimates, show_report
+from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130
@@ -38,8 +38,8 @@ app = typer.Typer(
         "it, and reports the error before and after on data held out.\n"
         "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
         "beside others.\n"
-        "3. `install` writes an MJCF that carries the friction itself; `check` tells whether its "
-        "time step suits it and what it costs.\n\n"
+        "3. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
+        "again; `check` tells whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones. "
         "Bad input ends in one line and exit code 2, and writes nothing."
@@ -215,76 +215,8 @@ def identify(
 app.command()(compare)
 
 
-@app.command()
-def install(
-    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="Model to add friction to.")],
-    joint: Annotated[
-        list[str],
-        typer.Option("--joint", metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
-    ],
-    out: Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")],
-) -> None:
-    """Write an MJCF that carries friction itself.
-
-    Examples:
-
-    `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
-
-    `frictionjoint install arm.xml --joint elbow=e.toml --joint wrist=w.toml --out arm_friction.xml`
-    """
-    import mujoco
-
-    from frictionjoint.files import read_parameters
-    from frictionjoint.identify.rigid_body import compile_model
-    from frictionjoint.report.write import write_files
-    from frictionjoint.simulate.carrier import install as install_spec
-
-    friction, effects = {}, {}
-    for text in joint:
-        name, equals, path = text.partition("=")
-        if not equals:
-            raise ParameterError(f"--joint {text}: write NAME=params.toml")
-        if name in friction:
-            raise ParameterError(f"--joint {name} is given twice: keep one")
-        carried = read_parameters(Path(path))
-        friction[name], effects[name] = carried.parameters, carried.effects
-    compile_model(mjcf)
-    spec = mujoco.MjSpec.from_file(str(mjcf))
-    install_spec(spec, friction, effects)
-    spec.compile()
-    write_files(out.parent, {out.name: spec.to_xml()})
-    typer.echo(f"Wrote {out} with friction in {', '.join(friction)}.")
-
-
-@app.command()
-def check(
-    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="Model that carries friction.")],
-    as_json: Json = False,
-) -> None:
-    """Tell what friction an MJCF carries and whether its time step suits it.
-
-    Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
-    """
-    from frictionjoint.simulate.carrier import load_model
-    from frictionjoint.simulate.check import check_model
-
-    findings = check_model(load_model(mjcf))
-    if as_json:
-        typer.echo(json.dumps(findings, indent=2))
-        return
-    table = Table("joint", "law", "stiffness", "h sqrt(K/J)", "effects", "remark")
-    for row in findings:
-        table.add_row(
-            row["joint"],
-            row["law"],
-            f"{row['stiffness']:.4g}",
-            f"{row['step_ratio']:.3g}",
-            ", ".join(row["effects"]) or "none",
-            row["remark"],
-        )
-    console().print(table)
-
-
+for command in (install, uninstall, check, view):
+    app.command()(command)
 app.add_typer(data, name="data")
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import warnings
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,16 @@ def progress() -> Iterator[Callable[[str], None]]:
             shown.update(task, description=text, completed=done, total=total)
 
         yield tell
+
+
+@contextlib.contextmanager
+def warnings_afterwards() -> Iterator[None]:
+    """Warnings of the block are told when it has succeeded, each once: an error is a line alone."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        yield
+    for text in dict.fromkeys(str(warning.message) for warning in told):
+        warnings.warn(text, RuntimeWarning, stacklevel=3)
 
 
 def show_report(report: "Report") -> None:

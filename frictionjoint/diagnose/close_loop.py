@@ -48,6 +48,7 @@ from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
+from frictionjoint.model_text import model_text
 from frictionjoint.threads import one_thread
 
 # length of the blocks of an rms's interval, s
@@ -132,7 +133,7 @@ def close_loop(
         noise_floor=floor,
         unexplained=unexplained,
         verdict=verdict(found, (torque[0], before), (torque[1], after)),
-        mjcf=spec.to_xml(),
+        mjcf=model_text(spec, model),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),

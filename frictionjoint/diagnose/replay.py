@@ -163,6 +163,8 @@ def _memories(
 ) -> list[Array]:
     """State rows at the restarts: the callback driven along the measured motion."""
     rows = []
+    # samples, not steps of a simulation: a gap of several time steps would start the memory afresh
+    step, model.opt.timestep = model.opt.timestep, segment.dt
     length = max(2, round(WINDOW_S / segment.dt))
     for k in range(len(segment.signals)):
         data.time = k * segment.dt
@@ -175,6 +177,7 @@ def _memories(
             mujoco.mj_fwdVelocity(model, data)
         if k % length == 0:
             rows.append(data.userdata[ours].copy())
+    model.opt.timestep = step
     return rows
 
 

@@ -119,12 +119,13 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
 
 
 @njit(cache=True)
-def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Sum over the block's effects at one instant."""
+def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
+    """Sum over the block's effects at one instant; X[each:] becomes the torque of each."""
     total = 0.0
     at = e + 1
     for i in range(int(P[e])):
-        total += effect_torque(int(P[at]), P, at + 2, sig, X, x + MEMORY * i)
+        X[each + i] = effect_torque(int(P[at]), P, at + 2, sig, X, x + MEMORY * i)
+        total += X[each + i]
         at += 2 + int(P[at + 1])
     return total
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
-from frictionjoint.mujoco_warnings import as_python_warnings
+from frictionjoint.model_files import compile_model, read_spec
 
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
@@ -62,9 +62,7 @@ class RigidBody:
 
     def spec(self) -> mujoco.MjSpec:
         """A fresh spec of the MJCF, to be changed."""
-        if isinstance(self.mjcf, str) and self.mjcf.lstrip().startswith("<"):
-            return mujoco.MjSpec.from_string(self.mjcf)
-        return mujoco.MjSpec.from_file(str(self.mjcf))
+        return read_spec(self.mjcf)
 
     def torque(
         self,
@@ -104,22 +102,6 @@ class RigidBody:
         R = frames.reshape(n, 3, 3)
         gx, gy = (-np.einsum("ni,nij,j->n", across, R, e) for e in (e1, e2))
         return RigidBodyTorque(load, gx, gy)
-
-
-def compile_model(mjcf: str | Path) -> mujoco.MjModel:
-    """Compile an MJCF file or text; one clear line when that fails."""
-    try:
-        with as_python_warnings():
-            if isinstance(mjcf, str) and mjcf.lstrip().startswith("<"):
-                return mujoco.MjModel.from_xml_string(mjcf)
-            if not Path(mjcf).is_file():
-                raise ModelError(f"{mjcf}: no such MJCF file, check the path")
-            return mujoco.MjModel.from_xml_path(str(mjcf))
-    except ValueError as error:
-        if isinstance(error, ModelError):
-            raise
-        first = " ".join(str(error).split())
-        raise ModelError(f"{mjcf}: MuJoCo cannot compile it: {first}") from None
 
 
 def _joint_id(model: mujoco.MjModel, joint: str) -> int:

@@ -9,6 +9,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
+from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
 
 _start = integrated.start
@@ -82,9 +83,10 @@ def friction_torque(
         shape (n,), N m (N for a slide joint), positive against positive motion.
     Raises:
         LogError: the arrays differ in length, are not finite, or time does not increase.
+        TypeError: no parameters, or arrays of something else than numbers.
     """
-    t = np.ascontiguousarray(time, dtype=np.float64)
-    q = np.ascontiguousarray(position, dtype=np.float64)
+    require_parameters(parameters, "friction_torque")
+    t, q = _numbers("time", time), _numbers("position", position)
     if t.ndim != 1 or t.shape != q.shape:
         raise LogError(f"time {t.shape} and position {q.shape} must be 1-D and of one length")
     if t.size == 0:
@@ -99,3 +101,10 @@ def friction_torque(
     F = np.empty_like(q)
     drive(parameters.pack(), 0, t, q, np.empty(0), F)
     return F
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is no array of numbers: give one of shape (n,)") from None

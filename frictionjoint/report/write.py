@@ -1,63 +1,110 @@
 """Write a report's folder whole or not at all."""
 
+import contextlib
 import json
 import os
+import secrets
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.page import render
 
 FILES = ("report.json", "report.html", "model.xml")
+_HIDDEN = ".frictionjoint-"
 
 
 def write_report(report: Report, folder: Path, command: str) -> None:
     """Write report.json, report.html and model.xml into `folder`.
 
     Raises:
-        FrictionJointError: the folder cannot be written.
+        FrictionJointError: the folder cannot be written, or the model would not load there.
     """
     contents = {
         "report.json": json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n",
         "report.html": render(report, command),
-        "model.xml": report.mjcf,
+        "model.xml": placed(report.mjcf, folder),
     }
-    write_files(folder, contents)
+    write_files(folder, contents, {"model.xml": require_compiles})
 
 
-def write_files(folder: Path, contents: Mapping[str, str | bytes]) -> None:
+def write_files(
+    folder: Path,
+    contents: Mapping[str, str | bytes],
+    checks: Mapping[str, Callable[[Path], None]] | None = None,
+) -> None:
     """Write files into a folder, all of them or none, whatever ends the run meanwhile.
 
-    They are finished in a hidden folder first. A new folder then takes its name in one step, so
+    They are finished under hidden names first. A new folder then takes its name in one step, so
     that it is whole or absent; into a folder that exists each file is moved finished.
 
+    Args:
+        checks: by name of a file: called with where it lies finished, before it takes its name, in
+            the folder itself or one beside it; what it raises leaves nothing new.
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
-    staging = None
     try:
-        new = not folder.exists()
-        place = folder.absolute().parent if new else folder
-        place.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=".frictionjoint-", dir=place))
-        for name, content in contents.items():
-            data = content if isinstance(content, bytes) else content.encode()
-            (staging / name).write_bytes(data)
-        if new:
-            staging.chmod(0o777 & ~_umask())  # mkdtemp makes it private
-            os.rename(staging, folder)
-            return
-        for name in contents:
-            os.replace(staging / name, folder / name)
+        if folder.exists():
+            _into(folder, contents, checks or {})
+        else:
+            _as_new(folder, contents, checks or {})
     except OSError as error:
         reason = error.strerror or str(error)
         raise FrictionJointError(f"{folder}: cannot write the result: {reason}") from None
-    finally:
+
+
+def _as_new(
+    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
+) -> None:
+    parent = folder.absolute().parent
+    missing = [p for p in (parent, *parent.parents) if not p.exists()]
+    staging = None
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(prefix=_HIDDEN, dir=parent))
+        _finish(staging, "", contents, checks)
+        staging.chmod(0o777 & ~_umask())  # mkdtemp makes it private
+        os.rename(staging, folder)
+    except BaseException:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+        for empty in missing:
+            with contextlib.suppress(OSError):
+                empty.rmdir()
+        raise
+
+
+def _into(
+    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
+) -> None:
+    hidden = f"{_HIDDEN}{secrets.token_hex(4)}-"
+    try:
+        _finish(folder, hidden, contents, checks)
+        for name in contents:
+            os.replace(folder / (hidden + name), folder / name)
+    finally:
+        for name in contents:
+            with contextlib.suppress(OSError):
+                (folder / (hidden + name)).unlink()
+
+
+def _finish(
+    folder: Path,
+    prefix: str,
+    contents: Mapping[str, str | bytes],
+    checks: Mapping[str, Callable[[Path], None]],
+) -> None:
+    """Write and check all files under their names with a prefix."""
+    for name, content in contents.items():
+        data = content if isinstance(content, bytes) else content.encode()
+        (folder / (prefix + name)).write_bytes(data)
+    for name, check in checks.items():
+        check(folder / (prefix + name))
 
 
 def _umask() -> int:

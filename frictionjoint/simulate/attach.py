@@ -1,69 +1,81 @@
-"""Install the friction callback for a while: ``with attach(model): ...``."""
+"""Let friction act: for one model (`attach`), or for every model of the process (`enable`)."""
 
-import contextlib
-import functools
 import warnings
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Iterable
+from types import TracebackType
 
 import mujoco
 
+from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.callback import build_native, link_what_acts, python_callback
+from frictionjoint.simulate.callback import link_what_acts
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.layout import LayoutMismatchError
+from frictionjoint.simulate.installed import Backend, Hold, hold, release
+from frictionjoint.simulate.native_friction import counts_twice, native_friction
 
-Backend = Literal["native", "python"]
-
-
-@dataclass
-class _Attached:
-    """A model attached now, by the address of its C structure, and the callback it replaced."""
-
-    address: int
-    previous: Any
+_attached: dict[int, "Attached"] = {}
+_enabled: list[Hold] = []
 
 
-# outermost first; a second attach of one model is a mistake
-_attached: list[_Attached] = []
+class Attached:
+    """Friction of a model, acting until `detach` or the end of a ``with`` block; see `attach`.
+
+    Attributes:
+        model: what was attached; it is kept alive meanwhile.
+    """
+
+    def __init__(self, model: mujoco.MjModel, entry: Hold) -> None:
+        self.model = model
+        self._hold: Hold | None = entry
+        _attached[model._address] = self
+
+    def detach(self) -> None:
+        """End it; a callback that was installed before acts alone again. Twice is once."""
+        if self._hold is None:
+            return
+        release(self._hold)
+        self._hold = None
+        del _attached[self.model._address]
+
+    def __enter__(self) -> mujoco.MjModel:
+        return self.model
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.detach()
 
 
-@functools.lru_cache(maxsize=1)
-def _native() -> Any:
-    return build_native()
+def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
+    """Friction of `model` acts from now on, until ``detach()`` of what is returned::
 
+        h = attach(model)
+        mujoco.mj_step(model, data)
+        h.detach()
 
-def _callback(backend: Backend, model: mujoco.MjModel, blocks: Iterable[int]) -> Any:
-    if backend == "python":
-        return python_callback
-    try:
-        native = _native()
-        link_what_acts(model, blocks)
-        return native.ctypes
-    except LayoutMismatchError as error:
-        warnings.warn(f"{error}: using the slower backend='python'", RuntimeWarning, stacklevel=4)
-        return python_callback
+        with attach(model):                     # the same, also after an exception
+            mujoco.mj_step(model, data)
 
-
-@contextlib.contextmanager
-def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoco.MjModel]:
-    """Friction of `model` acts inside the block; the previous callback returns after it.
-
-    The callback serves every model in the process that carries friction and leaves all others
-    alone, so several models may be attached at once, and left in any order.
+    MuJoCo has one passive callback, and it serves every model in the process that carries
+    friction; those without are left alone. So several models may be attached at once and detached
+    in any order, and a model that is compiled or copied meanwhile has its friction too. A passive
+    callback of your own that is installed already is called as well, before ours.
 
     Args:
         model: carries friction, see `install`.
-        backend: "native" (a C function, no GIL) or "python" (same kernel, slower).
+        backend: "native" (a C function, no GIL) or "python" (same kernel, slower). While a Python
+            function is the callback, this one or your own, MuJoCo compiles no model.
     Raises:
         ModelError: no friction in the model, attached already, spring and damper flags both
             disabled (MuJoCo then never calls back), or an unknown backend.
+        TypeError: `model` is no MjModel.
     """
-    if backend not in ("native", "python"):
-        raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
-    if any(entry.address == model._address for entry in _attached):
-        raise ModelError("this model is attached already: leave the first attach before")
+    require_model(model, "attach")
+    if model._address in _attached:
+        raise ModelError("this model is attached already: detach it, or leave its block, before")
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if (model.opt.disableflags & off) == off:
         raise ModelError(
@@ -73,21 +85,37 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Iterator[mujoc
     found = resolve(model)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
-    callback = _callback(backend, model, found.values())
-    entry = _Attached(model._address, mujoco.get_mjcb_passive())
-    mujoco.set_mjcb_passive(callback)
-    _attached.append(entry)
-    try:
-        yield model
-    finally:
-        _leave(entry)
+    native = native_friction(model, found)
+    if native:
+        warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)
+    return Attached(model, _hold(backend, model, found.values()))
 
 
-def _leave(entry: _Attached) -> None:
-    """Undo one attach. Environments end in any order, so one below the top only hands down."""
-    at = next(i for i, other in enumerate(_attached) if other is entry)
-    if at + 1 < len(_attached):
-        _attached[at + 1].previous = entry.previous
-    else:
-        mujoco.set_mjcb_passive(entry.previous)
-    del _attached[at]
+def _hold(backend: Backend, model: mujoco.MjModel, blocks: Iterable[int]) -> Hold:
+    entry = hold(backend)
+    if backend == "native":
+        link_what_acts(model, blocks)
+    return entry
+
+
+def enable(backend: Backend = "native") -> None:
+    """From now on friction acts in every model of the process that carries it.
+
+    So also in models that other code loads and steps: the viewer, dm_control, Gymnasium, a trainer.
+    Call it once, before or after they are loaded. A model whose friction cannot act (damaged, or
+    too little user data) is named in a warning when it is first stepped. Models whose spring and
+    damper flags are both disabled are never called back.
+
+    Args:
+        backend: as in `attach`.
+    Raises:
+        ModelError: an unknown backend.
+    """
+    if not _enabled:
+        _enabled.append(hold(backend))
+
+
+def disable() -> None:
+    """End `enable`; models that are attached keep their friction. Without `enable` nothing."""
+    while _enabled:
+        release(_enabled.pop())

@@ -26,6 +26,7 @@ from frictionjoint.simulate.carrier import (
     RESOLVED,
     ROW,
 )
+from frictionjoint.simulate.first_sight import make_ready, make_ready_in_c
 from frictionjoint.simulate.layout import offsets
 from frictionjoint.simulate.motor_demand import asked_torque, saturates
 from frictionjoint.simulate.pointers import (
@@ -76,7 +77,8 @@ def build_native() -> Any:
         qpos, qvel = array(d, at_qpos, real), array(d, at_qvel, real)
         passive, X = array(d, at_passive, real), array(d, at_user, real)
         t = field(d, at_time, real)[0]
-        h = field(m, at_step, real)[0]
+        step = field(m, at_step, real)[0]
+        h = step
         if field(m, at_integrator, short)[0] == RK4:
             h = 0.0
         weights = array(m, at_weight, real)
@@ -85,14 +87,19 @@ def build_native() -> Any:
         row = 0
         for i in range(n):
             block = int(address[i])
-            if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
+            if P[block] != MAGIC:
                 continue
+            if P[block + RESOLVED] != 1.0:
+                if P[block + RESOLVED] == 0.0:
+                    make_ready_in_c(m)
+                if P[block + RESOLVED] != 1.0:
+                    continue
             x = int(P[block + ROW])
             q = qpos[int(P[block + QPOS])]
             dof = int(P[block + DOF])
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
-            F = torque_now(P, block + HEAD, effects, X, x, t, q, v)
+            F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
                 asked = 0.0
@@ -185,17 +192,22 @@ def link_what_acts(model: mujoco.MjModel, blocks: Iterable[int]) -> None:
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The same callback in Python: slower, but every line can be stepped through."""
     P, X = model.numeric_data, data.userdata
-    h = 0.0 if model.opt.integrator == RK4 else model.opt.timestep
+    step = model.opt.timestep
+    h = 0.0 if model.opt.integrator == RK4 else step
     stiff: list[int] = []
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
-        if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
+        if P[block] != MAGIC:
+            continue
+        if P[block + RESOLVED] == 0.0:
+            make_ready(model)
+        if P[block + RESOLVED] != 1.0:
             continue
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
         last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
-        F = torque_now(P, block + HEAD, effects, X, x, t, q, v)
+        F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
         if P[effects] > 0.0:
             asked = 0.0
             if saturates(P, effects):

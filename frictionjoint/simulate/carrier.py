@@ -9,9 +9,11 @@ come back when the block is resolved. A block is
     9.. N numbers: the law's block, then the effects' block       then 4 N integers
 
 Slots 2 to 6 belong to one compiled model and are written by `resolve`, by name, so that
-``MjSpec.attach`` with a prefix works and the callback never looks up a name.
+``MjSpec.attach`` with a prefix works and the callback never looks up a name. Slot 2 is 0 before,
+1 after, and -1 where the callback met a model that cannot be resolved (`first_sight`).
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,21 +21,30 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from frictionjoint.arguments import require_friction, require_path, require_spec
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
+from frictionjoint.model_files import compiling
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor_demand import check_motors, saturates
+from frictionjoint.simulate.native_friction import (
+    clear_native_friction,
+    counts_twice,
+    native_friction_of_spec,
+)
 from frictionjoint.simulate.row import row_size
 
 MAGIC = 199797.0
 VERSION = 1.0
 RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = 9
+REFUSED = -1.0
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 TAG = "frictionjoint:"
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
@@ -80,20 +91,25 @@ def install(
     spec: mujoco.MjSpec,
     friction: Mapping[str, Friction],
     effects: Mapping[str, Sequence[SimulatedEffect]] | None = None,
+    clear_native: bool = False,
 ) -> None:
     """Write friction into a spec and make room for its state in ``userdata``.
 
-    User data the model already has stays in front. The joints' own ``frictionloss`` is left as it
-    is; `frictionjoint check` tells where both act.
+    User data the model already has stays in front. Where a joint has ``frictionloss`` or
+    ``damping`` of its own friction would count twice: a warning says so.
 
     Args:
         spec: changed in place, only if every joint is fit for it.
         friction: parameters by joint name.
         effects: effects beyond the law by joint name.
+        clear_native: take the joints' own ``frictionloss`` and ``damping`` away.
     Raises:
+        TypeError: a path or a compiled model in place of a spec, a dict in place of parameters.
         ModelError: unknown joint, not a hinge or slide, friction there already, or a number
             too large for an MJCF.
     """
+    require_spec(spec)
+    require_friction(friction)
     joints = {joint.name: joint for joint in spec.joints}
     taken = {numeric.name for numeric in spec.numerics}
     for name in [*friction, *(effects or {})]:
@@ -125,6 +141,11 @@ def install(
         assert numeric is not None
         n_effects = len((effects or {}).get(name, ()))
         spec.nuserdata = max(spec.nuserdata, 0) + row_size(_law_row(parameters), n_effects)
+    if clear_native:
+        clear_native_friction(spec, friction)
+    native = native_friction_of_spec(spec, friction)
+    if native:
+        warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)
 
 
 def _law_row(parameters: Friction) -> int:
@@ -165,13 +186,13 @@ def write_parameters(numeric_data: Array, block: int, parameters: Friction) -> N
     numeric_data[pieces : pieces + 4 * room] = _pieces(law)
 
 
-def blocks(model: mujoco.MjModel) -> dict[str, int]:
+def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     """Address in ``numeric_data`` of each joint's block, by joint name."""
     found = {}
-    for i in range(model.nnumeric):
-        prefix, tag, joint = (model.numeric(i).name or "").partition(TAG)
+    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
+        prefix, tag, joint = name.partition(TAG)
         if tag:
-            found[prefix + joint] = int(model.numeric_adr[i])
+            found[prefix + joint] = int(address)
     return found
 
 
@@ -182,7 +203,7 @@ def rows_of_block(block: Sequence[float]) -> int:
     return row_size(int(law_row_size(numbers, HEAD)), n_effects)
 
 
-def resolve(model: mujoco.MjModel) -> dict[str, int]:
+def resolve(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
     Raises:
@@ -190,9 +211,10 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
             ``userdata``, or a motor that saturates and cannot be followed.
     """
     found = blocks(model)
+    ids = {name: i for i, name in enumerate(names_of(model, "jnt")) if name}
     sizes = {}
     for name, at in found.items():
-        _check_block(model, name, at)
+        _check_block(model, name, at, ids)
         n = int(model.numeric_data[at + COUNT])
         pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
         exact = np.frombuffer(pieces.astype("<u2").tobytes(), dtype="<f8")
@@ -209,19 +231,23 @@ def resolve(model: mujoco.MjModel) -> dict[str, int]:
         )
     row = model.nuserdata - need
     for name, at in found.items():
-        joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        joint = ids[name]
         if saturates(model.numeric_data, at + int(model.numeric_data[at + EFFECTS])):
             check_motors(model, name, joint)
         model.numeric_data[at + QPOS] = model.jnt_qposadr[joint]
         model.numeric_data[at + DOF] = model.jnt_dofadr[joint]
         model.numeric_data[at + JOINT] = joint
         model.numeric_data[at + ROW] = row
-        model.numeric_data[at + RESOLVED] = 1.0
         row += sizes[name]
+    # last: another thread may be looking
+    for at in found.values():
+        model.numeric_data[at + RESOLVED] = 1.0
     return found
 
 
-def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
+def _check_block(
+    model: mujoco.MjModel | ModelView, name: str, at: int, ids: Mapping[str, int]
+) -> None:
     head = model.numeric_data[at : at + HEAD]
     where = f"numeric {TAG}{name}"
     size = next(
@@ -239,11 +265,9 @@ def _check_block(model: mujoco.MjModel, name: str, at: int) -> None:
     pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
     if np.any(pieces != np.round(pieces)) or pieces.min() < 0 or pieces.max() > 65535:
         raise ModelError(f"{where} was edited by hand: install the friction anew")
-    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-    if joint < 0:
-        names = ", ".join(model.joint(i).name for i in range(model.njnt))
-        raise ModelError(f"{where} names joint {name!r}: the model has {names}")
-    if int(model.jnt_type[joint]) not in ONE_DOF:
+    if name not in ids:
+        raise ModelError(f"{where} names joint {name!r}: the model has {', '.join(ids) or 'none'}")
+    if int(model.jnt_type[ids[name]]) not in ONE_DOF:
         raise ModelError(f"{where}: joint {name!r} is neither a hinge nor a slide")
 
 
@@ -281,10 +305,12 @@ def load_model(path: str | Path) -> mujoco.MjModel:
 
     Raises:
         ModelError: the file does not compile, or carries no friction or damaged friction.
+        TypeError: `path` is no path.
     """
+    require_path(path, "load_model")
     if not Path(path).is_file():
         raise ModelError(f"{path}: no such file, check the path")
-    with as_python_warnings():
+    with as_python_warnings(), compiling():
         try:
             model = mujoco.MjModel.from_xml_path(str(path))
             carried = resolve(model)

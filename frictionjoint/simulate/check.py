@@ -5,21 +5,28 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from frictionjoint.arguments import require_model
 from frictionjoint.simulate.carrier import read_friction
+from frictionjoint.simulate.native_friction import native_friction
 
 # Above this the presliding spring turns over within a step; see docs on time steps.
 _LARGEST_STEP_RATIO = 1.0
 
 
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
-    """One row a joint: law, presliding stiffness K, h sqrt(K/J) at qpos0, effects, remark."""
+    """One row a joint: law, presliding stiffness K, h sqrt(K/J) at qpos0, effects, remark.
+
+    "native" is what of MuJoCo's own friction the joint has too, None without any.
+    """
+    require_model(model, "check_model")
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    inverse = np.linalg.inv(mass)
+    inverse = np.zeros((model.nv, model.nv))
+    mujoco.mj_solveM(model, data, inverse, np.eye(model.nv))
     rows = []
-    for name, carried in read_friction(model).items():
+    carried_by = read_friction(model)
+    native = native_friction(model, carried_by)
+    for name, carried in carried_by.items():
         dof = int(model.jnt_dofadr[model.joint(name).id])
         stiffness = carried.parameters.stiffness
         ratio = model.opt.timestep * float(np.sqrt(stiffness * inverse[dof, dof]))
@@ -27,14 +34,15 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
         if ratio > _LARGEST_STEP_RATIO:
             longest = model.opt.timestep * _LARGEST_STEP_RATIO / ratio
             remark = f"stiff: held, and presliding resolved at timestep <= {longest:.2g} s"
-        if model.dof_frictionloss[dof] > 0.0:
-            remark += "; native frictionloss acts too"
+        if name in native:
+            remark += f"; {native[name]} act natively too: friction counts twice"
         rows.append(
             {
                 "joint": name,
                 "law": carried.parameters.law,
                 "stiffness": stiffness,
                 "step_ratio": ratio,
+                "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
                 "remark": remark,
             }

@@ -18,6 +18,7 @@ from dm_control import composer, mjcf
 from numpy.random import RandomState
 
 from frictionjoint.errors import ModelError
+from frictionjoint.laws import kind_of
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.attach import attach as attach_model
 from frictionjoint.simulate.carrier import TAG, resolve, rows_of_block
@@ -35,7 +36,13 @@ def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
         friction: parameters by joint name, with scope ("robot/elbow").
     Raises:
         ModelError: unknown joint, not a hinge or slide, or `root` is attached to another model.
+        TypeError: `root` is no MJCF tree.
     """
+    if not isinstance(root, mjcf.RootElement):
+        raise TypeError(
+            f"install takes a dm_control.mjcf.RootElement, not {kind_of(root)}: give "
+            "mjcf.from_path(path), or a Physics' spec to frictionjoint.install"
+        )
     if root.parent_model is not None:
         raise ModelError(
             f"MJCF model {root.model!r} is attached to {root.parent_model.model!r}: install on "

@@ -7,7 +7,6 @@ The environment's MJCF carries the parameters (`frictionjoint install` writes on
 ``MujocoEnv`` is ``mj_resetData``, so the friction starts afresh with it.
 """
 
-import contextlib
 from typing import Any
 
 import gymnasium
@@ -20,15 +19,15 @@ class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     Raises:
         ModelError: the model carries no friction, see `frictionjoint.attach`.
+        TypeError: the environment has no MuJoCo model.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
-        bare: Any = env.unwrapped  # Env declares no model, a MujocoEnv has one
-        self._attached = contextlib.ExitStack()
-        self._attached.enter_context(attach(bare.model))
+        # Env declares no model, a MujocoEnv has one
+        self._attached = attach(getattr(env.unwrapped, "model", env))
 
     def close(self) -> None:
         """Close the environment and let go of the callback."""
-        self._attached.close()
+        self._attached.detach()
         super().close()

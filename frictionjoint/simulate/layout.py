@@ -81,13 +81,29 @@ def _structure(fields: Any) -> Any:
 
 
 @lru_cache(maxsize=1)
+def model_structure() -> Any:
+    """mjModel as a ctypes structure."""
+    return _structure(structs.STRUCTS["mjModel"].fields)
+
+
+@lru_cache(maxsize=1)
+def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
+    """The arrays of mjModel by name: C type of a number, and extents or their fields."""
+    return {
+        field.name: (_ctype(field.type.inner_type), field.array_extent)
+        for field in structs.STRUCTS["mjModel"].fields
+        if field.array_extent
+    }
+
+
+@lru_cache(maxsize=1)
 def offsets() -> tuple[dict[str, int], dict[str, int]]:
     """Byte offsets in mjModel and mjData by field name.
 
     Raises:
         LayoutMismatchError: a live model does not hold what the offsets promise.
     """
-    model_type = _structure(structs.STRUCTS["mjModel"].fields)
+    model_type = model_structure()
     data_type = _structure(structs.STRUCTS["mjData"].fields)
     model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
     data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}

@@ -11,6 +11,7 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.motor_saturation import EFFECT
 from frictionjoint.errors import ModelError
+from frictionjoint.simulate.model_view import ModelView, names_of
 
 _ID = float(EFFECT.effect_id)
 _JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
@@ -77,7 +78,7 @@ def asked_torque(
     return total
 
 
-def check_motors(model: mujoco.MjModel, name: str, joint: int) -> None:
+def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
     """See to it that the motors of a joint that saturates are such as `asked_torque` knows.
 
     Raises:
@@ -100,8 +101,8 @@ def check_motors(model: mujoco.MjModel, name: str, joint: int) -> None:
             or model.actuator_biastype[i] not in _PLAIN
             or model.actuator_forcelimited[i]
         ):
+            actuator = names_of(model, "actuator")[i] or i
             raise ModelError(
-                f"joint {name!r} has a motor that saturates: its actuator "
-                f"{model.actuator(i).name or i!r} must have a fixed gain, no dynamics and no "
-                "forcerange"
+                f"joint {name!r} has a motor that saturates: its actuator {actuator!r} must "
+                "have a fixed gain, no dynamics and no forcerange"
             )

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import mujoco
 
+from frictionjoint.arguments import require_data, require_model
 from frictionjoint.law.memory import BOUND, FORGOTTEN, N_MAX, N_MIN
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.carrier import ROW, read_friction, resolve
@@ -34,6 +35,8 @@ def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remember
     Args:
         model: attached, or from `load_model`. data: of that model.
     """
+    require_model(model, "remembered")
+    require_data(data, "remembered")
     found = {}
     addresses = resolve(model)
     for name, carried in read_friction(model).items():

@@ -6,11 +6,17 @@ evaluated one:
 
 * a call at a later time commits the evaluated point, then evaluates;
 * a call at the same time evaluates again from the committed point;
-* a call at an earlier time, or an all-zero row, starts afresh: at rest and never moved.
+* a call at an earlier time, one that comes more than `LEAP` time steps later, or an all-zero row,
+  starts afresh: at rest and never moved.
+
+A step never takes longer than ``opt.timestep``, so a gap of several steps is no motion but another
+state that somebody has set: ``mujoco.rollout`` from states of increasing time, say, whose user
+data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
+that was longer, so that a time step that is made shorter during a run is no leap.
 
 Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
 torque, committed velocity and torque, then the law's row, then the effects' memory, committed and
-evaluated.
+evaluated, then the evaluated torque of each effect.
 """
 
 import numpy as np
@@ -26,6 +32,8 @@ STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE
     range(8)
 )
 TORQUE_COMMITTED = 8
+# time steps
+LEAP = 3.0
 FRONT = 9
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = 1e10
@@ -33,7 +41,7 @@ ASTRAY = 1e10
 
 def row_size(law_row: int, n_effects: int) -> int:
     """float64 that a joint with this many effects takes in userdata."""
-    return FRONT + law_row + 2 * MEMORY * n_effects
+    return FRONT + law_row + (2 * MEMORY + 1) * n_effects
 
 
 @in_line
@@ -48,26 +56,38 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 @in_line
 def torque_now(
-    P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    step: float,
 ) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
-    A state gone astray has no torque: NaN.
+    A state gone astray has no torque: NaN. `step` is the model's time step, s; with 0 no gap is a
+    leap.
     """
     if not (abs(q) <= ASTRAY and abs(v) <= ASTRAY):
         # the law's search for events would not end; what is remembered stays as it is
         return np.nan
     law = x + FRONT
-    if X[x + STARTED] == 0.0 or t < X[x + T_EVALUATED]:
+    gap = t - X[x + T_EVALUATED]
+    leap = LEAP * max(step, X[x + T_EVALUATED] - X[x + T_COMMITTED])
+    if X[x + STARTED] == 0.0 or gap < 0.0 or (gap > leap and step > 0.0):
         X[x + STARTED] = 1.0
         X[x + T_COMMITTED] = t
         X[x + Q_COMMITTED] = q
         X[x + V_COMMITTED] = v
         start_row(P, p, X, law)
-    elif t > X[x + T_EVALUATED]:
+    elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)
-            commit_effects(P, p, effects, X, x)
+        # also after a start, where each effect has set its own memory
+        commit_effects(P, p, effects, X, x)
         X[x + V_COMMITTED] = X[x + V_EVALUATED]
         X[x + TORQUE_COMMITTED] = X[x + TORQUE]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]
@@ -100,9 +120,9 @@ def evaluate(
     """`torque_now`, or for a joint alone and stiff the torque of the step's end (``law.ahead``).
 
     With a step h, s, of one evaluation and the joint's inertia J, kg m^2; h = 0 asks for the
-    torque here and now.
+    torque here and now, whatever the gap.
     """
-    F = torque_now(P, p, effects, X, x, t, q, v)
+    F = torque_now(P, p, effects, X, x, t, q, v, h)
     dt = t - X[x + T_COMMITTED]
     # a joint without inertia has no equation of motion to solve
     if F == F and dt > 0.0 and h > 0.0 and J > 0.0:

@@ -10,19 +10,19 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.carrier import ROW, read_friction, resolve
 from frictionjoint.simulate.row import FRONT, TORQUE
+from frictionjoint.simulate.torque import sticks
 
 STICK_COLOUR = (0.10, 0.75, 0.55)
 SLIP_COLOUR = (0.95, 0.45, 0.10)
 # A line of MjvFigure takes 1000 points, a figure 100 lines.
 _POINTS = 1000
 _LINES = 100
-# A joint slower than this share of its Stribeck velocity counts as resting.
-_RESTING = 0.01
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Scope:
     """
 
     def __init__(self, model: mujoco.MjModel, joint: str, seconds: float = 5.0) -> None:
+        require_model(model, "Scope")
         carried = read_friction(model)
         if joint not in carried:
             raise ModelError(
@@ -70,7 +71,7 @@ class Scope:
         parameters = law.to_dict()
         # the loop is looked at through a window as wide as presliding reaches
         self._window = float(parameters["knots"][-1][0])
-        self._resting = _RESTING * min(float(parameters[f"Vs_{side}"]) for side in ("pos", "neg"))
+        self._stribeck = min(law.Vs_pos, law.Vs_neg)
         slide = model.jnt_type[self._id] == mujoco.mjtJoint.mjJNT_SLIDE
         self._units = ("m", "N") if slide else ("rad", "N m")
         self._every = seconds / _POINTS
@@ -81,13 +82,12 @@ class Scope:
         X = data.userdata
         header = self._row + FRONT + HEADER
         velocity = float(data.qvel[self._v])
-        resting = abs(velocity) <= self._resting
         sample = Sample(
             float(data.time),
             float(data.qpos[self._q]),
             velocity,
             float(X[self._row + TORQUE]),
-            bool(resting or X[header + RATE] > 0.5),
+            sticks(velocity, float(X[header + RATE]), self._stribeck),
             max(0, int(X[header + N_MIN] + X[header + N_MAX]) - 2),
         )
         if self._samples and sample.time < self._samples[-1].time:

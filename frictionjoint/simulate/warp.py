@@ -13,6 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from frictionjoint.arguments import require_model
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import (
@@ -276,5 +277,7 @@ def attach_warp(m: Any, d: Any, mjm: mujoco.MjModel) -> WarpFriction:
         WarpMissingError: mujoco_warp is not installed.
         ModelError: no or damaged friction in the model, a model and data that do not belong
             together, an integrator or flags that it cannot work with, or attached already.
+        TypeError: `mjm` is no MjModel.
     """
+    require_model(mjm, "attach_warp")
     return WarpFriction(m, d, mjm)

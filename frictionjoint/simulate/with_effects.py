@@ -65,7 +65,7 @@ def effects_torque(
     memory = law + law_row_size(P, p)
     for i in range(n):
         X[memory + n + i] = X[memory + i]
-    return total_torque(P, effects, sig, X, memory + n)
+    return total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
 
 
 @compiled

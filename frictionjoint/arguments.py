@@ -1,0 +1,77 @@
+"""Arguments of the wrong type at the public functions: a TypeError that says what to give instead.
+
+Python would otherwise fail somewhere inside, with an attribute that the user has never heard of.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from frictionjoint.laws import kind_of, require_parameters
+
+_COMPILED = "frictionjoint.load_model(path), or spec.compile()"
+
+
+def require_model(model: Any, function: str) -> None:
+    """An MjModel."""
+    if isinstance(model, mujoco.MjModel):
+        return
+    if isinstance(model, str | Path):
+        mend = f"load {str(model)[:60]!r} with frictionjoint.load_model first"
+    elif isinstance(model, mujoco.MjSpec):
+        mend = "give spec.compile()"
+    elif isinstance(model, mujoco.MjData):
+        mend = "give the model that this data belongs to"
+    elif isinstance(getattr(model, "ptr", None), mujoco.MjModel):
+        mend = "give its .ptr, the MjModel within"
+    elif isinstance(getattr(getattr(model, "unwrapped", None), "model", None), mujoco.MjModel):
+        mend = "give its .unwrapped.model"
+    else:
+        mend = f"give an MjModel, from {_COMPILED}"
+    raise TypeError(f"{function} takes a mujoco.MjModel, not {kind_of(model)}: {mend}")
+
+
+def require_data(data: Any, function: str) -> None:
+    """An MjData."""
+    if isinstance(data, mujoco.MjData):
+        return
+    mend = "give mujoco.MjData(model)"
+    if isinstance(getattr(data, "ptr", None), mujoco.MjData):
+        mend = "give its .ptr, the MjData within"
+    raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {mend}")
+
+
+def require_spec(spec: Any, function: str = "install") -> None:
+    """An MjSpec."""
+    if isinstance(spec, mujoco.MjSpec):
+        return
+    if isinstance(spec, str | Path):
+        mend = "give mujoco.MjSpec.from_file(path), or from_string(text)"
+    elif isinstance(spec, mujoco.MjModel):
+        mend = "a compiled model cannot be changed, give the spec that it was compiled from"
+    else:
+        mend = "give mujoco.MjSpec.from_file(path)"
+    raise TypeError(f"{function} takes a mujoco.MjSpec, not {kind_of(spec)}: {mend}")
+
+
+def require_friction(friction: Any, function: str = "install") -> None:
+    """Friction parameters by name of a joint."""
+    if not isinstance(friction, Mapping):
+        raise TypeError(
+            f"{function} takes parameters by joint, not {kind_of(friction)}: "
+            'give {"joint name": parameters}'
+        )
+    for joint, parameters in friction.items():
+        if not isinstance(joint, str):
+            raise TypeError(f"{function}: joint {joint!r} is no name: give its name in the model")
+        require_parameters(parameters, f"{function}, joint {joint!r}")
+
+
+def require_path(path: Any, function: str) -> None:
+    """A str or a Path."""
+    if not isinstance(path, str | Path):
+        raise TypeError(
+            f"{function} takes the path of a file, not {kind_of(path)}: give str or Path"
+        )

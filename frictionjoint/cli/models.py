@@ -1,0 +1,175 @@
+"""Commands on model files: ``install``, ``uninstall``, ``check`` and ``view``."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.terminal import console, warnings_afterwards
+from frictionjoint.errors import FrictionJointError, ParameterError
+
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    import mujoco
+
+    from frictionjoint.simulate.carrier import JointFriction
+
+Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
+Force = Annotated[
+    bool, typer.Option("--force", help="Let --out overwrite the model that it is made from.")
+]
+Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that carries friction.")]
+
+
+def install(
+    mjcf: Annotated[
+        Path, typer.Argument(metavar="MJCF", help="Model to add friction to, also a URDF.")
+    ],
+    out: Out,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option("--joint", metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
+    ] = None,
+    every: Annotated[
+        Path | None,
+        typer.Option(
+            "--all",
+            metavar="TOML",
+            help="Parameters of all other hinge and slide joints.",
+        ),
+    ] = None,
+    clear_native: Annotated[
+        bool,
+        typer.Option(
+            "--clear-native", help="Take frictionloss and damping off the joints that get friction."
+        ),
+    ] = False,
+    force: Force = False,
+) -> None:
+    """Write an MJCF that carries friction itself.
+
+    Meshes, textures and height fields are found from wherever it is written.
+
+    Examples:
+
+    `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
+
+    `frictionjoint install arm.urdf --all gear.toml --clear-native --out arm_friction.xml`
+    """
+    from frictionjoint.model_files import read_spec
+    from frictionjoint.simulate.carrier import install as install_in_spec
+
+    with warnings_afterwards():
+        carried = _parameters(joint or [])
+        spec = read_spec(mjcf)
+        if every:
+            carried = _all_joints(spec, every) | carried
+        if not carried:
+            raise ParameterError("no joint is given: write --joint NAME=TOML, or --all TOML")
+        friction = {name: x.parameters for name, x in carried.items()}
+        effects = {name: x.effects for name, x in carried.items()}
+        install_in_spec(spec, friction, effects, clear_native)
+        _write(spec, mjcf, out, force)
+    typer.echo(f"Wrote {out} with friction in {', '.join(friction)}.")
+
+
+def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
+    """Write an MJCF without the friction that it carries.
+
+    Native friction that was cleared, a fitted armature or a motor stay as they are.
+
+    Example: `frictionjoint uninstall arm_friction.xml --out arm.xml`
+    """
+    from frictionjoint.model_files import read_spec
+    from frictionjoint.simulate.uninstall import uninstall as uninstall_from_spec
+
+    with warnings_afterwards():
+        spec = read_spec(mjcf)
+        joints = uninstall_from_spec(spec)
+        _write(spec, mjcf, out, force)
+    typer.echo(f"Wrote {out} without the friction of {', '.join(joints)}.")
+
+
+def check(
+    mjcf: Carrying,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Tell what friction an MJCF carries and whether its time step suits it.
+
+    Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
+    """
+    from frictionjoint.simulate.carrier import load_model
+    from frictionjoint.simulate.check import check_model
+
+    findings = check_model(load_model(mjcf))
+    if as_json:
+        typer.echo(json.dumps(findings, indent=2))
+        return
+    table = Table("joint", "law", "stiffness", "h sqrt(K/J)", "effects", "remark")
+    for row in findings:
+        table.add_row(
+            row["joint"],
+            row["law"],
+            f"{row['stiffness']:.4g}",
+            f"{row['step_ratio']:.3g}",
+            ", ".join(row["effects"]) or "none",
+            row["remark"],
+        )
+    console().print(table)
+
+
+def view(mjcf: Carrying) -> None:
+    """Open MuJoCo's viewer with the friction that an MJCF carries.
+
+    Example: `frictionjoint view arm_friction.xml`
+    """
+    from frictionjoint.simulate.view import view as open_viewer
+
+    open_viewer(mjcf)
+
+
+def _parameters(joints: list[str]) -> "dict[str, JointFriction]":
+    """What NAME=TOML options say."""
+    from frictionjoint.files import read_parameters
+
+    carried: dict[str, JointFriction] = {}
+    for text in joints:
+        name, equals, path = text.partition("=")
+        if not equals:
+            raise ParameterError(f"--joint {text}: write NAME=params.toml")
+        if name in carried:
+            raise ParameterError(f"--joint {name} is given twice: keep one")
+        carried[name] = read_parameters(Path(path))
+    return carried
+
+
+def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]":
+    """The same parameters for every hinge and slide of a model."""
+    from frictionjoint.files import read_parameters
+    from frictionjoint.simulate.carrier import ONE_DOF
+
+    found = read_parameters(path)
+    joints = [x for x in spec.joints if int(x.type) in ONE_DOF]
+    for joint in joints:
+        if not joint.name:
+            raise FrictionJointError(
+                f"--all: a joint of body {joint.parent.name or 'without a name'!r} has no name: "
+                "name it in the model, or name the joints with --joint"
+            )
+    if not joints:
+        raise FrictionJointError("--all: the model has no hinge or slide joint")
+    return {joint.name: found for joint in joints}
+
+
+def _write(spec: "mujoco.MjSpec", source: Path, out: Path, force: bool) -> None:
+    """Write a model where its asset files are found, and see to it that it loads there."""
+    from frictionjoint.model_text import model_text, placed, require_compiles, sources
+    from frictionjoint.report.write import write_files
+
+    if not force and out.exists() and any(out.samefile(part) for part in sources(source)):
+        raise FrictionJointError(
+            f"{out} is the model itself or a part of it: give another --out, or --force"
+        )
+    text = placed(model_text(spec, source), out.parent)
+    write_files(out.parent, {out.name: text}, {out.name: require_compiles})

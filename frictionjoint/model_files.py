@@ -1,0 +1,103 @@
+"""Reading a user's model: an MJCF, or a URDF whose meshes may stand under ``package://``."""
+
+import contextlib
+import ctypes
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import mujoco
+
+from frictionjoint.errors import ModelError
+from frictionjoint.mujoco_warnings import as_python_warnings
+from frictionjoint.urdf import with_found_meshes
+
+# what all functions of ctypes have as base, whatever their prototype
+_C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
+
+
+def read_spec(model: str | Path) -> mujoco.MjSpec:
+    """A spec of an MJCF or URDF, that compiles.
+
+    Args:
+        model: path of the file, or an MJCF's text. A URDF's meshes are looked for beside it and in
+            the folders above, see `urdf.with_found_meshes`.
+    Raises:
+        ModelError: there is no such file, or MuJoCo cannot compile it.
+    """
+    return _read(model)[0]
+
+
+def compile_model(model: str | Path) -> mujoco.MjModel:
+    """The same, compiled."""
+    return _read(model)[1]
+
+
+def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
+    if not isinstance(model, str | Path):
+        raise TypeError(
+            f"a model is read from a path or an MJCF's text, not from {type(model).__name__}: "
+            "give a str or a Path"
+        )
+    text = _is_text(model)
+    if not text and not Path(model).is_file():
+        raise ModelError(f"{model}: no such file, give the path of an MJCF or a URDF")
+    missing: tuple[str, ...] = ()
+    try:
+        with as_python_warnings(), compiling():
+            if text:
+                spec = mujoco.MjSpec.from_string(str(model))
+            elif is_urdf(Path(model)):
+                urdf, missing = with_found_meshes(Path(model))
+                spec = mujoco.MjSpec.from_string(urdf)
+            else:
+                spec = mujoco.MjSpec.from_file(str(model))
+            return spec, spec.compile()
+    except ValueError as error:
+        looked = f"; not found from its folder upwards: {', '.join(missing)}" if missing else ""
+        reason = " ".join(str(error).split())
+        raise ModelError(
+            f"{source_name(model)}: MuJoCo cannot compile it: {reason}{looked}"
+        ) from None
+
+
+def source_name(model: str | Path) -> str:
+    """What messages call a model: its path, or that it is a text."""
+    return "the MJCF" if _is_text(model) else str(model)
+
+
+def _is_text(model: str | Path) -> bool:
+    return isinstance(model, str) and model.lstrip().startswith("<")
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether the file's outermost element is a URDF's."""
+    try:
+        _, outermost = next(ElementTree.iterparse(path, events=("start",)))
+    except (ElementTree.ParseError, StopIteration, OSError):
+        return False  # MuJoCo says what is wrong
+    return bool(outermost.tag == "robot")
+
+
+def is_c(callback: Any) -> bool:
+    """Whether a callback is a C function, given through ctypes."""
+    return isinstance(callback, _C_FUNCTION)
+
+
+@contextlib.contextmanager
+def compiling() -> Iterator[None]:
+    """MuJoCo compiles models inside the block, whatever passive callback is installed.
+
+    It calls the callback once while it compiles, and fails where that is a Python function; such a
+    one is lifted for the time.
+    """
+    current = mujoco.get_mjcb_passive()
+    if current is None or is_c(current):
+        yield
+        return
+    mujoco.set_mjcb_passive(None)
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_passive(current)

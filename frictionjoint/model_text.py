@@ -1,0 +1,171 @@
+"""A model as MJCF text whose meshes, textures, height fields and skins are found where it lies.
+
+MuJoCo writes the names of asset files as it read them, relative to folders that the text no longer
+lies in. So the text is made with absolute paths, which hold anywhere, and put into a folder by
+making them relative to it.
+"""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+
+from frictionjoint.errors import ModelError
+from frictionjoint.model_files import compiling, source_name
+from frictionjoint.mujoco_warnings import as_python_warnings
+
+_SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "ntendon", "neq", "nsensor", "nuserdata")
+# what of a compiled model comes from asset files
+_FROM_FILES = ("mesh_vert", "mesh_face", "hfield_data", "tex_data", "skin_vert")
+# MJCF has six digits
+_DIGITS = 1e-5
+
+
+def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
+    """The spec as MJCF text that compiles wherever it lies: asset files by their absolute paths.
+
+    Args:
+        spec: compiles; the names of its asset files are changed.
+        source: what it was read from, a file or an MJCF's text.
+    Raises:
+        ModelError: an asset file is not found, or MuJoCo's text of it is another model.
+    """
+    name = source_name(source)
+    with as_python_warnings(), compiling():
+        before = spec.compile()
+        own = Path(spec.modelfiledir or ".").absolute()
+        folders = [own, *(part.absolute().parent for part in sources(Path(source)))]
+        for asset, key, place in _files(spec):
+            _set(asset, key, _found(_get(asset, key), place, folders))
+        spec.meshdir = spec.texturedir = ""
+        try:
+            text = str(spec.to_xml())
+            after = mujoco.MjModel.from_xml_string(text)
+        except ValueError as error:
+            reason = " ".join(str(error).split())
+            raise ModelError(f"{name}: MuJoCo cannot read what it writes of it: {reason}") from None
+    _require_same(before, after, name)
+    return text
+
+
+def placed(text: str, folder: Path) -> str:
+    """The text with paths of asset files relative to the folder that it will be written to.
+
+    They stay absolute where the folder lies behind a symbolic link: from there ".." leads elsewhere
+    for MuJoCo than for the system.
+    """
+    home = Path(os.path.abspath(folder))
+    if home != home.resolve():
+        return text
+    root = ElementTree.fromstring(text, ElementTree.XMLParser(target=_with_comments()))
+    for element in root.iter():
+        for key, value in element.attrib.items():
+            if key.startswith("file") and os.path.isabs(value):
+                element.set(key, _relative(Path(value), home))
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def require_compiles(path: Path) -> None:
+    """See to it that a written model is found whole by MuJoCo.
+
+    Raises:
+        ModelError: it does not compile there.
+    """
+    with as_python_warnings(), compiling():
+        try:
+            mujoco.MjModel.from_xml_path(str(path))
+        except ValueError as error:
+            reason = " ".join(str(error).split())
+            raise ModelError(f"the model would not load where it was to lie: {reason}") from None
+
+
+def _with_comments() -> ElementTree.TreeBuilder:
+    return ElementTree.TreeBuilder(insert_comments=True)
+
+
+def _relative(path: Path, home: Path) -> str:
+    path = path.parent.resolve() / path.name
+    try:
+        return Path(os.path.relpath(path, home)).as_posix()
+    except ValueError:
+        return path.as_posix()  # on another drive
+
+
+def sources(model: Path, main: Path | None = None) -> Iterator[Path]:
+    """The file of a model, and those that it includes or attaches; `main` is what includes it."""
+    yield model
+    try:
+        root = ElementTree.parse(model).getroot()
+    except (OSError, ElementTree.ParseError, ValueError):
+        return  # an MJCF's text, or an error that MuJoCo tells better
+    for element in root.iter():
+        name = element.get("file")
+        if name and element.tag in ("model", "include"):
+            # MuJoCo takes an include's name relative to the main file
+            for home in dict.fromkeys((model.parent, (main or model).parent)):
+                if (home / name).is_file():
+                    yield from sources(home / name, main or model)
+
+
+def _files(spec: mujoco.MjSpec) -> Iterator[tuple[Any, str | tuple[str, int], str]]:
+    """Asset, attribute that names a file of it, and its model's own folder for such files."""
+    for group in (spec.meshes, spec.hfields, spec.skins):
+        for asset in group:
+            if asset.file:
+                yield asset, "file", asset.compiler.meshdir
+    for texture in spec.textures:
+        if texture.file:
+            yield texture, "file", texture.compiler.texturedir
+        for i, name in enumerate(texture.cubefiles):
+            if name:
+                yield texture, ("cubefiles", i), texture.compiler.texturedir
+
+
+def _get(asset: Any, key: str | tuple[str, int]) -> str:
+    if isinstance(key, str):
+        return str(getattr(asset, key))
+    return str(getattr(asset, key[0])[key[1]])
+
+
+def _set(asset: Any, key: str | tuple[str, int], value: str) -> None:
+    if isinstance(key, str):
+        setattr(asset, key, value)
+        return
+    names = list(getattr(asset, key[0]))
+    names[key[1]] = value
+    setattr(asset, key[0], names)
+
+
+def _found(name: str, place: str, folders: list[Path]) -> str:
+    """Absolute path of an asset file, by MuJoCo's rules in each of the folders.
+
+    Raises:
+        ModelError: it is nowhere.
+    """
+    for folder in folders:
+        # the bare name: an MJCF may ask for paths to be stripped
+        for candidate in (folder / place / name, folder / place / Path(name).name):
+            if candidate.is_file():
+                return candidate.as_posix()
+    looked = ", ".join(str(folder / place) for folder in dict.fromkeys(folders))
+    raise ModelError(f"the file {name!r} of the model is not in {looked}: give its absolute path")
+
+
+def _require_same(before: mujoco.MjModel, after: mujoco.MjModel, name: str) -> None:
+    for key in _SIZES:
+        old, new = getattr(before, key), getattr(after, key)
+        if old != new:
+            raise ModelError(
+                f"{name}: MuJoCo's own text of it is another model, {key} {new} not {old}"
+            )
+    for key in _FROM_FILES:
+        old, new = np.asarray(getattr(before, key)), np.asarray(getattr(after, key))
+        if old.shape != new.shape or not np.allclose(old, new, rtol=_DIGITS, atol=_DIGITS):
+            raise ModelError(
+                f"{name}: files of models that it attaches have the same name and MuJoCo's text "
+                f"does not tell which is meant ({key} differs): give them different names"
+            )

@@ -1,0 +1,132 @@
+"""The one passive callback of the process: ours, after whatever the user had installed.
+
+MuJoCo keeps a single ``mjcb_passive``. Our kernel serves every model that carries friction, so it
+is installed once, however many models are attached; a callback that was there before is called
+first, at every evaluation, and comes back alone when the last hold ends.
+"""
+
+import ctypes
+import functools
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, cast
+
+import mujoco
+from numba import cfunc, types
+
+from frictionjoint.errors import ModelError
+from frictionjoint.model_files import is_c
+from frictionjoint.simulate.callback import build_native, python_callback
+from frictionjoint.simulate.layout import LayoutMismatchError
+
+Backend = Literal["native", "python"]
+_C_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
+
+
+@dataclass(eq=False)
+class Hold:
+    """A reason to keep the callback installed: an attached model, or `enable`.
+
+    Attributes:
+        previous: the callback that this hold found installed, None without one.
+        callback: what it installed. first: the user's callback within it, None without one.
+        kernel: ours within it.
+    """
+
+    previous: Any
+    callback: Any
+    first: Any
+    kernel: Any
+
+
+# outermost first
+_holds: list[Hold] = []
+
+
+def hold(backend: Backend) -> Hold:
+    """Keep our callback installed until `release`; the user's own is called before it.
+
+    Raises:
+        ModelError: an unknown backend.
+    """
+    kernel = _kernel(backend)
+    current = mujoco.get_mjcb_passive()
+    ours = next((entry for entry in _holds if entry.callback is current), None)
+    first = ours.first if ours else current
+    served = ours is not None and ours.kernel is kernel
+    callback = current if served else _in_turn(first, kernel)
+    entry = Hold(current, callback, first, kernel)
+    mujoco.set_mjcb_passive(callback)
+    _holds.append(entry)
+    return entry
+
+
+def release(entry: Hold) -> None:
+    """Undo one hold. They end in any order, so one below the top only hands down what it found.
+
+    A callback that somebody installed over ours meanwhile stays.
+    """
+    at = _holds.index(entry)
+    del _holds[at]
+    if at < len(_holds):
+        if _holds[at].previous is entry.callback:
+            _holds[at].previous = entry.previous
+    elif mujoco.get_mjcb_passive() is entry.callback:
+        mujoco.set_mjcb_passive(entry.previous)
+
+
+@functools.lru_cache(maxsize=1)
+def _native() -> Any:
+    return build_native().ctypes
+
+
+def _kernel(backend: Backend) -> Any:
+    if backend not in ("native", "python"):
+        raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
+    if backend == "python":
+        return python_callback
+    try:
+        return _native()
+    except LayoutMismatchError as error:
+        warnings.warn(f"{error}: using the slower backend='python'", RuntimeWarning, stacklevel=4)
+        return python_callback
+
+
+def _in_turn(first: Any, kernel: Any) -> Any:
+    """One callback that calls two; C where both are C, so that no thread waits for Python."""
+    if first is None:
+        return kernel
+    if is_c(first) and is_c(kernel):
+        return _both_in_c(_address(first), _address(kernel))
+    calls = tuple(map(_from_python, (first, kernel)))
+
+    def both(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        for call in calls:
+            call(model, data)
+
+    return both
+
+
+def _address(callback: Any) -> int:
+    return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
+
+
+def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], None]:
+    if not is_c(callback):
+        return cast("Callable[[mujoco.MjModel, mujoco.MjData], None]", callback)
+    function = _C_CALLBACK(_address(callback))
+    return lambda model, data: function(model._address, data._address)
+
+
+def _both_in_c(first: int, then: int) -> Any:
+    one, other = _C_CALLBACK(first), _C_CALLBACK(then)
+
+    @cfunc(types.void(types.voidptr, types.voidptr))
+    def both(m: ctypes.c_void_p, d: ctypes.c_void_p) -> None:
+        one(m, d)
+        other(m, d)
+
+    callback: Any = both.ctypes
+    callback._kept = both  # its code lives as long as the callback
+    return callback

@@ -1,0 +1,43 @@
+"""An mjModel known by its address alone, as a callback in C hands it over."""
+
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.simulate.layout import model_extents, model_structure
+
+
+class ModelView:
+    """The fields of an mjModel under the names that `mujoco.MjModel` gives them.
+
+    Arrays are views of the model's own memory: it must outlive them, and writing changes it.
+
+    Args:
+        address: of the C structure.
+    """
+
+    def __init__(self, address: int) -> None:
+        self._fields = model_structure().from_address(address)
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._fields, name)
+        extents = model_extents().get(name)
+        if extents is None:
+            return value
+        kind, sizes = extents
+        shape = [size if isinstance(size, int) else getattr(self._fields, size) for size in sizes]
+        if value is None or 0 in shape:
+            return np.zeros(shape, dtype=kind)
+        array = (kind * int(np.prod(shape))).from_address(value)
+        return np.ctypeslib.as_array(array).reshape(shape)
+
+
+def names_of(model: Any, kind: str) -> list[str]:
+    """Names of all objects of a kind, as mjModel abbreviates it ("jnt"), "" for one without.
+
+    Args:
+        model: an MjModel or a `ModelView`.
+    """
+    letters = bytes(model.names)
+    begins = getattr(model, f"name_{kind}adr")
+    return [letters[begin : letters.index(0, begin)].decode() for begin in begins]

@@ -1,0 +1,58 @@
+"""MuJoCo's own friction and damping of a joint, which would count twice beside ours."""
+
+from collections.abc import Iterable
+
+import mujoco
+import numpy as np
+
+MEND = "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
+
+
+def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:
+    """What acts natively, in words, by name of the joint; joints without are left out."""
+    found = {}
+    for name in joints:
+        dof = int(model.jnt_dofadr[model.joint(name).id])
+        damping = [model.dof_damping[dof]]
+        # MuJoCo 3.7 on: damping that grows with the speed
+        if hasattr(model, "dof_dampingpoly"):
+            damping = [*damping, *model.dof_dampingpoly[dof]]
+        words = _words(float(model.dof_frictionloss[dof]), damping)
+        if words:
+            found[name] = words
+    return found
+
+
+def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[str, str]:
+    """The same of a spec."""
+    found = {}
+    for name in joints:
+        joint = spec.joint(name)
+        words = _words(float(joint.frictionloss), np.atleast_1d(joint.damping))
+        if words:
+            found[name] = words
+    return found
+
+
+def clear_native_friction(spec: mujoco.MjSpec, joints: Iterable[str]) -> None:
+    """Take frictionloss and damping off joints of a spec."""
+    for name in joints:
+        joint = spec.joint(name)
+        joint.frictionloss = 0.0
+        joint.damping = np.zeros_like(joint.damping)  # a number before MuJoCo 3.7
+
+
+def counts_twice(found: dict[str, str]) -> str:
+    """The sentence for a message."""
+    joints = "; ".join(f"{name!r} has {words}" for name, words in found.items())
+    return f"friction counts twice where native friction acts too: joint {joints}: {MEND}"
+
+
+def _words(loss: float, damping: Iterable[float]) -> str:
+    coefficients = [float(x) for x in damping]
+    while coefficients and coefficients[-1] == 0.0:
+        coefficients.pop()
+    said = [f"frictionloss {loss:g}"] if loss else []
+    if coefficients:
+        said.append(f"damping {' '.join(f'{x:g}' for x in coefficients)}")
+    return " and ".join(said)

@@ -1,0 +1,120 @@
+"""The friction torque that acts on each joint, with its parts, read from the data."""
+
+from dataclasses import dataclass
+
+import mujoco
+
+from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arrays import Array
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.kernel import MEMORY
+from frictionjoint.errors import ModelError
+from frictionjoint.law import bristle, integrated
+from frictionjoint.law.kernel import INTEGRATED, STATIC, header_size, hysteresis_torque
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.memory import RATE
+from frictionjoint.law.stribeck import SIGMA2, VS
+from frictionjoint.simulate.carrier import EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
+from frictionjoint.simulate.row import FRONT, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
+
+# A joint slower than this fraction of its Stribeck velocity counts as resting.
+_RESTING = 0.01
+_NAMES = {float(effect.effect_id): effect.name for effect in CATALOGUE}
+
+
+@dataclass(frozen=True)
+class FrictionTorque:
+    """Friction of one joint at the last evaluation; N m, or N for a slide.
+
+    Torques are positive where they oppose positive motion; the joint feels minus `total`.
+
+    Attributes:
+        total: the sum of the parts that follow.
+        hysteresis: Fh, what the bristles hold.
+        damping: sigma1 dz/dt. viscous: sigma2 v.
+        implicit: what the implicit step of a joint too stiff for the time step adds; else 0.
+        effects: torque of each effect by name; a second one of a name is "name_2".
+        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
+        time: s, of the evaluation; NaN before the first one.
+    """
+
+    total: float
+    hysteresis: float
+    damping: float
+    viscous: float
+    implicit: float
+    effects: dict[str, float]
+    sticks: bool
+    time: float
+
+
+def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorque]:
+    """Friction torque of every joint that carries friction, by name of the joint.
+
+    It is what acted when MuJoCo last asked for passive forces: in ``mj_step`` at the beginning of
+    the step, so that ``data.time`` is a step ahead; after ``mj_forward`` it is that of now. Only
+    the model's numerics and the data's user data are read.
+
+    Args:
+        model: attached, or while `enable` is in force. data: of that model.
+    Raises:
+        ModelError: the model carries no friction.
+        TypeError: no MjModel or MjData.
+    """
+    require_model(model, "torque")
+    require_data(data, "torque")
+    P, X = model.numeric_data, data.userdata
+    found = blocks(model)
+    if any(P[at + RESOLVED] != 1.0 for at in found.values()):
+        found = resolve(model)
+    if not found:
+        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    return {name: _of_joint(P, block, X, int(P[block + ROW])) for name, block in found.items()}
+
+
+def sticks(velocity: float, rate: float, stribeck: float) -> bool:
+    """Whether a joint sticks; rate: dz/dx. stribeck: the Stribeck velocity, rad/s."""
+    return rate > 0.5 or abs(velocity) <= _RESTING * stribeck
+
+
+def _of_joint(P: Array, block: int, X: Array, x: int) -> FrictionTorque:
+    if X[x + STARTED] == 0.0:
+        nothing = dict.fromkeys(_effects(P, block, X, x), 0.0)
+        return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, float("nan"))
+    p, law, v = block + HEAD, x + FRONT, float(X[x + V_EVALUATED])
+    layout = integrated if P[p] == INTEGRATED else bristle
+    place = RATE if P[p] == INTEGRATED else bristle.RATE
+    side = p + 1 + (layout.POSITIVE if v > 0.0 else layout.NEGATIVE)
+    rate = float(X[law + header_size(P, p) + place])
+    hysteresis = float(hysteresis_torque(P, p, X, law))
+    sigma1, sigma2 = float(P[p + 1 + layout.SIGMA1]), float(P[side + SIGMA2])
+    # as the kernel adds them: what is left is an implicit step's, and else exactly 0
+    implicit = float(X[x + TORQUE]) - (hysteresis + (sigma1 * rate + sigma2) * v)
+    effects = _effects(P, block, X, x)
+    # the static law has no bristles: up to its V0 it creeps in place of sticking
+    slow = float(P[p + 1 + bristle.OWN]) / _RESTING if P[p] == STATIC else float(P[side + VS])
+    return FrictionTorque(
+        total=float(X[x + TORQUE]) + sum(effects.values()),
+        hysteresis=hysteresis,
+        damping=sigma1 * rate * v,
+        viscous=sigma2 * v,
+        implicit=implicit,
+        effects=effects,
+        sticks=sticks(v, rate, slow),
+        time=float(X[x + T_EVALUATED]),
+    )
+
+
+def _effects(P: Array, block: int, X: Array, x: int) -> dict[str, float]:
+    """Torque of each effect of a block by its name."""
+    at = block + int(P[block + EFFECTS])
+    n = int(P[at])
+    each = x + FRONT + int(law_row_size(P, block + HEAD)) + 2 * MEMORY * n
+    found: dict[str, float] = {}
+    at += 1
+    for i in range(n):
+        name = _NAMES[float(P[at])]
+        alike = sum(1 for other in found if other.partition("_")[0] == name)
+        found[f"{name}_{alike + 1}" if alike else name] = float(X[each + i])
+        at += 2 + int(P[at + 1])
+    return found

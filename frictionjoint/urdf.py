@@ -1,0 +1,77 @@
+"""A URDF as MuJoCo can read it: every mesh by the path where it lies.
+
+ROS names meshes by package, ``package://NAME/meshes/link.stl``, which MuJoCo does not resolve, and
+before 4.0 MuJoCo looks for all meshes of a URDF by their bare names in one folder.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+_IN_A_PACKAGE = ("package://", "model://")
+
+
+def with_found_meshes(path: Path) -> tuple[str, tuple[str, ...]]:
+    """The URDF's text with absolute paths of its meshes, and the names of those not found.
+
+    ``package://NAME/REST`` is looked for from the URDF's folder upwards: a folder NAME that holds
+    REST, then a package (its package.xml says NAME) that does, then any folder that does. What is
+    not found stays as it is: visual meshes are mostly not needed.
+    """
+    tree = ElementTree.parse(path)
+    robot = tree.getroot()
+    compiler = _compiler(robot)
+    folder = path.resolve().parent
+    folders = [folder / compiler.attrib.pop(key, "") for key in ("meshdir", "assetdir")]
+    missing = []
+    for mesh in robot.iter("mesh"):
+        name = mesh.get("filename", "")
+        found = next((x for x in _candidates(name, folders) if x.is_file()), None)
+        if found is None:
+            missing.append(name)
+        else:
+            mesh.set("filename", str(found))
+    # by default only the bare name of a mesh is looked at, and two links may share one
+    compiler.set("strippath", "false")
+    return ElementTree.tostring(robot, encoding="unicode"), tuple(dict.fromkeys(missing))
+
+
+def _compiler(robot: ElementTree.Element) -> ElementTree.Element:
+    """The element with MuJoCo's own settings; made where there is none."""
+    element = robot
+    for tag in ("mujoco", "compiler"):
+        found = element.find(tag)
+        element = ElementTree.SubElement(element, tag) if found is None else found
+    return element
+
+
+def _candidates(name: str, folders: list[Path]) -> Iterator[Path]:
+    """Where a mesh of this name may lie, the likeliest first."""
+    scheme = next((s for s in _IN_A_PACKAGE if name.startswith(s)), None)
+    if scheme:
+        package, _, rest = name.removeprefix(scheme).partition("/")
+        yield from _in_package(package, rest, folders[0])
+    else:
+        name = name.removeprefix("file://")
+        yield from (folder / name for folder in folders)
+    # as MuJoCo itself looks
+    yield from (folder / Path(name).name for folder in folders)
+
+
+def _in_package(package: str, rest: str, folder: Path) -> Iterator[Path]:
+    upwards = (folder, *folder.parents)
+    for above in upwards:
+        if above.name == package:
+            yield above / rest
+        yield above / package / rest
+    for above in upwards:
+        if _package_name(above / "package.xml") == package:
+            yield above / rest
+    yield from (above / rest for above in upwards)
+
+
+def _package_name(manifest: Path) -> str | None:
+    try:
+        return (ElementTree.parse(manifest).getroot().findtext("name") or "").strip()
+    except (OSError, ElementTree.ParseError):
+        return None

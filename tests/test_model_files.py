@@ -1,0 +1,358 @@
+"""Models that are written find their meshes wherever they lie; URDFs are read; nothing is lost."""
+
+import os
+import struct
+import zlib
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from command_line import run
+
+import frictionjoint as fj
+from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.files import toml_text
+from frictionjoint.model_files import compile_model, read_spec
+from frictionjoint.model_text import model_text, placed
+from frictionjoint.simulate.carrier import read_friction
+from frictionjoint.simulate.uninstall import uninstall
+
+FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
+OTHER = fj.FrictionParameters.symmetric(Fs=0.3, Fc=0.2, Vs=0.05, knots=((1e-3, 3.2),))
+
+
+def stl(path: Path, size: float) -> None:
+    """A tetrahedron as a binary STL file."""
+    corners = size * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype="<f4")
+    faces = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    body = b"".join(bytes(12) + corners[list(face)].tobytes() + bytes(2) for face in faces)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(bytes(80) + struct.pack("<I", len(faces)) + body)
+
+
+def png(path: Path, colour: int) -> None:
+    """A picture of four by four pixels, with a darker corner."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
+
+    rows = b"".join(bytes([0, *[colour, colour, colour] * 3, 9, 9, 9]) for _ in range(4))
+    head = struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)
+    parts = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + parts)
+
+
+ARM = """
+<mujoco>
+  <compiler meshdir="assets" texturedir="pictures"/>
+  <include file="parts/more.xml"/>
+  <asset>
+    <mesh file="link.stl"/>
+    <texture name="wood" type="2d" file="wood.png"/>
+    <texture name="box" type="cube" fileright="r.png" fileleft="wood.png" fileup="r.png"
+      filedown="wood.png" filefront="wood.png" fileback="r.png"/>
+    <material name="wood" texture="wood"/>
+    <hfield name="ground" file="../pictures/wood.png" size="1 1 .1 .1"/>
+    <model name="gripper" file="../gripper/gripper.xml"/>
+  </asset>
+  <worldbody>
+    <geom type="hfield" hfield="ground" pos="0 0 -2"/>
+    <body name="link"><joint name="a" axis="0 1 0" damping="0.4"/>
+      <geom type="mesh" mesh="link" material="wood"/>
+      <body pos="0 0 .2"><joint name="b" type="slide" frictionloss="0.2"/>
+        <geom type="mesh" mesh="inner"/>
+        <attach model="gripper" body="hand" prefix="g_"/></body></body>
+  </worldbody>
+</mujoco>
+"""
+MORE = "<mujoco><asset><mesh name='inner' file='deep/inner.stl'/></asset></mujoco>"
+GRIPPER = """
+<mujoco>
+  <compiler meshdir="{meshes}"/>
+  <asset><mesh file="finger.stl"/></asset>
+  <worldbody><body name="hand"><joint name="c"/><geom type="mesh" mesh="finger"/></body></worldbody>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def home(tmp_path) -> Path:
+    """A folder with an arm of meshes in several folders, and parameters."""
+    arm = tmp_path / "robot" / "arm"
+    stl(arm / "assets" / "link.stl", 0.1)
+    stl(arm / "assets" / "deep" / "inner.stl", 0.2)
+    png(arm / "pictures" / "wood.png", 120)
+    png(arm / "pictures" / "r.png", 40)
+    (arm / "parts").mkdir()
+    (arm / "parts" / "more.xml").write_text(MORE)
+    (arm / "arm.xml").write_text(ARM)
+    gripper = tmp_path / "robot" / "gripper"
+    stl(gripper / "shapes" / "finger.stl", 0.05)
+    (gripper / "gripper.xml").write_text(GRIPPER.format(meshes="shapes"))
+    (tmp_path / "f.toml").write_text(toml_text(FRICTION))
+    (tmp_path / "other.toml").write_text(toml_text(OTHER))
+    return tmp_path
+
+
+def files_in(folder: Path) -> set[str]:
+    return {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()}
+
+
+def install(home, *arguments):
+    return run("install", "robot/arm/arm.xml", *arguments, cwd=home)
+
+
+@pytest.mark.parametrize(
+    "out", ["robot/arm/with.xml", "with.xml", "new/deep/with.xml", "link/w.xml"]
+)
+def test_an_installed_model_finds_its_files_from_wherever_it_lies(out, home):
+    (home / "elsewhere" / "here").mkdir(parents=True)
+    (home / "link").symlink_to(home / "elsewhere" / "here")
+    done = install(home, "--joint", "a=f.toml", "--joint", "g_c=other.toml", "--out", out)
+    assert done.returncode == 0, done.stderr
+    model = fj.load_model(home / out)
+    before = mujoco.MjModel.from_xml_path(str(home / "robot" / "arm" / "arm.xml"))
+    for key in ("mesh_vert", "mesh_face", "tex_data", "hfield_data"):
+        np.testing.assert_array_equal(getattr(model, key), getattr(before, key))
+    carried = read_friction(model)
+    assert {n: x.parameters for n, x in carried.items()} == {"a": FRICTION, "g_c": OTHER}
+    moves = str(home) not in (home / out).read_text()
+    assert moves is ("link" not in out), "relative, or the folder could not be moved as a whole"
+    with fj.attach(model):
+        mujoco.mj_step(model, mujoco.MjData(model), nstep=100)
+
+
+def test_a_folder_that_is_moved_as_a_whole_keeps_its_model(home, tmp_path_factory):
+    assert install(home, "--joint", "a=f.toml", "--out", "with.xml").returncode == 0
+    moved = tmp_path_factory.mktemp("moved") / "all"
+    os.rename(home, moved)
+    fj.load_model(moved / "with.xml")
+    os.rename(moved, home)
+
+
+def test_a_mesh_that_two_models_name_alike_is_no_mix_up(home):
+    """The gripper's link.stl is not the arm's: MuJoCo's text would take one for the other."""
+    stl(home / "robot" / "gripper" / "assets" / "link.stl", 0.7)
+    text = GRIPPER.format(meshes="assets").replace("finger", "link")
+    (home / "robot" / "gripper" / "gripper.xml").write_text(text)
+    done = install(home, "--joint", "a=f.toml", "--out", "with.xml")
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "have the same name" in done.stderr
+    assert not (home / "with.xml").exists()
+
+
+def test_what_would_not_load_where_it_is_to_lie_leaves_nothing(home):
+    spec = read_spec(home / "robot" / "arm" / "arm.xml")
+    text = model_text(spec, home / "robot" / "arm" / "arm.xml")
+    from frictionjoint.model_text import require_compiles
+    from frictionjoint.report.write import write_files
+
+    before = files_in(home)
+    for folder in (home / "new" / "deeper", home):
+        broken = placed(text, folder).replace("link.stl", "lonk.stl")
+        with pytest.raises(ModelError, match=r"would not load.*lonk\.stl"):
+            write_files(folder, {"w.xml": broken}, {"w.xml": require_compiles})
+        assert files_in(home) == before
+        assert not (home / "new").exists()
+
+
+@pytest.mark.parametrize("out", ["robot/arm/arm.xml", "robot/arm/parts/more.xml", "link.xml"])
+def test_the_source_is_overwritten_by_force_alone(out, home):
+    (home / "link.xml").symlink_to(home / "robot" / "arm" / "arm.xml")
+    before = (home / out).read_text()
+    done = install(home, "--joint", "a=f.toml", "--out", out)
+    assert done.returncode == 2
+    assert "--force" in done.stderr
+    assert (home / out).read_text() == before
+    if out != "robot/arm/arm.xml":
+        return
+    assert install(home, "--joint", "a=f.toml", "--out", out, "--force").returncode == 0
+    assert list(read_friction(fj.load_model(home / out))) == ["a"]
+
+
+def test_native_friction_is_named_by_install_attach_and_check(home):
+    done = install(home, "--all", "f.toml", "--out", "with.xml")
+    assert done.returncode == 0
+    assert len(done.stderr.strip().splitlines()) == 1
+    for words in ("'a' has damping 0.4", "'b' has frictionloss 0.2", "--clear-native"):
+        assert words in done.stderr
+    assert "'g_c'" not in done.stderr
+    model = fj.load_model(home / "with.xml")
+    assert set(read_friction(model)) == {"a", "b", "g_c"}
+    with pytest.warns(RuntimeWarning, match=r"counts twice.*'a' has damping 0\.4"):
+        fj.attach(model).detach()
+    told = run("check", "with.xml", "--json", cwd=home).stdout
+    assert '"native": "damping 0.4"' in told
+    assert "friction counts twice" in told
+
+
+def test_clear_native_takes_native_friction_off_the_joints_that_get_friction(home, recwarn):
+    done = install(home, "--joint", "a=f.toml", "--clear-native", "--out", "with.xml")
+    assert (done.returncode, done.stderr) == (0, "")
+    model = fj.load_model(home / "with.xml")
+    a, b = (model.joint(n).dofadr[0] for n in "ab")
+    assert model.dof_damping[a] == 0.0
+    assert model.dof_frictionloss[b] == 0.2
+    fj.attach(model).detach()
+    assert not recwarn.list
+
+
+DEFAULTS = """
+<mujoco><default><joint damping="{damping}" frictionloss="0.3"/></default>
+<worldbody><body><joint name="a"/><geom size=".1"/></body></worldbody></mujoco>
+"""
+
+
+def test_a_polynomial_of_damping_is_named_and_cleared(tmp_path):
+    try:
+        spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0 0.5"))
+    except ValueError:
+        pytest.skip("MuJoCo before 3.7 has no polynomial of damping")
+    with pytest.warns(RuntimeWarning, match=r"'a' has frictionloss 0\.3 and damping 0 0\.5"):
+        fj.install(spec, {"a": FRICTION})
+    spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0 0.5"))
+    fj.install(spec, {"a": FRICTION}, clear_native=True)
+    model = mujoco.MjModel.from_xml_string(model_text(spec, "<mujoco/>"))
+    assert not model.dof_damping.any()
+    assert not model.dof_dampingpoly.any()
+    assert not model.dof_frictionloss.any()
+
+
+def test_all_gives_joints_named_by_joint_their_own(home):
+    done = install(home, "--all", "f.toml", "--joint", "b=other.toml", "--out", "with.xml")
+    assert done.returncode == 0, done.stderr
+    carried = read_friction(fj.load_model(home / "with.xml"))
+    assert [carried[n].parameters for n in ("a", "b", "g_c")] == [FRICTION, OTHER, FRICTION]
+
+
+def test_all_refuses_joints_without_names(tmp_path):
+    (tmp_path / "f.toml").write_text(toml_text(FRICTION))
+    text = (
+        "<mujoco><worldbody><body name='link'><joint/><geom size='1'/></body></worldbody></mujoco>"
+    )
+    (tmp_path / "arm.xml").write_text(text)
+    done = run("install", "arm.xml", "--all", "f.toml", "--out", "with.xml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "a joint of body 'link' has no name" in done.stderr
+    done = run("install", "arm.xml", "--out", "with.xml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--joint NAME=TOML, or --all TOML" in done.stderr
+
+
+def test_uninstall_gives_back_the_model_without_friction(home):
+    assert install(home, "--all", "f.toml", "--out", "with.xml").returncode == 0
+    done = run("uninstall", "with.xml", "--out", "robot/without.xml", cwd=home)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "Wrote robot/without.xml without the friction of a, b, g_c.\n"
+    model = compile_model(home / "robot" / "without.xml")
+    assert (model.nnumeric, model.nuserdata) == (0, 0)
+    done = run("uninstall", "robot/without.xml", "--out", "x.xml", cwd=home)
+    assert done.returncode == 2
+    assert "carries no friction" in done.stderr
+    assert not (home / "x.xml").exists()
+
+
+def test_uninstall_leaves_other_numerics_and_user_data_alone():
+    spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0"))
+    spec.nuserdata = 4
+    spec.add_numeric(name="mine", data=[1.0, 2.0], size=2)
+    fj.install(spec, {"a": FRICTION}, clear_native=True)
+    assert uninstall(spec) == ["a"]
+    model = spec.compile()
+    assert (model.nuserdata, list(model.numeric("mine").data)) == (4, [1.0, 2.0])
+    fj.install(spec, {"a": FRICTION})
+    fj.attach(spec.compile()).detach()
+
+
+URDF = """<?xml version="1.0"?>
+<robot name="arm">{more}
+  <link name="base"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="link"><inertial><mass value="1"/>
+    <inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="{visual}"/></geometry></visual>
+    <collision><geometry><mesh filename="{collision}"/></geometry></collision></link>
+  <joint name="elbow" type="revolute"><parent link="base"/><child link="link"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="10" velocity="1"/>
+    <dynamics damping="0.3" friction="0.2"/></joint>
+</robot>
+"""
+KEEP_VISUAL = '<mujoco><compiler discardvisual="false"/></mujoco>'
+
+
+@pytest.fixture
+def package(tmp_path) -> Path:
+    """A ROS package "arm_description" with meshes of equal names, and its urdf folder."""
+    package = tmp_path / "ws" / "arm_description"
+    stl(package / "meshes" / "visual" / "link.stl", 0.2)
+    stl(package / "meshes" / "collision" / "link.stl", 0.1)
+    (package / "urdf").mkdir()
+    (tmp_path / "f.toml").write_text(toml_text(FRICTION))
+    return package
+
+
+def size(model: mujoco.MjModel) -> float:
+    """Of the tetrahedron that is the model's mesh; MuJoCo turns it into its principal axes."""
+    corners = model.mesh_vert.astype(float)
+    return float(np.linalg.norm(corners[:, None] - corners, axis=2).max() / np.sqrt(2))
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        "package://arm_description/meshes/collision/link.stl",
+        "package://renamed/meshes/collision/link.stl",
+        "file://{package}/meshes/collision/link.stl",
+        "{package}/meshes/collision/link.stl",
+        "../meshes/collision/link.stl",
+    ],
+)
+def test_a_urdf_gets_friction_and_keeps_its_meshes(where, package, tmp_path):
+    collision = where.format(package=package)
+    text = URDF.format(
+        more="", visual=collision.replace("collision", "visual"), collision=collision
+    )
+    (package / "urdf" / "arm.urdf").write_text(text)
+    done = run(
+        *("install", package / "urdf" / "arm.urdf", "--all", "f.toml", "--clear-native"),
+        *("--out", "out/arm.xml"),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    model = fj.load_model(tmp_path / "out" / "arm.xml")
+    assert size(model) == pytest.approx(0.1, rel=1e-5)
+    assert model.dof_damping[0] == model.dof_frictionloss[0] == 0.0
+    assert list(read_friction(model)) == ["elbow"]
+
+
+def test_a_package_is_known_by_its_manifest_before_any_folder_is(package, tmp_path):
+    (package / "package.xml").write_text("<package><name>other_name</name></package>")
+    stl(package / "urdf" / "meshes" / "collision" / "link.stl", 0.5)
+    name = "package://other_name/meshes/collision/link.stl"
+    (package / "urdf" / "arm.urdf").write_text(URDF.format(more="", visual=name, collision=name))
+    assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.1, rel=1e-5)
+
+
+def test_meshes_of_a_urdf_that_are_nowhere_are_named(package):
+    text = URDF.format(
+        more="", visual="package://x/gone.dae", collision="package://x/meshes/collision/gone.stl"
+    )
+    (package / "urdf" / "arm.urdf").write_text(text)
+    with pytest.raises(FrictionJointError, match=r"not found from its folder upwards: .*gone\.stl"):
+        read_spec(package / "urdf" / "arm.urdf")
+    # what is only looked at is not needed
+    text = text.replace("meshes/collision/gone", "meshes/collision/link")
+    (package / "urdf" / "arm.urdf").write_text(text)
+    assert compile_model(package / "urdf" / "arm.urdf").nmesh == 1
+
+
+def test_a_folder_of_meshes_that_the_urdf_names_is_looked_at(package):
+    more = '<mujoco><compiler meshdir="../meshes/visual" discardvisual="false"/></mujoco>'
+    text = URDF.format(more=more, visual="package://x/link.stl", collision="anything/link.stl")
+    (package / "urdf" / "arm.urdf").write_text(text)
+    assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.2, rel=1e-5)

@@ -1,0 +1,165 @@
+"""The friction torque that is read is the one that acts, part by part."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.effects import spring, torque_bias
+from frictionjoint.errors import ModelError
+from frictionjoint.rivals import LuGreParameters
+from frictionjoint.simulate.carrier import SimulatedEffect
+
+KNOTS = ((1e-2, 1.5), (1e-1, 3.2))
+LAWS = {
+    "integrated": fj.FrictionParameters.symmetric(
+        Fs=1.5, Fc=1.0, Vs=0.05, sigma1=0.3, sigma2=0.2, n=2, knots=KNOTS
+    ),
+    "lugre": LuGreParameters.symmetric(
+        Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0, sigma1=0.3, sigma2=0.2
+    ),
+}
+JOINT = """
+<mujoco>
+  <option timestep="0.001" gravity="0 0 0"/>
+  <worldbody>
+    <body><joint name="j" armature="{armature}"/><geom size=".1"/></body>
+    <body><joint name="other"/><geom size=".1"/></body>
+  </worldbody>
+  <sensor><user name="friction" objtype="joint" objname="j" dim="2" needstage="acc"/></sensor>
+</mujoco>
+"""
+
+
+def model(law="integrated", effects=(), armature=1.0, **changes):
+    spec = mujoco.MjSpec.from_string(JOINT.format(armature=armature))
+    parameters = dataclasses.replace(LAWS[law], **changes)
+    fj.install(spec, {"j": parameters}, {"j": list(effects)})
+    return spec.compile()
+
+
+def pushed(m, steps=400):
+    """States after each step of a push that breaks the joint away and turns round."""
+    data = mujoco.MjData(m)
+    for k in range(steps):
+        data.qfrc_applied[0] = 2.5 * np.sin(0.02 * k)
+        mujoco.mj_step(m, data)
+        mujoco.mj_forward(m, data)
+        yield data
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_parts_are_those_of_the_law_and_add_up_to_what_acts(law):
+    m = model(law)
+    times, path, states = [0.0], [0.0], set()
+    with fj.attach(m):
+        for data in pushed(m):
+            (name, read), *more = fj.torque(m, data).items()
+            assert (name, more) == ("j", [])
+            assert read.total == -data.qfrc_passive[0]
+            assert read.time == data.time
+            assert read.implicit == 0.0
+            assert read.viscous == 0.2 * data.qvel[0]
+            times.append(data.time)
+            path.append(data.qpos[0])
+            states.add(read.sticks)
+    assert states == {True, False}, "it never broke away"
+    parts = read.hysteresis + read.damping + read.viscous
+    assert parts == pytest.approx(read.total, rel=1e-14)
+    bristles = dataclasses.replace(LAWS[law], sigma1=0.0, sigma2_pos=0.0, sigma2_neg=0.0)
+    alone = fj.friction_torque(bristles, times, path)[-1]
+    assert read.hysteresis == pytest.approx(alone, rel=1e-9)
+
+
+def test_effects_are_read_one_by_one():
+    effects = [
+        SimulatedEffect(torque_bias.EFFECT, (), (0.25,)),
+        SimulatedEffect(spring.EFFECT, (), (0.7, 0.1)),
+        SimulatedEffect(torque_bias.EFFECT, (), (-0.05,)),
+    ]
+    m = model(effects=effects)
+    with fj.attach(m):
+        data = list(pushed(m))[-1]
+        read = fj.torque(m, data)["j"]
+    assert list(read.effects) == ["torque-bias", "spring", "torque-bias_2"]
+    assert read.effects["torque-bias"] == 0.25
+    assert read.effects["torque-bias_2"] == -0.05
+    assert read.effects["spring"] == pytest.approx(0.7 * data.qpos[0] + 0.1)
+    assert read.total == pytest.approx(-data.qfrc_passive[0], rel=1e-14)
+
+
+def test_both_backends_leave_the_same_to_read():
+    effects = [SimulatedEffect(torque_bias.EFFECT, (), (0.25,))]
+    m, read = model(effects=effects), []
+    for backend in ("native", "python"):
+        with fj.attach(m, backend):
+            read.append(fj.torque(m, list(pushed(m, 100))[-1])["j"])
+    native, python = map(dataclasses.asdict, read)
+    assert native["effects"] == python["effects"]
+    for key in ("total", "hysteresis", "damping", "viscous"):
+        assert native[key] == pytest.approx(python[key], rel=1e-12)
+
+
+def test_what_the_implicit_step_adds_to_a_stiff_joint_is_a_part():
+    m = model(armature=1e-4, knots=((1e-5, 1.5), (1e-4, 3.2)))
+    with fj.attach(m):
+        reads = [(fj.torque(m, d)["j"], d.qfrc_passive[0]) for d in pushed(m, 30)]
+    assert any(abs(read.implicit) > 0.01 for read, _ in reads)
+    for read, passive in reads:
+        assert read.total == pytest.approx(-passive, rel=1e-12, abs=1e-12)
+        parts = read.hysteresis + read.damping + read.viscous + read.implicit
+        assert parts == pytest.approx(read.total, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_joint_sticks_below_breakaway_and_slips_beyond(law):
+    m = model(law)
+    for push, sticks in ((0.8, True), (2.0, False)):
+        data = mujoco.MjData(m)
+        data.qfrc_applied[0] = push
+        with fj.attach(m):
+            mujoco.mj_step(m, data, nstep=500)
+            read = fj.torque(m, data)["j"]
+        assert read.sticks is sticks
+        assert read.time == pytest.approx(data.time - m.opt.timestep)
+
+
+def test_before_the_first_step_nothing_acts():
+    m = model(effects=[SimulatedEffect(torque_bias.EFFECT, (), (0.25,))])
+    read = fj.torque(m, mujoco.MjData(m))["j"]
+    assert (read.total, dict(read.effects), read.sticks) == (0.0, {"torque-bias": 0.0}, True)
+    assert np.isnan(read.time)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        read.total = 1.0
+
+
+def test_a_model_without_friction_and_wrong_types_are_refused():
+    bare = mujoco.MjModel.from_xml_string(JOINT.format(armature=1))
+    with pytest.raises(ModelError, match="carries no friction"):
+        fj.torque(bare, mujoco.MjData(bare))
+    with pytest.raises(TypeError, match=r"takes a mujoco\.MjData, not mujoco.*MjModel"):
+        fj.torque(bare, bare)
+
+
+def test_a_user_sensor_carries_it():
+    m = model()
+
+    def sensor(model, data, stage):
+        if stage == mujoco.mjtStage.mjSTAGE_ACC:
+            read = fj.torque(model, data)["j"]
+            data.sensor("friction").data[:] = read.total, read.sticks
+
+    data = mujoco.MjData(m)
+    try:
+        with fj.attach(m):
+            mujoco.set_mjcb_sensor(sensor)
+            for _ in range(300):
+                data.qfrc_applied[0] = 2.5
+                mujoco.mj_step(m, data)
+            mujoco.mj_forward(m, data)
+            assert data.sensor("friction").data[0] == -data.qfrc_passive[0]
+            assert data.sensor("friction").data[1] == 0.0
+    finally:
+        mujoco.set_mjcb_sensor(None)
