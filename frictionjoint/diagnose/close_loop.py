@@ -1,7 +1,7 @@
 """From logs and an MJCF to a report: the whole loop in one call."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.floor import noise_floor
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
-from frictionjoint.diagnose.loop import Trace, trace
+from frictionjoint.diagnose.loop import INTEGRATED_LAW, Trace, trace
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay
@@ -33,8 +33,10 @@ from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.gate import check, check_fit
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rest import without_rest
 from frictionjoint.identify.result import (
@@ -44,12 +46,14 @@ from frictionjoint.identify.result import (
     term_estimates,
 )
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
-from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.threads import one_thread
 
 # share of an effect's gain from which on another one is worth a record that parts the two
@@ -68,6 +72,7 @@ def close_loop(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
+    fixed: Mapping[str, Pose] | None = None,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -79,25 +84,27 @@ def close_loop(
         progress: told what is being done.
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
+        fixed: poses of joints that the logs do not hold, by name, rad (m).
     Raises:
         FrictionJointError: bad logs or model, in one line.
+        TypeError: an argument is of a wrong type.
     """
     begin = time.perf_counter()
-    if not logs:
-        raise LogError("no log to fit: give at least one that is not held out")
-    body = RigidBody(model, joint)
+    require_logs(logs, held_out)
+    require_seed(seed)
+    forms_of(law or INTEGRATED_LAW)
+    body = RigidBody(model, joint, fixed)
     logs, held_out = _parted(logs, held_out, joint)
-    for log in [*logs, *held_out]:
-        if log.slide != body.slide:
-            kind = "slide" if body.slide else "hinge"
-            raise LogError(f"{log.name}: joint {joint!r} is a {kind}, the log's columns are not")
+    said = check_logs(logs, body, held_out)
     progress("rigid-body torque")
     fitted_on = prepare(list(logs), body)
+    check(fitted_on)
     bandwidth = fitted_on.segments[0].bandwidth_hz
     kept_back = prepare(list(held_out), body, bandwidth) if held_out else None
     found = trace(fitted_on, seed, progress, law)
     for fitted in (found.base, found.final):
         require_gain(fitted)
+    check_fit(found.prepared, found.final)
     moving = found.prepared
     kept_moving = without_rest(kept_back, moving.rest_speed) if kept_back else None
     progress("replay")
@@ -140,7 +147,7 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=notes(found, fitted_on, cov),
+        notes=(*said, *notes(found, fitted_on, cov)),
     )
 
 

@@ -278,7 +278,8 @@ def _segment(log: JointLog, body: RigidBody, bandwidth_hz: float) -> Segment:
             f"{name}.{kind}": track[i]
             for name, track in others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
-        },
+        }
+        | {name: uniform(log.time, x, t) for name, x in log.signals.items()},
         refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
         averages=True,
     )
