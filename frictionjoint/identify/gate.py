@@ -30,8 +30,9 @@ from frictionjoint.identify.prepare import Prepared, Segment
 MOST_LEFT = 0.95
 # Standard errors from which on a sign is wrong; good logs are on the right side of zero.
 SURE = 5.0
-# Part of the drive that a balance of free signs may leave for its signs to mean something.
-_TOLD = 0.8
+# Part of the drive that a balance of free signs may leave for its signs to mean something, and the
+# part that the right signs must leave for another one to be considered.
+_TOLD, _RIGHT = 0.8, 0.3
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
 # what inertia say of it may be apart. One of them alone is small in many a model, without the
 # gripper of a wrist or the inertia of its motor.
@@ -144,13 +145,14 @@ def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
     if len(prepared) > 1:
         logs += [(s.name, balance.of_log(i)) for i, s in enumerate(prepared.segments)]
     for name, part in logs:
-        power, error, left = _friction_power(part)
-        if power < -SURE * error and left < _TOLD:
+        power, error, free = _friction_power(part)
+        wrong = power < -SURE * error and free < _TOLD
+        if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
             position, drive = _columns(prepared)
             raise LogError(
                 f"{name}: wrong sign of position or {prepared.drive}: friction would drive the "
-                f"joint, by {-power / error:.0f} standard errors: check the signs of {position} "
-                f"and {drive}, both positive along the joint's axis in the MJCF"
+                f"joint ({-power / error:.0f} standard errors): check the signs of {position} and "
+                f"{drive}, both positive along the joint's axis in the MJCF, and their clocks"
             )
 
 

@@ -26,6 +26,8 @@ _SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
 _TURN, _SHIFT = np.pi, 0.3
 # Travel in a log over the model's range of the joint, from which on it is another unit or joint.
 _BEYOND = 2.0
+# Torque over what the model lets actuators give, from which on it is another unit.
+_BEYOND_LIMIT = 10.0
 
 
 def check_logs(
@@ -51,8 +53,9 @@ def check_logs(
     _check_repeats(logs, held_out)
     said: list[str] = []
     for log in everything:
-        said += [f"{log.name}: {note}" for note in (*log.notes, *speed_note(log))]
+        said += [*log.notes, *speed_note(log)]
         _check_range(log, body)
+        _check_limit(log, body)
         said += _check_joints(log, body)
     return tuple(dict.fromkeys(said))
 
@@ -81,6 +84,21 @@ def _check_range(log: JointLog, body: RigidBody) -> None:
             f"{log.name}: the position travels {travel:.3g} {unit} where the model's joint "
             f"{body.joint!r} has {high - low:.3g} {unit}: check the unit (degrees?), the side of "
             "the gear, and the joint"
+        )
+
+
+def _check_limit(log: JointLog, body: RigidBody) -> None:
+    """A torque that no actuator of the model could give is in another unit."""
+    model, j = body.model, body.joint_id
+    if log.torque is None or not model.jnt_actfrclimited[j]:
+        return
+    limit = float(np.abs(model.jnt_actfrcrange[j]).max())
+    peak = float(np.quantile(np.abs(log.torque), 0.99))
+    if limit > 0.0 and peak > _BEYOND_LIMIT * limit:
+        unit, small = ("N", "mN") if body.slide else ("N m", "N mm, mN m")
+        raise LogError(
+            f"{log.name}: the torque reaches {peak:.3g} {unit} where the model's actuators are "
+            f"limited to {limit:.3g} {unit}: check its unit ({small}?) and actuatorfrcrange"
         )
 
 

@@ -81,10 +81,8 @@ def choose_signals(
         column = next((c for c in (f"{joint}.{name}", name) if c in table), None)
         if column is None:
             raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
-        if name == "time_s" or name.rpartition(".")[2] in KNOWN:
-            raise LogError(
-                f"{source}: --signal {name}: this column is used by itself, leave it out"
-            )
+        if table[column] in used:
+            raise LogError(f"{source}: --signal {name}: it is used in any case, leave it out")
         # a point separates a joint from its quantity
         chosen[name.replace(".", " ")] = table[column]
     return chosen

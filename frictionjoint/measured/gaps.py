@@ -30,7 +30,7 @@ def split_at_gaps(log: JointLog) -> list[JointLog]:
             "log without gaps"
         )
     left_out = sum(b - a for a, b in stretches) - sum(b - a for a, b in long)
-    note = f"a gap of {where}{many}: split there."
+    note = f"{log.name}: a gap of {where}{many}: split there."
     if left_out:
         note += f" {left_out} samples in stretches under {FEWEST_ROWS} are left out."
     return [

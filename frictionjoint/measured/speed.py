@@ -22,6 +22,6 @@ def speed_note(log: JointLog) -> tuple[str, ...]:
     if common**2 <= _SURE * power * slopes or abs(common / power - 1.0) <= _APART:
         return ()
     return (
-        f"the measured velocity is {power / common:.3g} times the slope of the position; the "
-        "slope is used.",
+        f"{log.name}: the measured velocity is {power / common:.3g} times the slope of the "
+        "position; the slope is used.",
     )

@@ -118,7 +118,7 @@ def log_of(
         other_positions=others("position"),
         other_velocities=others("velocity"),
         signals=further,
-        notes=notes + more,
+        notes=tuple(f"{path.stem}: {note}" for note in notes + more),
     )
 
 
