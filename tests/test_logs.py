@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import JointLog, read_log, split_in_time
+from frictionjoint.measured import JointLog, read_log, split_at_gaps, split_in_time
+from frictionjoint.measured.bounded import bounded
+from frictionjoint.measured.speed import speed_note
 
 N, DT = 400, 0.002
 
@@ -99,12 +101,31 @@ def test_blank_lines_count_as_lines(tmp_path: Path) -> None:
     assert "row 11, position_rad" in error_of(path)
 
 
-def test_a_gap_is_named(tmp_path: Path) -> None:
-    table = columns()
-    table = {name: np.delete(x, slice(100, 150)) for name, x in table.items()}
-    text = error_of(write(tmp_path / "log.csv", table))
-    assert "row 102, time_s: a gap of 0.102 s" in text
-    assert "split the log" in text
+def test_a_log_is_split_at_a_gap(tmp_path: Path) -> None:
+    table = {name: np.delete(x, slice(100, 150)) for name, x in columns().items()}
+    whole = read_log(write(tmp_path / "log.csv", table))
+    parts = split_at_gaps(whole)
+    assert [len(part.time) for part in parts] == [100, 250]
+    assert [part.name for part in parts] == ["log (1 of 2)", "log (2 of 2)"]
+    np.testing.assert_array_equal(np.concatenate([p.torque for p in parts]), table["torque_nm"])
+    assert all(part.notes == ("log: a gap of 0.102 s at 0.3 s: split there.",) for part in parts)
+    # what a fit takes is split in any case
+    assert [part.name for part in bounded([whole])] == [part.name for part in parts]
+
+
+def test_stretches_too_short_between_gaps_are_left_out_and_said(tmp_path: Path) -> None:
+    kept = np.r_[0:100, 150:170, 220:N]
+    parts = split_at_gaps(
+        read_log(write(tmp_path / "log.csv", {k: x[kept] for k, x in columns().items()}))
+    )
+    assert [len(part.time) for part in parts] == [100, 180]
+    assert "and 1 more" in parts[0].notes[0]
+    assert "20 samples in stretches under 50 are left out" in parts[0].notes[0]
+    short = np.r_[0:40, 100:140, 200:240]
+    with pytest.raises(LogError, match="no 50 samples in a row"):
+        split_at_gaps(
+            read_log(write(tmp_path / "log.csv", {k: x[short] for k, x in columns().items()}))
+        )
 
 
 @pytest.mark.parametrize(
@@ -112,9 +133,8 @@ def test_a_gap_is_named(tmp_path: Path) -> None:
     [
         ({"time_s": 1000.0}, "milliseconds"),
         ({"time_s": 1e9}, "nanoseconds"),
-        ({"position_rad": 57.3}, "radians"),
-        ({"position_rad": 57.3, "velocity_rad_s": None}, "degrees"),
-        ({"position_rad": 57.3, "velocity_rad_s": 57.3}, "degrees"),
+        ({"position_rad": 57.3}, "units"),
+        ({"position_rad": 1e6, "velocity_rad_s": None}, "degrees"),
         ({"velocity_rad_s": 57.3}, "units"),
         ({"torque_nm": 1e6}, "newton metres"),
     ],
@@ -131,11 +151,113 @@ def test_wrong_units_show_by_magnitude(
     assert hint in error_of(write(tmp_path / "log.csv", table))
 
 
-def test_a_motor_that_turns_on_is_not_taken_for_degrees(tmp_path: Path) -> None:
+@pytest.mark.parametrize("turns", [3.0, 100.0])
+def test_many_turns_are_fine(tmp_path: Path, turns: float) -> None:
     table = columns()
-    table["position_rad"] = 100.0 * table["time_s"] + 0.01 * np.sin(30.0 * table["time_s"])
+    for name in ("position_rad", "velocity_rad_s"):
+        table[name] = table[name] * 2 * np.pi * turns / 0.6
+    assert np.ptp(read_log(write(tmp_path / "log.csv", table)).position) > 11.0 * turns
+
+
+@pytest.mark.parametrize(
+    ("wrap", "declared"), [(2 * np.pi, None), (25.0, None), (25.0, 25.0), (9.0, 9.0)]
+)
+def test_a_wrapped_position_goes_on(tmp_path: Path, wrap: float, declared: float | None) -> None:
+    table = columns()
     del table["velocity_rad_s"]
-    assert read_log(write(tmp_path / "log.csv", table)).position.max() > 70.0
+    true = 40.0 * np.sin(2.0 * table["time_s"])
+    table["position_rad"] = (true + wrap / 2) % wrap - wrap / 2
+    table["target_rad"] = (true + 0.01 + wrap / 2) % wrap - wrap / 2
+    log = read_log(write(tmp_path / "log.csv", table), wrap=declared)
+    np.testing.assert_allclose(log.position, true, atol=1e-9)
+    np.testing.assert_allclose(log.target, true + 0.01, atol=1e-9)
+    (note,) = log.notes
+    assert note.startswith(f"log: position_rad wrapped at {wrap:.4g} in ")
+
+
+def test_a_leap_of_no_known_range_is_refused(tmp_path: Path) -> None:
+    table = columns()
+    del table["velocity_rad_s"]
+    table["position_rad"][200:] += 9.0
+    assert "in one sample at 0.4 s: repair it, or give the range it wraps at" in error_of(
+        write(tmp_path / "log.csv", table)
+    )
+
+
+def test_a_target_that_steps_and_a_position_of_one_count_are_not_wrapped(tmp_path: Path) -> None:
+    table = columns()
+    table["target_rad"] = np.where(table["time_s"] < 0.4, 0.6, -0.6) + 0.1 * table["time_s"]
+    table["torque_nm"] = np.sign(table["torque_nm"]) + 1e-3 * np.arange(N)
+    table["position_rad"] = np.where(np.sin(50.0 * table["time_s"]) > 0.0, 1.5e-3, 0.0)
+    del table["velocity_rad_s"]
+    log = read_log(write(tmp_path / "log.csv", table))
+    np.testing.assert_array_equal(log.target, table["target_rad"])
+    assert log.notes == ()
+
+
+@pytest.mark.parametrize("times", [2, 10])
+def test_rows_that_stand_several_times_are_taken_once(tmp_path: Path, times: int) -> None:
+    table = columns()
+    held = times * (np.arange(N) // times)
+    for name in ("position_rad", "velocity_rad_s", "torque_nm"):
+        table[name] = table[name][held]
+    table["temperature_c"] = 20.0 + 0.01 * np.arange(N)
+    log = read_log(write(tmp_path / "log.csv", table))
+    np.testing.assert_array_equal(log.time, columns()["time_s"][::times])
+    np.testing.assert_array_equal(log.position, columns()["position_rad"][::times])
+    assert log.notes == (
+        f"log: every row stands {times} times in turn: {N // times} of {N} rows are used.",
+    )
+
+
+def test_a_joint_at_rest_does_not_repeat_rows(tmp_path: Path) -> None:
+    table = columns()
+    table["position_rad"] = np.clip(table["position_rad"], -0.3, 0.3)
+    table["torque_nm"] = np.clip(np.round(9.0 * table["position_rad"], 2), -2.0, 2.0)
+    del table["velocity_rad_s"]
+    log = read_log(write(tmp_path / "log.csv", table))
+    assert np.mean(np.diff(log.position) == 0.0) > 0.5
+    assert len(log.time) == N
+    assert log.notes == ()
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1.0, False), (0.97, False), (1.1, True)])
+def test_a_velocity_that_is_not_the_slope_is_said(factor: float, said: bool) -> None:
+    c = columns()
+    rng = np.random.default_rng(1)
+    log = replace(make_log(), velocity=factor * c["velocity_rad_s"] + 0.2 * rng.normal(size=N))
+    notes = speed_note(log)
+    assert bool(notes) is said
+    if said:
+        assert "1.1 times the slope of the position" in notes[0]
+
+
+def test_a_known_motor_constant_makes_a_torque_of_a_current() -> None:
+    c = columns()
+    log = replace(make_log(), torque=None, current=c["torque_nm"] / 0.04)
+    np.testing.assert_allclose(log.with_gain(0.04).torque, c["torque_nm"])
+    assert log.with_gain(0.04).current is None
+    for bad in (0.0, -1.0, np.nan):
+        with pytest.raises(LogError, match="above 0"):
+            log.with_gain(bad)
+    with pytest.raises(LogError, match="the torque is measured"):
+        make_log().with_gain(0.04)
+
+
+def test_a_declared_signal_is_read_by_its_name(tmp_path: Path) -> None:
+    table = columns()
+    arm = {"time_s": table["time_s"], "bus": np.linspace(47.0, 48.0, N)}
+    for i, joint in enumerate(("elbow", "wrist")):
+        arm |= {f"{joint}.{name}": x for name, x in table.items() if name != "time_s"}
+        arm[f"{joint}.load_n"] = np.full(N, 5.0 + i)
+    path = write(tmp_path / "arm.csv", arm)
+    log = read_log(path, "wrist", signals=["load_n", "bus", "elbow.torque_nm"])
+    assert list(log.signals) == ["load_n", "bus", "elbow torque_nm"]
+    np.testing.assert_array_equal(log.signals["load_n"], np.full(N, 6.0))
+    np.testing.assert_array_equal(log.part(slice(0, 9), "").signals["bus"], arm["bus"][:9])
+    for name, what in (("lod_n", "no column 'lod_n' for --signal"), ("torque_nm", "leave it out")):
+        with pytest.raises(LogError, match=what):
+            read_log(path, "wrist", signals=[name])
 
 
 @pytest.mark.parametrize("name", ["position_rad", "torque_nm", "velocity_rad_s"])
@@ -202,7 +324,7 @@ def test_splitting_holds_out_the_end() -> None:
         parts = (fit.arrays()[name], held_out.arrays()[name])
         np.testing.assert_array_equal(np.concatenate(parts), whole)
     assert fit.name != held_out.name
-    for fraction in (0.0, 1.0, -0.2, np.nan, 0.01):
+    for fraction in (0.0, 1.0, -0.2, np.nan, 0.01, 0.99):
         with pytest.raises(LogError):
             split_in_time(log, fraction)
 

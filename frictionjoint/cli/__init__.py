@@ -17,9 +17,20 @@ import typer
 
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
+from frictionjoint.cli.logs import (
+    Columns,
+    Fixed,
+    Gain,
+    Reading,
+    Signals,
+    Wrap,
+    poses,
+    require_writable,
+    split,
+)
 from frictionjoint.cli.models import check, install, uninstall, view
-from frictionjoint.cli.terminal import progress, show_estimates, show_report
-from frictionjoint.errors import FrictionJointError, LogError
+from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
+from frictionjoint.errors import FrictionJointError
 from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130
@@ -56,14 +67,6 @@ Model = Annotated[
 Joint = Annotated[
     str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
 ]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--column",
-        metavar="OURS=THEIRS",
-        help="A foreign column name, e.g. time_s=t. Repeatable.",
-    ),
-]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 _LAW = "Friction law to fit: " + ", ".join(LAWS) + "."
 Law = Annotated[str, typer.Option("--law", help=_LAW)]
@@ -73,7 +76,7 @@ LawOrBest = Annotated[
         "--law", help=_LAW + f" Default: {LAWS[0]}, in the result another where clearly better."
     ),
 ]
-Seed = Annotated[int, typer.Option(help="Of the random tests; equal seeds, equal reports.")]
+Seed = Annotated[int, typer.Option(min=0, help="Of the random tests; equal seeds, equal reports.")]
 
 
 def _versions(wanted: bool) -> None:
@@ -106,13 +109,15 @@ def demo() -> None:
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
     out = Path("frictionjoint-demo")
+    require_writable(out, folder=True)
     with progress() as told:
         told("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
         write_files(out, {"stick_slip.svg": draw(ours, native)})
         folder = Path(str(files("frictionjoint.demo")))
-        read = [_read(folder / f"{n}.csv", "joint", {}) for n in ("pick_and_place", "ramps")]
-        kept = [_read(folder / "multisine.csv", "joint", {})]
+        logs = Reading("joint")
+        read = [logs.read(folder / f"{n}.csv") for n in ("pick_and_place", "ramps")]
+        kept = [logs.read(folder / "multisine.csv")]
         report = close_loop(read, folder / "joint.xml", "joint", kept, progress=told)
         write_report(report, out, "frictionjoint demo")
     typer.echo(ours.summary())
@@ -136,7 +141,11 @@ def close_loop_command(
         ),
     ] = None,
     law: LawOrBest = None,
+    fixed: Fixed = None,
+    gain: Gain = None,
     column: Columns = None,
+    signal: Signals = None,
+    wrap: Wrap = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -155,8 +164,10 @@ def close_loop_command(
     from frictionjoint.report.write import write_report
 
     with progress() as told:
-        fitted, kept = _split(logs, held_out or ["0.25"], joint, _mapping(column))
-        report = close_loop(fitted, model, joint, kept, seed, told, law)
+        require_writable(out, folder=True)
+        reading = Reading.of(joint, column, signal, wrap, gain)
+        fitted, kept = split(logs, held_out or ["0.25"], reading)
+        report = close_loop(fitted, model, joint, kept, seed, told, law, poses(fixed))
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
@@ -173,7 +184,11 @@ def identify(
     joint: Joint,
     out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
     law: Law = LAWS[0],
+    fixed: Fixed = None,
+    gain: Gain = None,
     column: Columns = None,
+    signal: Signals = None,
+    wrap: Wrap = None,
     as_json: Json = False,
 ) -> None:
     """Fit the friction law of one joint and write its parameters.
@@ -184,6 +199,9 @@ def identify(
     """
     from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text
+    from frictionjoint.identify.gate import check as check_balance
+    from frictionjoint.identify.gate import check_fit
+    from frictionjoint.identify.matching import check_logs
     from frictionjoint.identify.prepare import prepare
     from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
     from frictionjoint.identify.rigid_body import RigidBody
@@ -194,13 +212,18 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as told:
-        mapping = _mapping(column)
-        body = RigidBody(model, joint)
-        read = bounded([_read(path, joint, mapping) for path in logs])
+        require_writable(out, folder=False)
+        forms = forms_of(law)
+        body = RigidBody(model, joint, poses(fixed))
+        reading = Reading.of(joint, column, signal, wrap, gain)
+        read = bounded([reading.read(path) for path in logs])
+        said = check_logs(read, body)
         prepared = prepare(read, body)
-        found = fit(prepared, forms=forms_of(law), progress=told)
+        check_balance(prepared)
+        found = fit(prepared, forms=forms, progress=told)
         prepared, fitted = reweighed(prepared, found)
         require_gain(fitted)
+        check_fit(prepared, fitted)
         estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
         write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
     if as_json:
@@ -208,6 +231,8 @@ def identify(
         typer.echo(json.dumps({"torque_rms": fitted.rms, "parameters": rows}, indent=2))
         return
     show_estimates(list(estimates.items()))
+    for text in said:
+        console().print(f"* {text}", soft_wrap=True, markup=False)
     unit = "N" if body.slide else "N m"
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
 
@@ -218,52 +243,6 @@ app.command()(compare)
 for command in (install, uninstall, check, view):
     app.command()(command)
 app.add_typer(data, name="data")
-
-
-def _split(
-    paths: list[Path], held_out: list[str], joint: str, mapping: dict[str, str]
-) -> tuple[list[Any], list[Any]]:
-    """Logs to fit and logs held out; a fraction cuts the end off every log to fit."""
-    from frictionjoint.measured.log import split_in_time
-
-    fractions = [float(text) for text in held_out if _is_number(text)]
-    names = [Path(text) for text in held_out if not _is_number(text)]
-    if len(fractions) > 1:
-        raise LogError("--held-out: give one fraction at most")
-    same = [path for path in paths if path.resolve() in {n.resolve() for n in names}]
-    if same:
-        raise LogError(f"{same[0]} is both fitted and held out: give it once")
-    fitted = [_read(path, joint, mapping) for path in paths]
-    kept = [_read(path, joint, mapping) for path in names]
-    if fractions:
-        pairs = [split_in_time(log, fractions[0]) for log in fitted]
-        fitted = [first for first, _ in pairs]
-        kept += [last for _, last in pairs]
-    return fitted, kept
-
-
-def _read(path: Path, joint: str, mapping: dict[str, str]) -> Any:
-    from frictionjoint.measured.readers import read_log
-
-    return read_log(path, joint, mapping)
-
-
-def _mapping(column: list[str] | None) -> dict[str, str]:
-    found = {}
-    for text in column or []:
-        ours, equals, theirs = text.partition("=")
-        if not (ours and equals and theirs):
-            raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
-        found[ours] = theirs
-    return found
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def main() -> None:

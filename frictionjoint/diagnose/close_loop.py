@@ -1,7 +1,7 @@
 """From logs and an MJCF to a report: the whole loop in one call."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,13 +26,15 @@ from frictionjoint.diagnose.report_data import (
     Rms,
     Role,
 )
-from frictionjoint.diagnose.trace import trace
+from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.gate import check, check_fit
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.result import (
     law_estimates,
@@ -41,13 +43,15 @@ from frictionjoint.identify.result import (
     term_estimates,
 )
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import errors_of, weighted
+from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
-from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.model_text import model_text
 from frictionjoint.threads import one_thread
 
@@ -67,6 +71,7 @@ def close_loop(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
+    fixed: Mapping[str, Pose] | None = None,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -78,24 +83,26 @@ def close_loop(
         progress: told what is being done.
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
+        fixed: poses of joints that the logs do not hold, by name, rad (m).
     Raises:
         FrictionJointError: bad logs or model, in one line.
+        TypeError: an argument is of a wrong type.
     """
     begin = time.perf_counter()
-    if not logs:
-        raise LogError("no log to fit: give at least one that is not held out")
-    body = RigidBody(model, joint)
+    require_logs(logs, held_out)
+    require_seed(seed)
+    forms_of(law or INTEGRATED_LAW)
+    body = RigidBody(model, joint, fixed)
     logs, held_out = _parted(logs, held_out, joint)
-    for log in [*logs, *held_out]:
-        if log.slide != body.slide:
-            kind = "slide" if body.slide else "hinge"
-            raise LogError(f"{log.name}: joint {joint!r} is a {kind}, the log's columns are not")
+    said = check_logs(logs, body, held_out)
     progress("rigid-body torque")
     fitted_on = prepare(list(logs), body)
+    check(fitted_on)
     kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
     found = trace(fitted_on, seed, progress, law, lambda f: replay(fitted_on, body, f).rms)
     for fitted in (found.base, found.final):
         require_gain(fitted)
+    check_fit(found.prepared, found.final)
     moving = found.prepared
     left = errors_of(moving, found.final)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
@@ -139,7 +146,7 @@ def close_loop(
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=notes(found, cov),
+        notes=(*said, *notes(found, cov)),
     )
 
 

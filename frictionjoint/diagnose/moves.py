@@ -130,13 +130,18 @@ def _frequencies(
 ) -> list[float]:
     """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
     halves = found.halves(rng)
+    def worth(G: Array, i: int) -> float:
+        """Squares explained, less what as many coefficients would explain by chance."""
+        at = found.candidates[i]
+        return explained(G, at) - 2.0 * len(at) * float(G[-1, -1]) / found.blocks.count
+
     whole = found.tested.sum(axis=0)
-    sizes = [max((explained(whole, found.candidates[i]) for i in k), default=0.0) for k in kinds]
+    sizes = [max((worth(whole, i) for i in k), default=0.0) for k in kinds]
     leading = np.argsort(sizes)[::-1][:_CONTENDERS]
     won = np.zeros(len(kinds))
     halves = found.halves(rng) if len(leading) else ()
     for G in halves:
-        sizes = [max(explained(G, found.candidates[i]) for i in kinds[k]) for k in leading]
+        sizes = [max(worth(G, i) for i in kinds[k]) for k in leading]
         won[leading[int(np.argmax(sizes))]] += 1.0 / len(halves)
     return list(won)
 

@@ -103,6 +103,7 @@ def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
     spec = body.spec()
     friction_spec(spec, body.joint, fitted)
     model = spec.compile()
+    body.hold(model)
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
     motor = motor_of(fitted)

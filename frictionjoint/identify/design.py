@@ -285,4 +285,5 @@ def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
     if np.all(beta >= low) and np.all(beta <= high):
         return beta
     found = lsq_linear(R, z, (low * scale, high * scale), method="bvls")
-    return np.asarray(found.x / scale)
+    # rounding puts a coefficient that is on its bound beyond it
+    return np.asarray(np.clip(found.x / scale, low, high))

@@ -167,7 +167,6 @@ class Prepared:
         drive: what the logs hold of the motor. The torque that a voltage or a current makes is
             known only up to a gain.
         band: of the filters.
-        rest_speed: rad/s; slower samples are masked, see `rest`.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
             acts without back-EMF, so that the two can be told apart.
     """
@@ -177,7 +176,6 @@ class Prepared:
     slide: bool
     drive: Drive
     band: Band
-    rest_speed: float = 0.0
     let_go: bool = False
 
     def __len__(self) -> int:
@@ -338,7 +336,8 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
             f"{name}.{kind}": triple[i]
             for name, triple in others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
-        },
+        }
+        | {name: uniform(log.time, x, t) for name, x in log.signals.items()},
         noise=noise_of(
             measured,
             raw,

@@ -13,6 +13,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
+from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
+from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import compile_model, read_spec
 
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -39,16 +41,30 @@ class RigidBody:
     Args:
         mjcf: path of the MJCF, or its text.
         joint: name of the joint under study.
+        fixed: assumed poses of other joints by name, see `held.Pose`; a joint that neither a log
+            nor this tells of stays at its initial position, qpos0.
+    Attributes:
+        joint_names: of the other hinges and slides. poses: of the fixed joints, by their number.
     Raises:
-        ModelError: the file does not compile, or has no such hinge or slide joint.
+        ModelError: the file does not compile, or has no such hinge or slide joint; a pose is none.
+        TypeError: not a path or text, or not a name.
     """
 
-    def __init__(self, mjcf: str | Path, joint: str) -> None:
+    def __init__(
+        self, mjcf: str | Path, joint: str, fixed: Mapping[str, Pose] | None = None
+    ) -> None:
+        expect(mjcf, (str, Path), "model", "give the path of an MJCF, or its text")
+        expect(joint, str, "joint", "give its name in the MJCF")
+        expect(fixed, (Mapping, type(None)), "fixed", 'give poses by name, {"shoulder": 0.3}')
         self.mjcf = mjcf
         self.model = compile_model(mjcf)
         self.joint = joint
-        self.joint_names = {self.model.joint(i).name for i in range(self.model.njnt)} - {joint}
         self.joint_id = _joint_id(self.model, joint)
+        self.poses = resolve(self.model, self.joint_id, fixed)
+        take_pose(self.model, self.poses)
+        others = [j for j in range(self.model.njnt) if j != self.joint_id]
+        one_dof = (self.model.joint(j).name for j in others if self.model.jnt_type[j] in ONE_DOF)
+        self.joint_names = {name for name in one_dof if name}
         self.slide = int(self.model.jnt_type[self.joint_id]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
         off = (
             mujoco.mjtDisableBit.mjDSBL_CONTACT
@@ -58,11 +74,25 @@ class RigidBody:
         self.model.opt.disableflags |= int(off)
         dof = self.model.jnt_dofadr[self.joint_id]
         self.model.dof_damping[dof] = 0.0
+        if hasattr(self.model, "dof_dampingpoly"):  # damping="0 0.5", in newer versions
+            self.model.dof_dampingpoly[dof] = 0.0
         self.armature = float(self.model.dof_armature[dof])
 
     def spec(self) -> mujoco.MjSpec:
         """A fresh spec of the MJCF, to be changed."""
         return read_spec(self.mjcf)
+
+    def hold(self, model: mujoco.MjModel) -> None:
+        """Hold all joints but this one where they are, at the poses given or at qpos0.
+
+        A simulation that steps this joint alone needs it: what no log drives would fall.
+
+        Args:
+            model: compiled from `spec`, with whatever was added to it; changed in place.
+        """
+        names = {self.model.joint(j).name: pose for j, pose in self.poses.items()}
+        take_pose(model, {model.joint(name).id: pose for name, pose in names.items()})
+        lock(model, model.joint(self.joint).id)
 
     def torque(
         self,
@@ -75,7 +105,8 @@ class RigidBody:
 
         Args:
             position, velocity, acceleration: of the joint, shape (n,), rad, rad/s, rad/s^2.
-            others: the same triple for other joints by name; joints not named stay at qpos0.
+            others: the same triple for other joints by name; joints not named stay where
+                they are fixed, or at qpos0.
         """
         model, data = self.model, mujoco.MjData(self.model)
         tracks = [(self.joint_id, (position, velocity, acceleration))]
@@ -107,7 +138,7 @@ class RigidBody:
 def _joint_id(model: mujoco.MjModel, joint: str) -> int:
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0:
-        names = [model.joint(i).name or f"unnamed #{i}" for i in range(model.njnt)]
+        names = [joint_label(model, i) for i in range(model.njnt)]
         raise ModelError(f"no joint {joint!r} in the MJCF: it has {', '.join(names) or 'none'}")
     if int(model.jnt_type[j]) not in ONE_DOF:
         kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()

@@ -203,11 +203,12 @@ class HysteresisTerm(SmoothTerm):
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
-        return _elements(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
+        return elastic_plastic(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
 
 
 @njit(cache=True, nogil=True)
-def _elements(q: Array, reaches: Array) -> Array:
+def elastic_plastic(q: Array, reaches: Array) -> Array:
+    """Torque of elastic-plastic elements of level 1 along a motion, shape (n, k)."""
     out = np.zeros((len(q), len(reaches)))
     for j in range(len(reaches)):
         z = 0.0

@@ -14,6 +14,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import motion_band, uniform_motion
+from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 
 # Rows of all logs of a fit together: a fit holds some 8 kB a row on its way, and its time grows in
@@ -28,14 +29,17 @@ class LongLogWarning(UserWarning):
 
 
 def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
-    """The logs, together within `MOST_ROWS`; those made shorter say how in their names.
+    """The logs, split at their gaps and together within `MOST_ROWS`; names say what was done.
 
+    Raises:
+        LogError: see `split_at_gaps`.
     Warns:
         LongLogWarning: one line for each log that is made shorter.
     """
+    logs = [part for log in logs for part in split_at_gaps(log)]
     total = sum(len(log.time) for log in logs)
     if total <= MOST_ROWS:
-        return list(logs)
+        return logs
     return [_shorter(log, max(_FEWEST, int(len(log.time) * MOST_ROWS / total))) for log in logs]
 
 
@@ -83,5 +87,6 @@ def _averaged(log: JointLog, k: int) -> JointLog:
         log,
         other_positions={name: mean(x) for name, x in log.other_positions.items()},
         other_velocities={name: mean(x) for name, x in log.other_velocities.items()},
+        signals={name: mean(x) for name, x in log.signals.items()},
         **columns,
     )

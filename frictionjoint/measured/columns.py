@@ -24,8 +24,13 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     """Our column name -> the file's, for all columns of a file.
 
     Raises:
-        LogError: a column stands twice, or the mapping names what is not there.
+        LogError: there is no header, a column stands twice, or the mapping names what is not there.
     """
+    if all(_is_number(name) for name in names):
+        raise LogError(
+            f"{source}: no header: row 1 holds numbers where names of columns must stand, "
+            "as time_s,position_rad,torque_nm"
+        )
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise LogError(f"{source}: column {twice[0]!r} stands twice, rename one")
@@ -61,6 +66,28 @@ def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
     return joint
 
 
+def choose_signals(
+    source: str, table: dict[str, str], joint: str, signals: Iterable[str], used: Iterable[str]
+) -> dict[str, str]:
+    """Name of a signal -> the file's column; one of the joint goes before one of all joints.
+
+    Args:
+        used: columns of the file that have a meaning of their own.
+    Raises:
+        LogError: no such column, or one that is used.
+    """
+    chosen = {}
+    for name in signals:
+        column = next((c for c in (f"{joint}.{name}", name) if c in table), None)
+        if column is None:
+            raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
+        if table[column] in used:
+            raise LogError(f"{source}: --signal {name}: it is used in any case, leave it out")
+        # a point separates a joint from its quantity
+        chosen[name.replace(".", " ")] = table[column]
+    return chosen
+
+
 def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     """Our column name -> the file's, for the joint and the motion of the others.
 
@@ -68,7 +95,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
         LogError: time, position or drive is missing, or hinge and slide are mixed.
     """
     if "time_s" not in table:
-        raise LogError(f"{source}: no column 'time_s', it has {_list(table)}")
+        raise LogError(f"{source}: no column 'time_s', it has {_list(table)}; {_mend('time_s')}")
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
@@ -89,7 +116,8 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     hinge, slide = "position_rad" in chosen, "position_m" in chosen
     if not hinge and not slide:
         raise LogError(
-            f"{source}: no column '{prefix}position_rad' (slide: position_m), it has {_list(table)}"
+            f"{source}: no column '{prefix}position_rad' (slide: position_m), it has "
+            f"{_list(table)}; {_mend(f'{prefix}position_rad')}"
         )
     alien = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
     if alien:
@@ -98,7 +126,21 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
-        raise LogError(f"{source}: no column {wanted}, it has {_list(table)}")
+        mend = _mend(f"{prefix}{drive}")
+        raise LogError(f"{source}: no column {wanted}, it has {_list(table)}; {mend}")
+
+
+def _mend(ours: str) -> str:
+    """How to say which column is meant."""
+    return f"name it with --column {ours}=NAME"
+
+
+def _is_number(name: str) -> bool:
+    try:
+        float(name)
+    except ValueError:
+        return False
+    return True
 
 
 def _list(names: Iterable[object]) -> str:

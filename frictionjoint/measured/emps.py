@@ -4,11 +4,12 @@ Fields of the .mat file: ``t`` s, ``qm`` position m, ``qg`` reference m, ``vir``
 ``gtau`` N/V, controller gains ``kp`` and ``kv``. Force = gtau * vir.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 from frictionjoint.measured.arrays import mat_columns, mat_scalars
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns, check_moves
+from frictionjoint.measured.table import log_of
 
 _COLUMNS = ["t", "qm", "qg", "vir"]
 
@@ -32,15 +33,4 @@ def read_emps(path: Path) -> JointLog:
         "target_m": raw["qg"],
         "force_n": gains["gtau"] * raw["vir"],
     }
-    check_columns(path.name, columns)
-    check_moves(path.name, columns)
-    return JointLog(
-        name=path.stem,
-        joint="joint",
-        time=columns["time_s"],
-        position=columns["position_m"],
-        torque=columns["force_n"],
-        target=columns["target_m"],
-        slide=True,
-        metadata=gains,
-    )
+    return replace(log_of(path, "joint", columns), metadata=gains)

@@ -8,6 +8,14 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
+from frictionjoint.measured.arguments import expect
+
+# Samples that a log must have.
+FEWEST_ROWS = 50
+# In median sampling intervals: over less the motion is interpolated, over more a log is two.
+LARGEST_GAP = 10.0
+# More held out leaves a fit a handful of motion.
+MOST_HELD_OUT = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +33,10 @@ class JointLog:
         slide: True for a slide joint.
         other_positions: positions of other joints by name, rad (m).
         other_velocities: measured velocities of other joints by name, rad/s (m/s).
+        signals: further measured quantities by name, in whatever unit: candidates for what friction
+            depends on (a normal load, a bus voltage).
         metadata: figures that came with the log (gains, masses), by name.
+        notes: what a reader of a result must know of the log: what was mended in it.
     """
 
     name: str
@@ -43,13 +54,16 @@ class JointLog:
     slide: bool = False
     other_positions: dict[str, Array] = field(default_factory=dict)
     other_velocities: dict[str, Array] = field(default_factory=dict)
+    signals: dict[str, Array] = field(default_factory=dict)
     metadata: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.name or not self.joint:
             raise LogError("a log needs a name and the name of its joint")
         n = np.shape(self.time)
         for name, x in self.arrays().items():
+            expect(x, np.ndarray, f"{self.name}: {name}", "give a numpy array, np.asarray(x)")
             if x.ndim != 1 or x.shape != n:
                 raise LogError(f"{self.name}: {name} has shape {x.shape}, time {n}: make them one")
             if not np.isfinite(x).all():
@@ -69,10 +83,10 @@ class JointLog:
         return {name: x for name, x in found.items() if x is not None}
 
     def arrays(self) -> dict[str, Array]:
-        """All arrays, the other joints' among them."""
+        """All arrays, the other joints' and further signals among them."""
         positions = {f"position of {name}": x for name, x in self.other_positions.items()}
         velocities = {f"velocity of {name}": x for name, x in self.other_velocities.items()}
-        return self.columns() | positions | velocities
+        return self.columns() | positions | velocities | self.signals
 
     def part(self, samples: slice, suffix: str) -> "JointLog":
         """A stretch of the log under a new name."""
@@ -82,8 +96,26 @@ class JointLog:
             name=f"{self.name}{suffix}",
             other_positions={name: x[samples] for name, x in self.other_positions.items()},
             other_velocities={name: x[samples] for name, x in self.other_velocities.items()},
+            signals={name: x[samples] for name, x in self.signals.items()},
             **own,
         )
+
+    def with_gain(self, gain: float) -> "JointLog":
+        """The log with the torque that a known motor constant makes of its current or voltage.
+
+        Of a motor driven by voltage what is viscous holds the back-EMF too.
+
+        Args:
+            gain: N m per A or per V (N for a slide).
+        Raises:
+            LogError: the gain is not positive, or there is neither a current nor a voltage.
+        """
+        if not (np.isfinite(gain) and gain > 0.0):
+            raise LogError(f"gain is {gain:g}: give N m per A or per V, above 0")
+        drive = self.current if self.current is not None else self.voltage
+        if self.torque is not None or drive is None:
+            raise LogError(f"{self.name}: the torque is measured, leave out the gain")
+        return replace(self, torque=gain * drive, current=None, voltage=None)
 
     @property
     def duration(self) -> float:
@@ -95,11 +127,17 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     """The first part of a log, and its last `fraction` to hold out.
 
     Raises:
-        LogError: the fraction is not inside (0, 1), or leaves a part too short.
+        LogError: the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part too
+            short.
     """
-    if not 0.0 < fraction < 1.0:
-        raise LogError(f"held-out fraction is {fraction:g}: it must lie between 0 and 1")
+    if not 0.0 < fraction <= MOST_HELD_OUT:
+        raise LogError(
+            f"held-out fraction is {fraction:g}: give more than 0 and at most {MOST_HELD_OUT:g}"
+        )
     cut = round(len(log.time) * (1.0 - fraction))
-    if min(cut, len(log.time) - cut) < 50:
-        raise LogError(f"{log.name}: holding out {fraction:g} leaves a part under 50 samples")
+    if min(cut, len(log.time) - cut) < FEWEST_ROWS:
+        raise LogError(
+            f"{log.name}: holding out {fraction:g} leaves a part under {FEWEST_ROWS} samples: "
+            "record a longer log or hold out another part"
+        )
     return log.part(slice(0, cut), " (first part)"), log.part(slice(cut, None), " (last part)")

@@ -12,7 +12,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns, check_finite, check_moves
+from frictionjoint.measured.table import log_of
+from frictionjoint.measured.validate import check_finite
 
 _JOINTS = tuple(f"joint{i}" for i in range(1, 8))
 _FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}
@@ -35,28 +36,15 @@ def read_panda(folder: Path, joint: str | None) -> JointLog:
     parts = {name: _numbers(_file(folder, name), width) for name, width in _FILES.items()}
     own = _JOINTS.index(joint)
 
-    def of(i: int, name: str) -> Array:
-        return parts[name][:, i].copy()
-
+    quantities = {"position_rad": "positions", "velocity_rad_s": "velocity"}
     columns = {
-        "time_s": of(0, "time"),
-        "position_rad": of(own, "positions"),
-        "velocity_rad_s": of(own, "velocity"),
-        "torque_nm": of(own, "torques"),
+        "time_s": parts["time"][:, 0].copy(),
+        "torque_nm": parts["torques"][:, own].copy(),
     }
-    check_columns(folder.name, columns)
-    check_moves(folder.name, columns)
-    others = [(i, name) for i, name in enumerate(_JOINTS) if i != own]
-    return JointLog(
-        name=folder.name,
-        joint=joint,
-        time=columns["time_s"],
-        position=columns["position_rad"],
-        velocity=columns["velocity_rad_s"],
-        torque=columns["torque_nm"],
-        other_positions={name: of(i, "positions") for i, name in others},
-        other_velocities={name: of(i, "velocity") for i, name in others},
-    )
+    for i, name in enumerate(_JOINTS):
+        prefix = "" if i == own else f"{name}."
+        columns |= {f"{prefix}{c}": parts[file][:, i].copy() for c, file in quantities.items()}
+    return log_of(folder, joint, columns)
 
 
 def _file(folder: Path, name: str) -> Path:

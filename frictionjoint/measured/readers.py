@@ -4,10 +4,13 @@ The package's own format is CSV or Parquet with the column names of `columns`. O
 .mat with a mapping of names, ROS bags, and the public logs of EMPS, XL330, Panda, ODrive and TX40.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import NoneType
+from typing import Any
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.emps import is_emps, read_emps
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.odrive import read_odrive
@@ -22,7 +25,11 @@ _KINDS = (*_TABLES, *SUFFIXES, ".json", ".npy")
 
 
 def read_log(
-    path: str | Path, joint: str | None = None, columns: Mapping[str, str] | None = None
+    path: str | Path,
+    joint: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    signals: Iterable[str] = (),
+    wrap: float | None = None,
 ) -> JointLog:
     """Read one joint of a log.
 
@@ -32,9 +39,17 @@ def read_log(
         joint: which one, where the log holds several.
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. Names only: values are never converted.
+        signals: columns of a table that friction may depend on, as a normal load.
+        wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
+    Returns:
+        the log; what was mended in it stands in its notes. Gaps are left in it.
     Raises:
         LogError: one line that names the file, the row or column, and the mend.
+        TypeError: not a path, or not names.
     """
+    expect(path, (str, Path), "log", "give the path of a file, or a JointLog")
+    expect(joint, (str, NoneType), "joint", "give its name in the log")
+    expect(columns, (Mapping, NoneType), "columns", 'give names by name, {"time_s": "t"}')
     path = Path(path)
     if not path.exists():
         raise LogError(f"{path}: no such log, check the path")
@@ -44,9 +59,11 @@ def read_log(
     if kind in _TABLES and path.is_file():
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
-        return read_table(path, joint, columns)
-    if columns:
-        raise LogError(f"{path.name}: column names are mapped for {', '.join(_TABLES)} only")
+        return read_table(path, joint, columns, signals, wrap)
+    if columns or signals or wrap:
+        raise LogError(
+            f"{path.name}: columns, signals and a range to unwrap are for {', '.join(_TABLES)} only"
+        )
     if path.is_dir():
         return _read_folder(path, joint)
     if kind == ".json":
@@ -62,3 +79,28 @@ def _read_folder(path: Path, joint: str | None) -> JointLog:
     if is_tx40(path):
         return read_tx40(path, joint)
     raise LogError(f"{path.name}: a folder, but no ROS 2 bag, Panda or TX40 log: name a file in it")
+
+
+def require_logs(logs: Any, held_out: Any) -> None:
+    """See that logs, and those held out or their fraction, can be such.
+
+    Raises:
+        TypeError: one log where a list is asked for, or what is no log.
+        LogError: there is none to fit.
+    """
+    _require_list("logs", logs)
+    if not isinstance(held_out, int | float):
+        _require_list("held_out", held_out)
+    if not logs:
+        raise LogError("no log to fit: give at least one that is not held out")
+
+
+def _require_list(name: str, logs: Any) -> None:
+    if isinstance(logs, JointLog | str | Path):
+        raise TypeError(f"{name} is one log: give a list, [log]")
+    if isinstance(logs, Mapping) or not hasattr(logs, "__len__"):
+        raise TypeError(
+            f"{name} is of type {type(logs).__name__}: give a list of paths or of JointLog"
+        )
+    for log in logs:
+        expect(log, (JointLog, str, Path), name, "a log is a path or a JointLog")

@@ -6,7 +6,7 @@ Measured: four columns of 10 million rows stay in 320 MB, with a peak of 930 MB 
 (Parquet).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pyarrow as pa
@@ -16,18 +16,32 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
 from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, torn
-from frictionjoint.measured.columns import check_names, choose, joint_of, joints_in
+from frictionjoint.measured.columns import (
+    check_names,
+    choose,
+    choose_signals,
+    joint_of,
+    joints_in,
+)
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns, check_moves
+from frictionjoint.measured.mend import unwrapped, without_repeats
+from frictionjoint.measured.validate import check_columns, check_moves, check_rows
 
-_SHARED = ("time_s", "temperature_c")
+_SHARED = ("time_s", "temperature_c", "torque_enabled")
 
 
-def read_table(path: Path, joint: str | None, columns: Mapping[str, str] | None = None) -> JointLog:
+def read_table(
+    path: Path,
+    joint: str | None,
+    columns: Mapping[str, str] | None = None,
+    signals: Iterable[str] = (),
+    wrap: float | None = None,
+) -> JointLog:
     """Read one joint from a table.
 
     Args:
         columns: our column name -> name in the file, for files with names of their own.
+        signals: further columns to read. wrap: range that positions wrap at, rad (m).
     Raises:
         LogError: see `validate`; also unknown columns or joints.
     """
@@ -35,27 +49,48 @@ def read_table(path: Path, joint: str | None, columns: Mapping[str, str] | None 
     table = check_names(path.name, names, dict(columns or {}))
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)
-    raw = _load(path, sorted(set(wanted.values())))
+    more = choose_signals(path.name, table, joint, signals, wanted.values())
+    raw = _load(path, sorted({*wanted.values(), *more.values()}))
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
-    return log_of(path, joint, data, f"{joint}." if joints_in(table) else "")
+    further = {name: raw[theirs] for name, theirs in more.items()}
+    prefix = f"{joint}." if joints_in(table) else ""
+    return log_of(path, joint, data, prefix, further, wrap)
 
 
-def log_of(path: Path, joint: str, data: dict[str, Array], prefix: str = "") -> JointLog:
-    """A log from arrays under our column names.
+def log_of(
+    path: Path,
+    joint: str,
+    data: dict[str, Array],
+    prefix: str = "",
+    signals: dict[str, Array] | None = None,
+    wrap: float | None = None,
+) -> JointLog:
+    """A log from arrays under our column names, wrapped positions and repeated rows mended.
 
     Args:
-        data: shape (n,) each; the names of other joints' motion carry their prefix.
+        data: shape (n,) each; the names of other joints' motion carry their prefix. Beside the
+            names of `columns`, ``torque_enabled``: above 0.5 where the drive is on.
         prefix: of the joint's own columns in the file, for messages.
+        signals: further quantities by name. wrap: range that positions wrap at, rad (m).
     Raises:
-        LogError: see `validate`.
+        LogError: see `validate` and `mend`.
     """
     text = path.suffix.lower() == ".csv"
-    own = {name: x for name, x in data.items() if "." not in name}
-    shown = {(name if name in _SHARED else prefix + name): x for name, x in own.items()}
-    others_shown = {name: x for name, x in data.items() if name not in own}
+    further = signals or {}
     row = (lambda i: text_table.line_of(path, i)) if text else 1
-    check_columns(path.name, shown | others_shown, row)
-    check_moves(path.name, shown)
+
+    def shown(columns: dict[str, Array]) -> dict[str, Array]:
+        own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
+        return own | further
+
+    check_rows(path.name, shown(data), row)
+    data, notes = unwrapped(path.name, data, wrap)
+    check_columns(path.name, shown(data), row)
+    own = {name: x for name, x in data.items() if "." not in name}
+    check_moves(path.name, shown(own))
+    mixed, more = without_repeats(data | further)
+    data, further = ({name: mixed[name] for name in part} for part in (data, further))
+    own = {name: x for name, x in data.items() if "." not in name}
 
     def first(*choices: str) -> Array | None:
         return next((own[name] for name in choices if name in own), None)
@@ -65,6 +100,7 @@ def log_of(path: Path, joint: str, data: dict[str, Array], prefix: str = "") -> 
         return {other: x for (other, dot, unit), x in parts if dot and unit.startswith(quantity)}
 
     slide = "position_m" in own
+    enabled = first("torque_enabled")
     return JointLog(
         name=path.stem,
         joint=joint,
@@ -77,9 +113,12 @@ def log_of(path: Path, joint: str, data: dict[str, Array], prefix: str = "") -> 
         temperature=first("temperature_c"),
         target=first("target_m" if slide else "target_rad"),
         motor_position=first("motor_position_rad"),
+        torque_enabled=None if enabled is None else enabled > 0.5,
         slide=slide,
         other_positions=others("position"),
         other_velocities=others("velocity"),
+        signals=further,
+        notes=tuple(f"{path.stem}: {note}" for note in notes + more),
     )
 
 

@@ -6,6 +6,7 @@ full), ``input_volts`` V, ``temp`` deg C, ``goal_position`` rad, ``torque_enable
 """
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.validate import check_columns, check_moves
+from frictionjoint.measured.table import log_of
 
 FULL_DUTY = 885.0
 _SIGNED, _REGISTER = 1 << 15, 1 << 16
@@ -44,20 +45,9 @@ def read_xl330(path: Path) -> JointLog:
     enabled = _column(path, entries, "torque_enable") > 0.5
     # the arm let go: the motor's leads are open, no voltage is applied
     columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
-    check_columns(path.name, columns)
-    check_moves(path.name, columns)
-    return JointLog(
-        name=path.stem,
-        joint="joint",
-        time=columns["time_s"] - columns["time_s"][0],
-        position=columns["position_rad"],
-        velocity=columns["velocity_rad_s"],
-        voltage=columns["voltage_v"],
-        temperature=columns["temperature_c"],
-        target=columns["target_rad"],
-        torque_enabled=enabled,
-        metadata={key: _number(path, content, key) for key in ("mass", "length", "kp", "vin")},
-    )
+    columns["torque_enabled"] = enabled.astype(np.float64)
+    metadata = {key: _number(path, content, key) for key in ("mass", "length", "kp", "vin")}
+    return replace(log_of(path, "joint", columns), metadata=metadata)
 
 
 def _content(path: Path) -> dict[str, Any]:

@@ -1,0 +1,176 @@
+"""What `close-loop` and `identify` share: which logs, how they are read, where results go."""
+
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from frictionjoint.errors import FrictionJointError, LogError, ModelError
+
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    from frictionjoint.measured.log import JointLog
+
+Columns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--column",
+        metavar="OURS=THEIRS",
+        help="A foreign column name, e.g. time_s=t. Repeatable.",
+    ),
+]
+Signals = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--signal",
+        metavar="NAME",
+        help="A column that friction may depend on, e.g. a normal load. Repeatable.",
+    ),
+]
+Wrap = Annotated[
+    float | None,
+    typer.Option(
+        "--wrap",
+        metavar="RANGE",
+        help="Range that positions wrap at, rad (m). A turn and 25 rad are noticed without it.",
+    ),
+]
+Gain = Annotated[
+    float | None,
+    typer.Option(
+        "--gain",
+        metavar="NUMBER",
+        help="A known motor constant, N m per A or per V. Without it the load tells it.",
+    ),
+]
+Fixed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fixed",
+        metavar="JOINT=VALUE",
+        help="Pose of a joint that the logs do not hold, rad or m; x,y,z,qw,qx,qy,qz of a "
+        "floating base. Repeatable.",
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the logs of a command are read, from the texts of its options.
+
+    Attributes:
+        columns, signals, wrap: see `read_log`. gain: N m per unit of drive, or None.
+    """
+
+    joint: str
+    columns: dict[str, str] = field(default_factory=dict)
+    signals: tuple[str, ...] = ()
+    wrap: float | None = None
+    gain: float | None = None
+
+    @classmethod
+    def of(
+        cls,
+        joint: str,
+        column: list[str] | None,
+        signal: list[str] | None,
+        wrap: float | None,
+        gain: float | None,
+    ) -> "Reading":
+        """From options.
+
+        Raises:
+            LogError: a column is not OURS=THEIRS.
+        """
+        columns = {}
+        for text in column or []:
+            ours, equals, theirs = text.partition("=")
+            if not (ours and equals and theirs):
+                raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
+            columns[ours] = theirs
+        return cls(joint, columns, tuple(signal or ()), wrap, gain)
+
+    def read(self, path: Path) -> "JointLog":
+        """One log."""
+        from frictionjoint.measured.readers import read_log
+
+        log = read_log(path, self.joint, self.columns, self.signals, self.wrap)
+        return log if self.gain is None else log.with_gain(self.gain)
+
+
+def split(
+    paths: list[Path], held_out: list[str], reading: Reading
+) -> tuple[list["JointLog"], list["JointLog"]]:
+    """Logs to fit and logs held out; a fraction cuts the end off every log to fit.
+
+    Raises:
+        LogError: a log is both, or there are two fractions.
+    """
+    from frictionjoint.measured.log import split_in_time
+
+    fractions = [float(text) for text in held_out if _is_number(text)]
+    names = [Path(text) for text in held_out if not _is_number(text)]
+    if len(fractions) > 1:
+        raise LogError("--held-out: give one fraction at most")
+    same = [path for path in paths if path.resolve() in {n.resolve() for n in names}]
+    if same:
+        raise LogError(f"{same[0]} is both fitted and held out: give it once")
+    fitted = [reading.read(path) for path in paths]
+    kept = [reading.read(path) for path in names]
+    if fractions:
+        pairs = [split_in_time(log, fractions[0]) for log in fitted]
+        fitted = [first for first, _ in pairs]
+        kept += [last for _, last in pairs]
+    return fitted, kept
+
+
+def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:
+    """Assumed poses by joint.
+
+    Raises:
+        ModelError: not JOINT=VALUE, or a joint twice.
+    """
+    found: dict[str, float | list[float]] = {}
+    for text in fixed or []:
+        name, _, value = text.rpartition("=")
+        try:
+            numbers = [float(x) for x in value.split(",")]
+        except ValueError:
+            numbers = []
+        if not name or not numbers:
+            raise ModelError(f"--fixed {text}: write JOINT=VALUE in rad or m, e.g. shoulder=0.3")
+        if name in found:
+            raise ModelError(f"--fixed {name} is given twice: keep one")
+        found[name] = numbers if len(numbers) > 1 else numbers[0]
+    return found
+
+
+def require_writable(out: Path, folder: bool) -> None:
+    """See that a result can be written, before the work; nothing is left behind.
+
+    Args:
+        folder: whether `out` is to be a folder, and not a file in one.
+    Raises:
+        FrictionJointError: it cannot.
+    """
+    if out.exists() and out.is_dir() != folder:
+        mend = "a file has this name, give a folder" if folder else "a folder has this name"
+        raise FrictionJointError(f"--out {out}: {mend}")
+    place = out.absolute() if folder else out.absolute().parent
+    while not place.exists():
+        place = place.parent
+    try:
+        with tempfile.TemporaryDirectory(prefix=".frictionjoint-", dir=place):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FrictionJointError(f"--out {out}: cannot be written: {reason}") from None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,293 @@
+"""Whether logs can be of the model at all: signs, units and clocks, before anything costly.
+
+A fit adapts to nearly anything: it finds friction that drives, or a gain of a thousand. Here the
+balance of torques is solved as a linear one, in a fraction of a second:
+
+    torque = load + friction + viscosity * v + what is left
+
+* **Signs.** Friction takes power from the joint. Where it would give power, a sign is wrong,
+  whatever else the balance holds.
+* **Units, clocks, another joint's columns.** The load of the model and friction of any level must
+  explain some of the torque.
+* **Units too large.** What is large passes for friction; but the gravity and the inertia that the
+  torque shows cannot be the same many times the model's.
+"""
+
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
+from frictionjoint.errors import LogError
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.smooth import elastic_plastic
+
+# Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
+# then. Good logs leave 0.88 at most, noise leaves 0.96 at least.
+MOST_LEFT = 0.95
+# Standard errors from which on a sign is wrong; good logs are on the right side of zero.
+SURE = 5.0
+# Part of the drive that a balance of free signs may leave for its signs to mean something, and the
+# part that the right signs must leave for another one to be considered.
+_TOLD, _RIGHT = 0.8, 0.3
+# Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
+# what inertia say of it may be apart. One of them alone is small in many a model, without the
+# gripper of a wrist or the inertia of its motor.
+_TOO_LARGE, _ALIKE = 10.0, 2.0
+# Effect of the load on the drive, over what a fit leaves, and its standard errors, from which on
+# the load determines the torque per ampere or volt: to about a third.
+_STANDS_OUT = 1.0
+# Samples that the balance is solved on, and blocks of them that count as independent.
+_SAMPLES, _BLOCKS = 6000, 30
+# Speed over the top speed below which friction is on its way from one side to the other.
+_TURNS = 0.02
+# Displacements over the travel at which the elastic-plastic elements of friction slip.
+_REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
+
+
+class Balance(NamedTuple):
+    """Columns of the linear balance on the kept samples of all logs, each of shape (n,) or (n, k).
+
+    Attributes:
+        drive: measured torque, or current or voltage. load: of the model, N m.
+        gravity: of 1 kg at 1 m, N m, shape (n, 2). q, v, a, jerk: motion.
+        side: sign of the velocity, without a step.
+        elements: torque of elastic-plastic elements of level 1, shape (n, k).
+        log: number of the log. block: of the samples that count as one.
+    """
+
+    drive: Array
+    load: Array
+    gravity: Array
+    q: Array
+    v: Array
+    a: Array
+    jerk: Array
+    side: Array
+    elements: Array
+    log: NDArray[np.int64]
+    block: NDArray[np.int64]
+
+    @property
+    def one(self) -> Array:
+        """A constant torque."""
+        return np.ones(len(self.drive))
+
+    def of_log(self, i: int) -> "Balance":
+        """The samples of one log, in as many blocks as all logs had."""
+        own = self.log == i
+        part = Balance._make(x[own] for x in self)
+        return part._replace(block=_blocks(len(part.drive)))
+
+
+def check(prepared: Prepared) -> None:
+    """See that the drive of logs can be that of the model's joint along their motion.
+
+    Args:
+        prepared: logs of one joint, before any fit.
+    Raises:
+        LogError: a sign is wrong, the model explains next to nothing, or a unit is too large.
+    """
+    balance = _balance(prepared)
+    names = ", ".join(s.name for s in prepared.segments[:3])
+    names += f" and {len(prepared) - 3} more" if len(prepared) > 3 else ""
+    if not balance.drive.any():
+        raise LogError(f"{names}: the {prepared.drive} is zero: check its column")
+    _check_signs(prepared, balance, names)
+    left = _left(balance, prepared.gain_unknown)
+    if left > MOST_LEFT:
+        _refuse(prepared, names, left, _hint(prepared, balance))
+    if not prepared.gain_unknown:
+        _check_too_large(prepared, balance, names)
+
+
+def check_fit(prepared: Prepared, fitted: Fit) -> None:
+    """See that a fit explains some of the torque; with less its parameters mean nothing.
+
+    Raises:
+        LogError: it does not.
+    """
+    left = fitted.rms / fitted.target_rms
+    if left > MOST_LEFT:
+        names = ", ".join(s.name for s in prepared.segments[:3])
+        _refuse(prepared, names, left, "")
+
+
+def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
+    """Whether friction is known in N m (N), and not only in amperes or volts.
+
+    Where the torque was not measured, the load of the model tells what torque a current makes. It
+    does so where the torque of the load, beyond what any other parameter could stand in for,
+    stands out of what the fit leaves: what is left may be correlated with the load.
+    """
+    if not prepared.gain_unknown:
+        return True
+    columns = fitted.free_jacobian
+    at = fitted.names.index("load")
+    if fitted.bound[at]:
+        return False
+    own = int(np.count_nonzero(~fitted.bound[:at]))
+    load, others = columns[:, own], np.delete(columns, own, axis=1)
+    alone = load - others @ _solved(others, load)
+    effect = alone * float(fitted.beta[at])
+    if _rms(effect) <= _STANDS_OUT * fitted.rms:
+        return False
+    error = _errors(alone[:, None], fitted.residual, _blocks(len(alone)))[0, 0]
+    return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
+
+
+def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
+    """Friction must not drive, in all logs together or in one of them."""
+    logs = [(names, balance)]
+    if len(prepared) > 1:
+        logs += [(s.name, balance.of_log(i)) for i, s in enumerate(prepared.segments)]
+    for name, part in logs:
+        power, error, free = _friction_power(part)
+        wrong = power < -SURE * error and free < _TOLD
+        if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
+            position, drive = _columns(prepared)
+            raise LogError(
+                f"{name}: wrong sign of position or {prepared.drive}: friction would drive the "
+                f"joint ({-power / error:.0f} standard errors): check the signs of {position} and "
+                f"{drive}, both positive along the joint's axis in the MJCF, and their clocks"
+            )
+
+
+def _friction_power(b: Balance) -> tuple[float, float, float]:
+    """Mean power that friction takes, in N m rad/s or units of the drive, its standard error, and
+    the part of the drive's rms that the balance leaves.
+
+    All else is free: the load and what may be wrong with it, gravity, a spring, a bias, and a delay
+    of the inertia's torque, which looks like viscosity.
+    """
+    X = np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, b.one])
+    beta, cov = _regression(X, b.drive, b.block)
+    each = np.zeros(X.shape[1])
+    each[:2] = np.mean(b.side * b.v), np.mean(b.v**2)
+    left = _rms(b.drive - X @ beta) / (_rms(b.drive) or 1.0)
+    return float(each @ beta), float(np.sqrt(each @ cov @ each)), left
+
+
+def _left(b: Balance, gain_unknown: bool) -> float:
+    """Part of the drive's rms that the load of the model and friction of any level leave."""
+    friction = np.column_stack([b.elements, b.side, b.v])
+    X = np.column_stack([b.load, friction]) if gain_unknown else friction
+    target = b.drive if gain_unknown else b.drive - b.load
+    size = np.linalg.norm(X, axis=0)
+    size[size == 0.0] = 1.0
+    return float(nnls(X / size, target)[1] / np.linalg.norm(b.drive))
+
+
+def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
+    """The torque's gravity and inertia against the model's."""
+    gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
+    X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
+    beta, cov = _regression(X, b.drive, b.block)
+    low = beta[:2] - SURE * np.sqrt(np.diag(cov)[:2])
+    if low.min() > _TOO_LARGE and beta[:2].max() < _ALIKE * beta[:2].min():
+        raise LogError(
+            f"{names}: the measured torque is {beta[:2].mean():.3g} times the load of the model: "
+            f"check the unit of {_columns(prepared)[1]} (N mm, mN m, N cm?) and the masses in the "
+            "MJCF"
+        )
+
+
+def _hint(prepared: Prepared, b: Balance) -> str:
+    """The factor that a torque is too small by, where the logs tell it."""
+    if prepared.gain_unknown:
+        return ""
+    X = np.column_stack([b.load, b.one, b.side, b.v])
+    beta, cov = _regression(X, b.drive, b.block)
+    factor, error = float(beta[0]), float(np.sqrt(cov[0, 0]))
+    if factor < SURE * error or 0.5 < factor < 2.0:
+        return ""
+    return f", which is {factor:.2g} times the load of the model"
+
+
+def _refuse(prepared: Prepared, names: str, left: float, hint: str) -> NoReturn:
+    position, drive = _columns(prepared)
+    of = "m" if prepared.slide else "rad, not degrees"
+    at = "N" if prepared.slide else "N m at the joint, not kN m, mN m or at the motor"
+    unit = at if prepared.drive == "torque" else "on one clock with the position"
+    raise LogError(
+        f"{names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check the units of "
+        f"{position} ({of}) and {drive} ({unit}), their signs, their clock, and that they are of "
+        f"joint {prepared.joint!r} of the MJCF"
+    )
+
+
+def _columns(prepared: Prepared) -> tuple[str, str]:
+    """Our names of the columns of position and drive."""
+    drives = {"voltage": "voltage_v", "current": "current_a"}
+    if prepared.slide:
+        return "position_m", drives.get(prepared.drive, "force_n")
+    return "position_rad", drives.get(prepared.drive, "torque_nm")
+
+
+def _balance(prepared: Prepared) -> Balance:
+    thin = prepared.thinned(_SAMPLES)
+    top = float(np.quantile(np.concatenate([np.abs(s.signals[:, V]) for s in thin.segments]), 0.99))
+    rows = [_of_segment(s, top or 1.0) for s in thin.segments]
+    motion, other, drive = (np.concatenate(part) for part in zip(*rows, strict=True))
+    sizes = [len(row[2]) for row in rows]
+    return Balance(
+        drive=drive,
+        load=motion[:, 0],
+        gravity=motion[:, 1:3],
+        v=motion[:, 3],
+        a=motion[:, 4],
+        jerk=motion[:, 5],
+        q=other[:, 0],
+        side=other[:, 1],
+        elements=other[:, 2:],
+        log=np.repeat(np.arange(len(sizes)), sizes),
+        block=_blocks(len(drive)),
+    )
+
+
+def _of_segment(s: Segment, top: float) -> tuple[Array, Array, Array]:
+    """What is made of derivatives, what is not, and the drive, on the kept samples."""
+    jerk = np.gradient(s.signals[:, A], s.dt)
+    motion = np.column_stack([s.signals[:, [LOAD, GX, GY, V, A]], jerk])
+    q, v = s.signals[:, Q], s.signals[:, V]
+    side = np.clip(v / (_TURNS * top), -1.0, 1.0)
+    reaches = _REACHES * (np.ptp(q) or 1.0)
+    other = np.column_stack([q, side, elastic_plastic(np.ascontiguousarray(q), reaches)])
+    return (
+        s.lowpass(motion)[s.kept],
+        s.lowpass(other)[s.kept],
+        s.lowpass(s.drive)[s.kept],
+    )
+
+
+def _blocks(n: int) -> NDArray[np.int64]:
+    return np.arange(n) * _BLOCKS // max(n, 1)
+
+
+def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Least squares, and the covariance where samples of one block are not independent."""
+    size = np.linalg.norm(X, axis=0)
+    size[size == 0.0] = 1.0
+    Z = X / size
+    beta = _solved(Z, y)
+    return beta / size, _errors(Z, y - Z @ beta, block) / np.outer(size, size)
+
+
+def _errors(X: Array, residual: Array, block: NDArray[np.int64]) -> Array:
+    """Covariance of the coefficients of X, by blocks."""
+    bread = np.linalg.pinv(X.T @ X, rcond=1e-12, hermitian=True)
+    scores = np.zeros((_BLOCKS, X.shape[1]))
+    np.add.at(scores, block, X * residual[:, None])
+    return np.asarray(bread @ (scores.T @ scores) @ bread)
+
+
+def _solved(X: Array, y: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(X, y, rcond=1e-6)[0])
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))

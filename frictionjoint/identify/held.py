@@ -1,0 +1,127 @@
+"""Joints held at a pose: what a log does not measure stays where it is assumed to be.
+
+A compiled model is changed in place. The pose is folded into the frames of the bodies, so that data
+fresh from the model have it already; a lock is an armature that no torque moves.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
+
+# Position of a hinge or slide; of a ball its quaternion, of a free joint position and quaternion.
+Pose: TypeAlias = float | Sequence[float]
+
+FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
+# numbers in a pose, where it is more than one, and what they are
+_MANY = {
+    FREE: (7, "a free joint takes x,y,z and the quaternion w,x,y,z"),
+    BALL: (4, "a ball joint takes the quaternion w,x,y,z"),
+}
+# kg m^2, kg: under 1 kN m a joint turns by 0.2 mrad in an hour
+_IMMOVABLE = 1e13
+
+
+def joint_label(model: mujoco.MjModel, j: int) -> str:
+    """Name of a joint, or what to say of one without."""
+    body = model.body(int(model.jnt_bodyid[j])).name
+    return str(model.joint(j).name or f"unnamed joint of body {body!r}")
+
+
+def resolve(
+    model: mujoco.MjModel, joint_id: int, fixed: Mapping[str, Pose] | None
+) -> dict[int, Array]:
+    """Poses by the number of the joint.
+
+    Args:
+        joint_id: of the joint under study, which cannot be held.
+    Raises:
+        ModelError: no such joint, or not a pose of its kind.
+    """
+    found = {}
+    for name, value in (fixed or {}).items():
+        j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        if j < 0:
+            names = ", ".join(joint_label(model, i) for i in range(model.njnt))
+            raise ModelError(f"--fixed {name}: no such joint in the MJCF, it has {names}")
+        if j == joint_id:
+            raise ModelError(f"--fixed {name}: this is the joint to identify, its log tells it")
+        found[j] = _pose(name, int(model.jnt_type[j]), value)
+    return found
+
+
+def _pose(name: str, kind: int, value: Pose) -> Array:
+    numbers, what = _MANY.get(kind, (1, "give one number, rad or m"))
+    try:
+        pose = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        pose = np.full(1, np.nan)
+    if pose.shape != (numbers,) or not np.isfinite(pose).all():
+        raise ModelError(f"--fixed {name}={value}: {what}")
+    if numbers > 1:
+        size = float(np.linalg.norm(pose[-4:]))
+        if size == 0.0:
+            raise ModelError(f"--fixed {name}={value}: its quaternion is zero, {what}")
+        pose[-4:] /= size
+    return pose
+
+
+def take_pose(model: mujoco.MjModel, poses: Mapping[int, Array]) -> None:
+    """Move a model's initial pose: joints by number, and all that hangs on them."""
+    # free and ball joints turn from their frame itself, hinges and slides from the initial pose
+    shifted = {j for j in poses if int(model.jnt_type[j]) not in _MANY}
+    for body in {int(model.jnt_bodyid[j]) for j in shifted}:
+        first = int(model.body_jntadr[body])
+        position, turn = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+        for j in reversed(range(first, first + int(model.body_jntnum[body]))):
+            own = _displacement(model, j, poses[j]) if j in shifted else None
+            # what comes after a joint in its body goes before it now: its axis, seen from there
+            back = np.zeros(4)
+            mujoco.mju_negQuat(back, turn)
+            model.jnt_pos[j] = _turned(model.jnt_pos[j] - position, back)
+            model.jnt_axis[j] = _turned(model.jnt_axis[j], back)
+            if own:
+                position, turn = _after(*own, position, turn)
+        frame = (model.body_pos[body].copy(), model.body_quat[body].copy())
+        model.body_pos[body], model.body_quat[body] = _after(*frame, position, turn)
+    for j, pose in poses.items():
+        address = int(model.jnt_qposadr[j])
+        model.qpos0[address : address + len(pose)] = pose
+    if poses:
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def lock(model: mujoco.MjModel, joint_id: int) -> None:
+    """Hold every joint of a model but one where it is."""
+    others = model.dof_jntid != joint_id
+    model.dof_armature[others] = _IMMOVABLE
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _displacement(model: mujoco.MjModel, j: int, pose: Array) -> tuple[Array, Array]:
+    """Translation and quaternion, in the frame of the body, of a hinge or slide moved to a pose."""
+    moved = float(pose[0] - model.qpos0[model.jnt_qposadr[j]])
+    turn = np.array([1.0, 0.0, 0.0, 0.0])
+    if int(model.jnt_type[j]) == SLIDE:
+        return moved * model.jnt_axis[j], turn
+    mujoco.mju_axisAngle2Quat(turn, model.jnt_axis[j], moved)
+    anchor = model.jnt_pos[j].copy()
+    return anchor - _turned(anchor, turn), turn
+
+
+def _after(p: Array, q: Array, position: Array, turn: Array) -> tuple[Array, Array]:
+    """The pose (position, turn) seen from a frame at (p, q), in that frame's own parent."""
+    both = np.zeros(4)
+    mujoco.mju_mulQuat(both, q, turn)
+    return p + _turned(position, q), both
+
+
+def _turned(x: Array, turn: Array) -> Array:
+    out = np.zeros(3)
+    mujoco.mju_rotVecQuat(out, np.ascontiguousarray(x), np.ascontiguousarray(turn))
+    return out

@@ -1,0 +1,202 @@
+"""Whether logs and model speak of the same joints, and whether every pose that matters is known.
+
+A joint that no log measures stands still in the balance of torques. Where its pose changes the
+torque of the joint under study, that pose must be given: a guess would pass for friction.
+"""
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError, ModelError
+from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
+from frictionjoint.identify.rigid_body import ONE_DOF, RigidBody
+from frictionjoint.measured.derivatives import differentiate
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.speed import speed_note
+
+# Change of the load, over its rms, from which on a pose matters.
+_MATTERS = 0.01
+# Samples of a log, arrangements of the other joints, and poses of each, that are tried.
+_SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
+# Travel tried where the model has no limits, either way: rad, m.
+_TURN, _SHIFT = np.pi, 0.3
+# Travel in a log over the model's range of the joint, from which on it is another unit or joint.
+_BEYOND = 2.0
+# Torque over what the model lets actuators give, from which on it is another unit.
+_BEYOND_LIMIT = 10.0
+
+
+def check_logs(
+    logs: Sequence[JointLog], body: RigidBody, held_out: Sequence[JointLog] = ()
+) -> tuple[str, ...]:
+    """See that logs can be of a joint of a model, by names, kinds, ranges and known poses.
+
+    Returns:
+        what a reader of a result must know: what was mended in the logs, what was assumed.
+    Raises:
+        LogError: a log of another kind of joint, the same samples twice, a joint that the model
+            does not have, one whose pose matters and is not known, or travel far beyond the
+            model's range.
+    """
+    everything = [*logs, *held_out]
+    for log in everything:
+        if log.slide != body.slide:
+            kind, unit = ("slide", "m and N") if body.slide else ("hinge", "rad and N m")
+            raise LogError(
+                f"{log.name}: joint {body.joint!r} is a {kind} in the MJCF: its columns must be in "
+                f"{unit}"
+            )
+    _check_repeats(logs, held_out)
+    said: list[str] = []
+    for log in everything:
+        said += [*log.notes, *speed_note(log)]
+        _check_range(log, body)
+        _check_limit(log, body)
+        said += _check_joints(log, body)
+    return tuple(dict.fromkeys(said))
+
+
+def _check_repeats(logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> None:
+    """No samples may serve twice, whatever the files are called."""
+    everything = [*logs, *held_out]
+    for i, log in enumerate(everything):
+        for other in everything[:i]:
+            if np.array_equal(log.time, other.time) and np.array_equal(
+                log.position, other.position
+            ):
+                mend = "hold out another log" if i >= len(logs) else "give it once"
+                raise LogError(f"{log.name}: the same samples as {other.name}: {mend}")
+
+
+def _check_range(log: JointLog, body: RigidBody) -> None:
+    model, j = body.model, body.joint_id
+    if not model.jnt_limited[j]:
+        return
+    low, high = (float(x) for x in model.jnt_range[j])
+    travel = float(np.ptp(log.position))
+    if travel > _BEYOND * (high - low):
+        unit = "m" if body.slide else "rad"
+        raise LogError(
+            f"{log.name}: the position travels {travel:.3g} {unit} where the model's joint "
+            f"{body.joint!r} has {high - low:.3g} {unit}: check the unit (degrees?), the side of "
+            "the gear, and the joint"
+        )
+
+
+def _check_limit(log: JointLog, body: RigidBody) -> None:
+    """A torque that no actuator of the model could give is in another unit."""
+    model, j = body.model, body.joint_id
+    if log.torque is None or not model.jnt_actfrclimited[j]:
+        return
+    limit = float(np.abs(model.jnt_actfrcrange[j]).max())
+    peak = float(np.quantile(np.abs(log.torque), 0.99))
+    if limit > 0.0 and peak > _BEYOND_LIMIT * limit:
+        unit, small = ("N", "mN") if body.slide else ("N m", "N mm, mN m")
+        raise LogError(
+            f"{log.name}: the torque reaches {peak:.3g} {unit} where the model's actuators are "
+            f"limited to {limit:.3g} {unit}: check its unit ({small}?) and actuatorfrcrange"
+        )
+
+
+def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
+    """Every joint of a log must be the model's, every pose that matters must be known."""
+    model = body.model
+    fixed = {model.joint(j).name for j in body.poses}
+    both = sorted(fixed & set(log.other_positions))
+    if both:
+        raise ModelError(f"--fixed {both[0]}: {log.name} holds its motion, leave one out")
+    unknown = sorted(set(log.other_positions) - body.joint_names)
+    absent = sorted(body.joint_names - set(log.other_positions) - fixed)
+    if unknown and absent:
+        near = difflib.get_close_matches(unknown[0], absent, 1)
+        hint = f": {near[0]!r}?" if near else ""
+        raise LogError(
+            f"{log.name}: no joint {unknown[0]!r} in the MJCF{hint} "
+            f"(the log lacks its {', '.join(absent)})"
+        )
+    said = [f"{log.name}: joint {name!r} is not in the MJCF, no torque of it" for name in unknown]
+    matter = _that_matter(log, body)
+    hinges = [joint_label(model, j) for j in matter if int(model.jnt_type[j]) in ONE_DOF]
+    if hinges:
+        example = " ".join(f"--fixed {name}=VALUE" for name in hinges[:3])
+        raise LogError(
+            f"{log.name}: no position of {', '.join(hinges)}, which the torque at "
+            f"{body.joint!r} depends on: log it, or give the pose that was held, {example} (rad, m)"
+        )
+    for j in matter:
+        kind = "floating base" if int(model.jnt_type[j]) == FREE else "ball joint"
+        label = joint_label(model, j)
+        said.append(f"The {kind} ({label}) is held at its pose in the MJCF; --fixed gives another.")
+    return said
+
+
+def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
+    """Numbers of the joints of unknown pose that change the torque along a log."""
+    model = body.model
+    known = {*body.poses, body.joint_id, *(model.joint(n).id for n in _of(log, body))}
+    open_ones = [j for j in range(model.njnt) if j not in known]
+    if not open_ones:
+        return []
+    motion = differentiate(log)
+    k = np.linspace(0, len(motion.time) - 1, _SAMPLES).astype(int)
+    qpos, qvel, qacc = (np.tile(x, (_SAMPLES, 1)) for x in (model.qpos0, *np.zeros((2, model.nv))))
+    for name in _of(log, body):
+        address = int(model.jnt_qposadr[model.joint(name).id])
+        qpos[:, address] = np.interp(motion.time[k], log.time, log.other_positions[name])
+    qpos[:, int(model.jnt_qposadr[body.joint_id])] = motion.position[k]
+    dof = int(model.jnt_dofadr[body.joint_id])
+    qvel[:, dof], qacc[:, dof] = motion.velocity[k], motion.acceleration[k]
+    rng = np.random.default_rng(0)
+    hinges = [j for j in open_ones if int(model.jnt_type[j]) in ONE_DOF]
+    change, size = dict.fromkeys(open_ones, 0.0), 0.0
+    for _ in range(_ARRANGEMENTS):
+        for j in hinges:
+            _move(model, j, qpos, rng)
+        load = _load(body, qpos, qvel, qacc)
+        size = max(size, _rms(load))
+        for j in open_ones:
+            for _ in range(_POSES):
+                moved = qpos.copy()
+                _move(model, j, moved, rng)
+                change[j] = max(change[j], _rms(_load(body, moved, qvel, qacc) - load))
+    return [j for j in open_ones if change[j] > _MATTERS * size]
+
+
+def _of(log: JointLog, body: RigidBody) -> Iterable[str]:
+    return sorted(set(log.other_positions) & body.joint_names)
+
+
+def _move(model: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) -> None:
+    """Put a joint at another pose, within its range."""
+    address, kind = int(model.jnt_qposadr[j]), int(model.jnt_type[j])
+    if kind in (FREE, BALL):
+        address += 3 if kind == FREE else 0
+        turn = rng.standard_normal(4)
+        qpos[:, address : address + 4] = turn / np.linalg.norm(turn)
+        return
+    reach = _SHIFT if kind == SLIDE else _TURN
+    middle = float(model.qpos0[address])
+    low, high = (middle - reach, middle + reach)
+    if model.jnt_limited[j]:
+        low, high = model.jnt_range[j]
+    qpos[:, address] = rng.uniform(low, high)
+
+
+def _load(body: RigidBody, qpos: Array, qvel: Array, qacc: Array) -> Array:
+    """Torque of the rigid body at the joint in some states, shape (n,)."""
+    data = mujoco.MjData(body.model)
+    dof = int(body.model.jnt_dofadr[body.joint_id])
+    load = np.zeros(len(qpos))
+    for k in range(len(qpos)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = qpos[k], qvel[k], qacc[k]
+        mujoco.mj_inverse(body.model, data)
+        load[k] = data.qfrc_inverse[dof]
+    return load
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))

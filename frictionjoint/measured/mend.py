@@ -1,0 +1,116 @@
+"""What can be mended in a log without a guess, and is said: wrapped positions, repeated rows."""
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.measured.log import LARGEST_GAP
+
+# Ranges that encoders and motor drives wrap at, rad: turns, and the +-12.5 rad of common drives.
+_RANGES = (2 * np.pi, 4 * np.pi, 8 * np.pi, 25.0)
+_MEASURED = ("position_rad", "motor_position_rad")
+_TARGETS = {"position_rad": "target_rad", "position_m": "target_m"}
+# A leap goes over this fraction of all travel in one sample, this many times as far as any other.
+_LEAP, _FURTHER = 0.8, 4.0
+# how near to a range a leap must be
+_NEAR = 0.02
+# runs of equal rows that must be of one length
+_REGULAR = 0.95
+# rows in a run from which on its length may be off by one
+_LONG = 5
+_HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
+
+
+def unwrapped(
+    source: str, columns: Mapping[str, Array], wrap: float | None = None
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The columns with positions that go on where they leapt by their range.
+
+    Args:
+        wrap: range that positions are known to wrap at, rad (m); without it, the usual ones.
+    Returns:
+        all columns, and a note on each that was changed.
+    Raises:
+        LogError: a position leaps by another range; or the range is not positive.
+    """
+    if wrap is not None and not (np.isfinite(wrap) and wrap > 0.0):
+        raise LogError(f"--wrap {wrap:g}: give the range that the position wraps at, above 0")
+    found, notes = dict(columns), []
+    for name, x in columns.items():
+        prefix, dot, unit = name.rpartition(".")
+        if unit not in _MEASURED and not (wrap and unit in _TARGETS):
+            continue
+        period = wrap or _range_of(source, name, x, columns["time_s"])
+        whole = x if period is None else np.unwrap(x, period=period)
+        leaps = 0 if period is None else int(np.count_nonzero(np.diff(np.round(whole - x, 3))))
+        if period is None or not leaps:
+            continue
+        found[name] = whole
+        target = f"{prefix}{dot}{_TARGETS.get(unit, '')}"
+        if target in columns:  # it steps by itself: what it stands for is near the position
+            y = columns[target]
+            found[target] = y + period * np.round((whole - y) / period)
+        places = "place" if leaps == 1 else "places"
+        notes.append(f"{name} wrapped at {period:.4g} in {leaps} {places}: unwrapped.")
+    return found, tuple(notes)
+
+
+def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
+    """Range that a position leaps by; None where it does not leap."""
+    step, tick = np.diff(x), np.diff(time)
+    size = np.abs(step)
+    leap = (size > _LEAP * float(np.ptp(x))) & (tick <= LARGEST_GAP * float(np.median(tick)))
+    rest = float(size[~leap].max(initial=0.0))
+    # a position that stands but for a count leaps by no more than its other steps
+    leap &= size > _FURTHER * rest
+    if not leap.any() or rest == 0.0:
+        return None
+    at = np.flatnonzero(leap)
+    # the joint went on meanwhile, as it did one sample before
+    before = np.where(at > 0, step[at - 1], 0.0)
+    before[np.isin(at - 1, at)] = 0.0
+    distance = np.abs(step[at] - before)
+    typical = float(np.median(distance))
+    period = min(_RANGES, key=lambda p: abs(p - typical))
+    if np.all(np.abs(distance - period) < _NEAR * period + 2.0 * rest):
+        return period
+    i = int(at[0])
+    raise LogError(
+        f"{source}, {name}: leaps from {x[i]:.4g} to {x[i + 1]:.4g} in one sample at "
+        f"{time[i + 1]:.6g} s: repair it, or give the range it wraps at, --wrap RANGE"
+    )
+
+
+def without_repeats(
+    columns: Mapping[str, Array],
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """One row of each run where every measurement stands in several rows in turn.
+
+    A recorder that writes faster than it measures repeats its rows. Kept, they would make stairs of
+    the motion, and a tenth of the samples would pass for all.
+    """
+    names = [name for name in columns if name in _HELD]
+    n = len(columns["time_s"])
+    changes = np.zeros(n - 1, dtype=bool)
+    for name in names:
+        changes |= np.diff(columns[name]) != 0.0
+    at = np.flatnonzero(changes) + 1
+    if len(at) < 3:
+        return dict(columns), ()
+    runs = np.diff(at)
+    k = int(np.median(runs))
+    if k < 2:
+        return dict(columns), ()
+    off = np.abs(runs - k * np.maximum(1, np.round(runs / k)))
+    if np.mean(off <= (1 if k >= _LONG else 0)) < _REGULAR:
+        return dict(columns), ()
+    # at rest nothing changes: there one row in k stays
+    ends = np.concatenate([[0], at, [n]])
+    kept = np.concatenate(
+        [np.arange(a, max(b - k // 2, a + 1), k) for a, b in itertools.pairwise(ends)]
+    )
+    note = f"every row stands {k} times in turn: {len(kept)} of {n} rows are used."
+    return {name: x[kept] for name, x in columns.items()}, (note,)
