@@ -18,6 +18,7 @@ from rich.table import Table
 
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
+from frictionjoint.cli.export import export
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, LogError, ParameterError
 from frictionjoint.laws import LAWS
@@ -284,6 +285,9 @@ def check(
             row["remark"],
         )
     console().print(table)
+
+
+app.command()(export)
 
 
 app.add_typer(data, name="data")
