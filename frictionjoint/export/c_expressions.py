@@ -27,11 +27,10 @@ _COMPARE = {
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
 _MATH = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}
 _LIBRARY = {"exp", "log"}
-_RESERVED = frozenset(
-    """_ auto break case char const continue default do double else enum extern float for goto if
-    inline int long register restrict return short signed sizeof static struct switch typedef union
-    unsigned void volatile while""".split()
-)
+_KEYWORDS = """_ auto break case char const continue default do double else enum extern float for
+goto if inline int long register restrict return short signed sizeof static struct switch typedef
+union unsigned void volatile while"""
+_RESERVED = frozenset(_KEYWORDS.split())
 
 
 @dataclass
