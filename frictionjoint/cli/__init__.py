@@ -19,6 +19,7 @@ from rich.table import Table
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.export import export
+from frictionjoint.cli.motors import motors
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, LogError, ParameterError
 from frictionjoint.laws import LAWS
@@ -288,8 +289,7 @@ def check(
 
 
 app.command()(export)
-
-
+app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")
 
 

@@ -131,7 +131,8 @@ def _whole(task: _Task) -> Exported:
     if task.target is Target.C:
         text = c.header(task.friction, task.out.name)
     else:
-        text = scripts.mjlab_text(task.path, task.out, list(task.friction))
+        model = load_model(task.path)
+        text = scripts.mjlab_text(task.path, task.out, list(task.friction), model)
     return Exported(text, tuple(f"{effect}: {reason}" for effect in lost))
 
 

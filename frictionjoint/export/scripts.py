@@ -72,7 +72,20 @@ def isaac_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoc
     return _rendered("isaac.py.j2", source, joints=joints)
 
 
-def mjlab_text(source: Path, out: Path, joints: list[str]) -> str:
-    """A module with an actuator configuration whose joints have the friction of the model."""
+def mjlab_text(source: Path, out: Path, joints: list[str], model: mujoco.MjModel) -> str:
+    """A module with an articulation whose joints have the friction that the model carries."""
     way = os.path.relpath(source.absolute(), out.absolute().parent)
-    return _rendered("mjlab.py.j2", source, joints=joints, way=way)
+    moved = [
+        model.joint(int(model.actuator_trnid[i, 0])).name
+        for i in range(len(model.actuator_group))
+        if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT
+    ]
+    driven = [name for name in joints if name in moved]
+    free = [name for name in joints if name not in moved]
+    return _rendered(
+        "mjlab.py.j2",
+        source,
+        way=way,
+        driven=[driven] if driven else [],
+        free=[free] if free else [],
+    )
