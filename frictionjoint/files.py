@@ -3,6 +3,7 @@
 import contextlib
 import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,15 +28,23 @@ def read_parameters(path: Path) -> JointFriction:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
-    effects = content.pop("effects", [])
     try:
-        if not isinstance(effects, list):
-            raise ParameterError("effects must be an array of tables, [[effects]]")
-        return JointFriction(
-            parameters_from_dict(content), tuple(_effect(table) for table in effects)
-        )
+        return joint_friction(content)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
+
+
+def joint_friction(content: Mapping[str, Any]) -> JointFriction:
+    """Friction of one joint from what a parameter file holds.
+
+    Raises:
+        ParameterError: something that no law or effect takes.
+    """
+    law = {key: value for key, value in content.items() if key != "effects"}
+    effects = content.get("effects", [])
+    if not isinstance(effects, list):
+        raise ParameterError("effects must be an array of tables, [[effects]]")
+    return JointFriction(parameters_from_dict(law), tuple(_effect(table) for table in effects))
 
 
 def _effect(table: Any) -> SimulatedEffect:
@@ -67,6 +76,13 @@ def _number(effect: str, key: str, value: Any) -> float:
 
 def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:
     """Inverse of `read_parameters`, exact to the last bit."""
+    return tomlkit.dumps(toml_document(parameters, effects))
+
+
+def toml_document(
+    parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()
+) -> tomlkit.TOMLDocument:
+    """What `toml_text` writes."""
     document = tomlkit.document()
     document.add(tomlkit.comment("Joint friction, SI units: N m and rad, or N and m for a slide."))
     for key, value in parameters.to_dict().items():
@@ -82,4 +98,4 @@ def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -
                 table.add(name, float(value))
             tables.append(table)
         document.add("effects", tables)
-    return tomlkit.dumps(document)
+    return document

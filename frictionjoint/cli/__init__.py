@@ -17,6 +17,7 @@ import typer
 
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
+from frictionjoint.cli.export import export
 from frictionjoint.cli.logs import (
     Columns,
     Fixed,
@@ -29,6 +30,7 @@ from frictionjoint.cli.logs import (
     split,
 )
 from frictionjoint.cli.models import check, install, uninstall, view
+from frictionjoint.cli.motors import motors
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.laws import LAWS
@@ -240,8 +242,9 @@ def identify(
 app.command()(compare)
 
 
-for command in (install, uninstall, check, view):
+for command in (install, uninstall, check, view, export):
     app.command()(command)
+app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")
 
 

@@ -203,9 +203,11 @@ def rows_of_block(block: Sequence[float]) -> int:
     return row_size(int(law_row_size(numbers, HEAD)), n_effects)
 
 
-def resolve(model: mujoco.MjModel | ModelView) -> dict[str, int]:
+def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict[str, int]:
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
+    Args:
+        in_userdata: whether the state is to live there.
     Raises:
         ModelError: a block without its joint, of another version or damaged, too little
             ``userdata``, or a motor that saturates and cannot be followed.
@@ -224,7 +226,7 @@ def resolve(model: mujoco.MjModel | ModelView) -> dict[str, int]:
         _effects(exact[law:], f"numeric {TAG}{name}")
         sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
     need = sum(sizes.values())
-    if need > model.nuserdata:
+    if in_userdata and need > model.nuserdata:
         raise ModelError(
             f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
             f'{model.nuserdata}: write <size nuserdata="{need}"/> in the MJCF'

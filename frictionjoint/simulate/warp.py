@@ -252,7 +252,8 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     owner = getattr(m.callback.passive, "__self__", None)
     if isinstance(owner, WarpFriction):
         raise ModelError("this model is attached already: detach the friction it has first")
-    found = resolve(mjm)
+    # a spec that others are attached to loses their room in userdata, which is not used here
+    found = resolve(mjm, in_userdata=False)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
     for name, at in found.items():

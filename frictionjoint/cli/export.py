@@ -1,0 +1,104 @@
+"""``frictionjoint export``: the friction of a model in the terms of another program."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.terminal import console, progress
+from frictionjoint.errors import ParameterError
+
+_Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
+
+
+def export(
+    model: Annotated[
+        Path, typer.Argument(metavar="MODEL", help="MJCF that carries friction, see `install`.")
+    ],
+    to: Annotated[_Target, typer.Option("--to", help="What to write.", show_default=False)],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
+    ],
+    log: Annotated[
+        Path | None,
+        typer.Option("--log", metavar="LOG", help="Fit and measure along the motion of this log."),
+    ] = None,
+    speeds: Annotated[
+        str | None,
+        typer.Option(
+            "--speeds",
+            metavar="LOW:HIGH",
+            help="Fit and measure over these speeds, rad/s or m/s. Without them and without a log "
+            "0.1 to 20 Stribeck velocities.",
+        ),
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="OURS=THEIRS", help="A foreign column name of the log."),
+    ] = None,
+    lugre: Annotated[
+        bool,
+        typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, an actuator a joint."),
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print what is lost as JSON.")] = False,
+) -> None:
+    """Write the friction of a model in the terms of another program, and say what is lost.
+
+    * `c`: a C99 header for controllers, the torque of the simulation.
+    * `native`: an MJCF with plain MuJoCo friction, for what loads MJCF.
+    * `urdf`: links, joints and their `<dynamics>`.
+    * `mjlab`: an actuator configuration whose joints have the whole friction.
+    * `newton`, `isaac`: the joints' numbers in Newton's and Isaac Lab's terms.
+
+    Examples:
+
+    `frictionjoint export arm_friction.xml --to c --out arm_friction.h`
+
+    `frictionjoint export arm_friction.xml --to native --log motion.csv --out arm_native.xml`
+    """
+    from frictionjoint.cli import _mapping
+    from frictionjoint.export.run import Target, output_file
+    from frictionjoint.export.run import export as run
+    from frictionjoint.report.write import write_files
+
+    if log is not None and speeds is not None:
+        raise ParameterError("--speeds and --log: give one of them")
+    target = Target(to)
+    file = output_file(out, target)
+    with progress() as told:
+        told(f"reading {model.name}")
+        done = run(model, target, file, _range(speeds), log, _mapping(column), lugre, told)
+        write_files(file.parent, {file.name: done.text})
+    if as_json:
+        rows = [loss.to_dict() for loss in done.losses]
+        typer.echo(json.dumps({"file": str(file), "lost": done.lost, "losses": rows}, indent=2))
+        return
+    typer.echo(f"Wrote {file}")
+    for lost in done.lost:
+        typer.echo(f"Lost: {lost}")
+    if done.losses:
+        table = Table("joint", "friction, rms", "lost, rms", "loop error", "exported", "apart")
+        for x in done.losses:
+            share = f" ({x.torque_lost / x.torque:.0%})" if x.torque else ""
+            torques = (f"{x.torque:.3g} {x.unit}", f"{x.torque_lost:.3g} {x.unit}{share}")
+            table.add_row(x.joint, *torques, *map(_milli, (x.error, x.error_exported, x.apart)))
+        console().print(table)
+        typer.echo(f"Along: {'; '.join(sorted({x.motion for x in done.losses}))}.")
+
+
+def _milli(error: float) -> str:
+    return f"{1e3 * error:.3g}e-3"
+
+
+def _range(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    try:
+        low, high = (float(x) for x in text.split(":"))
+    except ValueError:
+        raise ParameterError(f"--speeds {text}: write LOW:HIGH, e.g. 0.01:2") from None
+    if not 0.0 < low < high < float("inf"):
+        raise ParameterError(f"--speeds {text}: LOW must be above 0 and below HIGH")
+    return low, high

@@ -1,0 +1,134 @@
+"""``frictionjoint motors``: identified motors, and parameter files of BAM."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.terminal import console
+
+motors = typer.Typer(
+    invoke_without_command=True,
+    rich_markup_mode="markdown",
+    help=(
+        "Motors and joints identified from public logs, and parameter files of BAM.\n\n"
+        "Examples: `frictionjoint motors list`, "
+        "`frictionjoint motors get ur10_j1 --out j1.toml`, then `frictionjoint install`"
+    ),
+)
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="File to write.")]
+Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM.")]
+
+
+@motors.callback()
+def listed(context: typer.Context) -> None:
+    """The list, where no command is named."""
+    if context.invoked_subcommand is None:
+        list_command()
+
+
+@motors.command("list")
+def list_command(as_json: Json = False) -> None:
+    """Name the motors, with law, effects, source and licence.
+
+    Example: `frictionjoint motors list`
+    """
+    from frictionjoint.motors.library import list_motors
+
+    found = list_motors()
+    if as_json:
+        rows = [
+            {
+                "name": x.name,
+                "title": x.title,
+                "law": x.friction.parameters.law,
+                "effects": [e.effect.name for e in x.friction.effects],
+                "unit": x.unit,
+                "fit": x.fit,
+                "source": x.source,
+                "licence": x.licence,
+                "command": x.command,
+                "remark": x.remark,
+            }
+            for x in found
+        ]
+        typer.echo(json.dumps(rows, indent=2))
+        return
+    table = Table("name", "what", "law", "effects", "left, rms", "licence")
+    for x in found:
+        left = x.fit.get("held_out_rms", x.fit.get("torque_rms"))
+        effects = ", ".join(e.effect.name for e in x.friction.effects) or "none"
+        shown = "" if left is None else f"{left:.3g} {x.unit}"
+        table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
+    console().print(table)
+
+
+@motors.command("get")
+def get_command(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")], out: Out
+) -> None:
+    """Write the parameter file of a motor, for `frictionjoint install`.
+
+    Example: `frictionjoint motors get ur10_j1 --out j1.toml`
+    """
+    from frictionjoint.files import toml_text
+    from frictionjoint.motors.library import get_motor
+    from frictionjoint.report.write import write_files
+
+    motor = get_motor(name)
+    friction = motor.friction
+    write_files(out.parent, {out.name: toml_text(friction.parameters, friction.effects)})
+    typer.echo(f"{motor.title}\nsource: {motor.source}\nlicence: {motor.licence}")
+    if motor.remark:
+        typer.echo(motor.remark)
+    typer.echo(f"Wrote {out}")
+
+
+@motors.command("from-bam")
+def from_bam_command(bam: Bam, out: Out) -> None:
+    """Write our parameter file from one of BAM, models M1 to M6.
+
+    Example: `frictionjoint motors from-bam bam/params/xl330/m4.json --out xl330.toml`
+    """
+    from frictionjoint.files import toml_text
+    from frictionjoint.motors.bam import from_bam, read_bam
+    from frictionjoint.report.write import write_files
+
+    friction, said = from_bam(read_bam(bam))
+    write_files(out.parent, {out.name: toml_text(friction.parameters, friction.effects)})
+    typer.echo(f"Wrote {out}")
+    for line in said:
+        typer.echo(f"Without counterpart: {line}")
+
+
+@motors.command("to-bam")
+def to_bam_command(
+    parameters: Annotated[
+        Path, typer.Argument(metavar="TOML", help="Parameter file, as `identify` writes it.")
+    ],
+    like: Annotated[
+        Path,
+        typer.Option("--like", metavar="JSON", help="BAM's file with the actuator, kt, R."),
+    ],
+    out: Out,
+    model: Annotated[
+        str | None,
+        typer.Option("--model", metavar="M", help="m1 to m6. Default: the least that suffices."),
+    ] = None,
+) -> None:
+    """Write a parameter file of BAM from one of ours.
+
+    Example: `frictionjoint motors to-bam xl330.toml --like bam/params/xl330/m1.json --out m4.json`
+    """
+    from frictionjoint.files import read_parameters
+    from frictionjoint.motors.bam import read_bam, to_bam
+    from frictionjoint.report.write import write_files
+
+    made, said = to_bam(read_parameters(parameters), read_bam(like), model)
+    write_files(out.parent, {out.name: made.to_json()})
+    typer.echo(f"Wrote {out}, model {made.model} of {made.actuator}")
+    for line in said:
+        typer.echo(f"Without counterpart: {line}")

@@ -1,0 +1,176 @@
+"""``--to c``: one C99 header with the law, the effects and the parameters of a model's joints.
+
+The functions are those that numba compiles (`frictionjoint.export.c_source`), only as much of them
+as the model's laws and effects need, and give the same torque. Nothing is allocated; from the C
+library come exp, log and pow.
+"""
+
+import inspect
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import metadata
+
+import jinja2
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import DTAU, GEAR, GX, GY, JERK, LOAD, MOTOR, SNAP, TEMP
+from frictionjoint.errors import ModelError
+from frictionjoint.export.c_source import Known, name_of, source
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+from frictionjoint.simulate.row import row_size, torque_now
+from frictionjoint.simulate.with_effects import effects_torque
+
+# what only a log knows
+_NOT_SIMULATED = frozenset({JERK, SNAP, DTAU, GEAR, TEMP})
+# what the caller tells beside the motion: signals, and arguments of `effects_torque`
+_AROUND = frozenset({LOAD, GX, GY, MOTOR})
+_SURROUNDINGS = {
+    "bias": "s->bias",
+    "inertia": "s->inertia",
+    "gx": "s->gravity[0]",
+    "gy": "s->gravity[1]",
+    "asked": "s->asked",
+}
+_LEVELS = [
+    f"{name}_{side}" for side in ("pos", "neg") for name in ("Fs", "Fc", "Vs", "delta", "sigma2")
+]
+_OWN = {
+    "static": ["V0"],
+    "armstrong": ["sigma0"],
+    "dahl": ["sigma0", "i"],
+    "lugre": ["sigma0"],
+    "elastoplastic": ["sigma0", "breakaway"],
+}
+
+
+@dataclass(frozen=True)
+class CJoint:
+    """One joint in the header.
+
+    Attributes:
+        identifier: its name as C takes it. numbers: as text, each with what it is.
+        effects: where the effects' numbers begin. state: doubles of memory.
+        surroundings: whether an effect asks for more than the motion.
+    """
+
+    name: str
+    identifier: str
+    numbers: tuple[tuple[str, str], ...]
+    effects: int
+    state: int
+    surroundings: bool
+
+
+def header(friction: Mapping[str, JointFriction], guard: str) -> str:
+    """The text of the header.
+
+    Args:
+        friction: by joint name, as `read_friction` gives it.
+        guard: name of the file, for the include guard.
+    Raises:
+        ModelError: two joints' names become one C identifier.
+    """
+    joints = [_joint(name, carried) for name, carried in friction.items()]
+    taken = [joint.identifier for joint in joints]
+    for i, joint in enumerate(joints):
+        if joint.identifier in taken[:i]:
+            raise ModelError(
+                f"joint {joint.name!r} and another are both {joint.identifier} in C: rename one"
+            )
+    with_effects = any(carried.effects for carried in friction.values())
+    functions = [torque_now, effects_torque] if with_effects else [torque_now]
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("frictionjoint.export", "."),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    return environment.get_template("friction.h.j2").render(
+        version=metadata.version("frictionjoint"),
+        guard=f"FRICTIONJOINT_{_identifier(guard).upper()}",
+        joints=joints,
+        source=source(functions, _known(friction.values())),
+        torque=name_of(torque_now),
+        effects=f"{name_of(effects_torque)}({_effect_arguments()})" if with_effects else "",
+        state=max(joint.state for joint in joints),
+        lost=lost_effects(friction),
+    )
+
+
+def lost_effects(friction: Mapping[str, JointFriction]) -> list[str]:
+    """``joint: effect`` for what needs a log to act and is nought in the header."""
+    return [
+        f"{name}: {carried.effect.name}"
+        for name, joint in friction.items()
+        for carried in joint.effects
+        if _NOT_SIMULATED & set(carried.effect.needs)
+    ]
+
+
+def _effect_arguments() -> str:
+    own = ["P", "0", "joint->effects", "state", "0", "time", "position", "velocity"]
+    names = list(inspect.signature(effects_torque.py_func).parameters)
+    return ", ".join([*own, *(_SURROUNDINGS[name] for name in names[len(own) :])])
+
+
+def _known(carried: Iterable[JointFriction]) -> Known:
+    """The laws and effects there are, so that the header holds no others."""
+    joints = list(carried)
+    laws = frozenset(float(joint.parameters.pack()[0]) for joint in joints)
+    effects = frozenset(float(e.effect.effect_id) for joint in joints for e in joint.effects)
+    return {
+        ("law.kernel", "P[p]"): laws,
+        ("law.kernel", "law"): laws,
+        ("effects.kernel", "effect_id"): effects,
+    }
+
+
+def _joint(name: str, carried: JointFriction) -> CJoint:
+    law = carried.parameters.pack()
+    labels = [*_law_labels(carried.parameters, law), "number of effects"]
+    values = [*law, float(len(carried.effects))]
+    for effect in carried.effects:
+        labels += _effect_labels(effect)
+        values += list(effect.pack())
+    return CJoint(
+        name=name,
+        identifier=_identifier(name),
+        numbers=tuple(zip(map(_number, values), labels, strict=True)),
+        effects=len(law),
+        state=row_size(int(law_row_size(law, 0)), len(carried.effects)),
+        surroundings=any(_AROUND & set(e.effect.needs) for e in carried.effects),
+    )
+
+
+def _law_labels(parameters: Friction, block: Array) -> list[str]:
+    """What each number of a law's block is."""
+    first = f"law: {parameters.law}"
+    if parameters.law == "integrated":
+        kinds = ["variant: 0 ganseman1997, 1 lampaert2002", "virgin: 0 literal, 1 masing"]
+        head = [first, *kinds, "n", "sigma1", *_LEVELS]
+        knots = int(block[len(head)])
+        of_knots = [f"{x} of knot {i}" for i in range(knots) for x in ("z", "F", "slope")]
+        return [*head, "knots", *of_knots]
+    own = _OWN.get(parameters.law)
+    if own is None:
+        pairs = (len(block) - 4 - len(_LEVELS)) // 2
+        own = ["C", "elements", *(f"{x}[{i}]" for i in range(pairs) for x in ("k", "share"))]
+    return [first, "sigma1", *_LEVELS, *own]
+
+
+def _effect_labels(effect: SimulatedEffect) -> list[str]:
+    names = [*effect.effect.shape, *effect.effect.coefficients]
+    return [f"effect: {effect.effect.name}", "its numbers", *names]
+
+
+def _number(value: float) -> str:
+    return repr(float(np.float64(value)))
+
+
+def _identifier(name: str) -> str:
+    """A name as C takes it, after a prefix."""
+    return re.sub(r"\W", "_", name, flags=re.ASCII)

@@ -1,0 +1,210 @@
+"""What an export loses, in numbers: torque along a motion, and the error of a control loop.
+
+Both friction torques are MuJoCo's own: inverse dynamics of the model that carries friction and of
+the exported one, less that of the model without. The control loop is the same in both, and soft so
+that friction shows: friction alone displaces the joint by a tenth of the motion's range. Its
+damping ratio is 0.3, gravity and the wanted acceleration are compensated, other joints are held.
+"""
+
+import contextlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
+from frictionjoint.export.motion import Motion
+from frictionjoint.simulate.attach import attach
+
+_DISPLACED, _DAMPING, _HELD_HZ = 0.1, 0.3, 3.0
+# highest frequency of a loop, over that of the time step: an explicit spring must not chatter
+_FASTEST = 0.3
+# so small that no joint counts as stiff: torque is wanted here and now, not at a step's end
+_INSTANT = 1e-9
+_ROBOT = 1  # an actuator group
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What one joint loses along one motion.
+
+    Attributes:
+        joint, motion: names. unit: of the torques.
+        torque: rms of the friction torque, ours. torque_lost: rms of exported less ours.
+        error: rms position error of the loop with our friction, rad (m). error_exported: with the
+            exported one. apart: rms distance of the two runs.
+    """
+
+    joint: str
+    motion: str
+    unit: str
+    torque: float
+    torque_lost: float
+    error: float
+    error_exported: float
+    apart: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def losses(
+    ours: mujoco.MjModel,
+    bare: mujoco.MjModel,
+    exported: mujoco.MjModel,
+    motions: Mapping[str, Motion],
+    actuators: Mapping[str, Array],
+) -> list[Loss]:
+    """The losses of each joint along its motion.
+
+    Args:
+        ours: carries friction. bare: the same without. exported: the same with what was exported;
+            it may have actuators of its own, which act. Their flags and steps are changed.
+        actuators: torque along the motion, by joint, of those that act as friction, which inverse
+            dynamics does not know; shape (n,).
+    Raises:
+        ModelError: the exported model diverges in the loop.
+    """
+    for model in (ours, bare, exported):
+        _alone(model, len(bare.actuator_group))
+    found = []
+    for joint, motion in motions.items():
+        base = _inverse(bare, joint, motion, False)
+        here = _inverse(ours, joint, motion, True) - base
+        there = _inverse(exported, joint, motion, False) - base + actuators.get(joint, 0.0)
+        stiffness = _rms(here) / (_DISPLACED * float(np.ptp(motion.position)))
+        run = _loop(ours, bare, joint, motion, stiffness, True)
+        other = _loop(exported, bare, joint, motion, stiffness, False)
+        if not np.isfinite(other).all():
+            raise ModelError(
+                f"joint {joint!r}: the exported model diverges at a time step of "
+                f"{exported.opt.timestep:g} s, take a smaller one"
+            )
+        slide = ours.jnt_type[ours.joint(joint).id] == mujoco.mjtJoint.mjJNT_SLIDE
+        found.append(
+            Loss(
+                joint=joint,
+                motion=motion.name,
+                unit="N" if slide else "N m",
+                torque=_rms(here),
+                torque_lost=_rms(there - here),
+                error=_rms(run - motion.position),
+                error_exported=_rms(other - motion.position),
+                apart=_rms(other - run),
+            )
+        )
+    return found
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))
+
+
+def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Array]:
+    """Position, velocity and acceleration along the motion by joint id, shape (n, 3)."""
+    dt = float(motion.time[1] - motion.time[0])
+    found = {
+        model.joint(joint).id: np.stack(
+            [motion.position, motion.velocity, motion.acceleration], axis=1
+        )
+    }
+    for name, q in motion.others.items():
+        other = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+        if other >= 0:
+            v = np.gradient(q, dt)
+            found[other] = np.stack([q, v, np.gradient(v, dt)], axis=1)
+    return found
+
+
+def _alone(model: mujoco.MjModel, actuators: int) -> None:
+    """Nothing but the joints acts; the first `actuators` are those of the robot, and off."""
+    off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    model.opt.disableflags |= int(off)
+    model.actuator_group[:actuators] = _ROBOT
+    model.actuator_group[actuators:] = 0
+    model.opt.disableactuator = 1 << _ROBOT
+
+
+def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) -> Array:
+    """Torque that the motion takes at the joint, shape (n,)."""
+    data, step = mujoco.MjData(model), model.opt.timestep
+    tracks = _tracks(model, joint, motion)
+    dof = int(model.jnt_dofadr[model.joint(joint).id])
+    found = np.empty(len(motion.time))
+    if attached:
+        model.opt.timestep = _INSTANT
+    with attach(model) if attached else contextlib.nullcontext():
+        for k, t in enumerate(motion.time):
+            data.time = t
+            for j, track in tracks.items():
+                data.qpos[model.jnt_qposadr[j]] = track[k, 0]
+                data.qvel[model.jnt_dofadr[j]] = track[k, 1]
+                data.qacc[model.jnt_dofadr[j]] = track[k, 2]
+            mujoco.mj_inverse(model, data)
+            found[k] = data.qfrc_inverse[dof]
+    model.opt.timestep = step
+    return found
+
+
+def _loop(
+    model: mujoco.MjModel,
+    bare: mujoco.MjModel,
+    joint: str,
+    motion: Motion,
+    stiffness: float,
+    attached: bool,
+) -> Array:
+    """Position of the joint under a loop of this stiffness, N m/rad, at the motion's times."""
+    data, before = mujoco.MjData(model), model.opt.timestep
+    tracks = _tracks(model, joint, motion)
+    driven = [j for j in range(model.njnt) if model.jnt_type[j] in _ONE_DOF]
+    qpos, dofs = model.jnt_qposadr[driven], model.jnt_dofadr[driven]
+    steps = max(1, int(np.ceil(motion.time[-1] / before)))
+    model.opt.timestep = motion.time[-1] / steps
+    time = model.opt.timestep * np.arange(steps + 1)
+    wanted = np.zeros((3, steps + 1, len(driven)))
+    wanted[0] = model.qpos0[qpos]
+    for j, track in tracks.items():
+        for i in range(3):
+            wanted[i, :, driven.index(j)] = np.interp(time, motion.time, track[:, i])
+    j = model.joint(joint).id
+    mass = _mass(bare)[np.ix_(dofs, dofs)]
+    springs, dampers = _gains(mass, driven.index(j), stiffness, model.opt.timestep)
+    data.qpos[qpos], data.qvel[dofs] = wanted[0, 0], wanted[1, 0]
+    found = np.empty(steps + 1)
+    with attach(model) if attached else contextlib.nullcontext():
+        mujoco.mj_forward(model, data)
+        for k in range(steps + 1):
+            found[k] = data.qpos[model.jnt_qposadr[j]]
+            data.qfrc_applied[:] = data.qfrc_bias
+            data.qfrc_applied[dofs] += (
+                springs * (wanted[0, k] - data.qpos[qpos])
+                + dampers * (wanted[1, k] - data.qvel[dofs])
+                + mass @ wanted[2, k]
+            )
+            mujoco.mj_step(model, data)
+    model.opt.timestep = before
+    return np.interp(motion.time, time, found)
+
+
+def _mass(model: mujoco.MjModel) -> Array:
+    """Mass matrix at qpos0, shape (nv, nv)."""
+    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    return mass
+
+
+def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array, Array]:
+    """Springs and dampers of the loops, N m/rad and N m s/rad, shape (n,) each."""
+    free = 1.0 / np.diag(np.linalg.inv(mass))  # inertia where the other joints are free
+    springs = (2.0 * np.pi * _HELD_HZ) ** 2 * np.diag(mass)
+    springs[own] = min(stiffness, free[own] * (_FASTEST / step) ** 2)
+    return springs, 2.0 * _DAMPING * np.sqrt(springs * free)
+
+
+_ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))

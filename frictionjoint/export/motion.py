@@ -1,0 +1,105 @@
+"""The motions along which an export is fitted and its losses are measured."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.export.sliding import levels
+from frictionjoint.measured.derivatives import differentiate, uniform, zero_phase
+from frictionjoint.measured.readers import read_log
+from frictionjoint.parameters import Friction
+
+# of the stated motion: s between samples, s of one sine, sines of each size, sizes of sliding, s
+# of the travel at one speed, and of its beginning and end
+_STEP, _PERIOD, _TURNS, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 1, 5, 5.0, 0.5
+# of the presliding stretch, over the displacement in which friction reaches its limit
+_BEFORE_SLIDING = 0.5
+# the stated speeds over the Stribeck velocity
+_SLOWEST, _FASTEST = 0.1, 20.0
+# speeds of a log that count, over its fastest
+_MOVING = 0.01
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion of one joint, arrays of shape (n,).
+
+    Attributes:
+        name: for people. time: s, even steps. position, velocity, acceleration: rad, rad/s,
+            rad/s^2 (m ...). others: positions of other joints by name.
+    """
+
+    name: str
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    others: dict[str, Array] = field(default_factory=dict)
+
+    @property
+    def speeds(self) -> Array:
+        """Magnitudes of the velocity while the joint moves, rad/s."""
+        speed = np.abs(self.velocity)
+        return np.asarray(speed[speed > _MOVING * speed.max()])
+
+
+def stated_motion(parameters: Friction, start: float, speeds: tuple[float, float] | None) -> Motion:
+    """One sine within presliding, sines of sliding, and a travel there and back at one speed.
+
+    The sines have peak speeds in even ratios from the lowest to the highest, the travel the mean of
+    those in that sense: slow enough to stick and slip.
+
+    Args:
+        start: rad, where the motion begins and ends.
+        speeds: lowest and highest peak speed, rad/s; None: 0.1 to 20 Stribeck velocities.
+    """
+    Fs, _, Vs, *_ = levels(parameters)["pos"]
+    lowest, highest = speeds or (_SLOWEST * Vs, _FASTEST * Vs)
+    peaks = list(np.geomspace(lowest, highest, _SIZES))
+    if parameters.stiffness > 0.0:
+        reach = _BEFORE_SLIDING * 2.0 * Fs / parameters.stiffness
+        peaks.insert(0, np.pi * reach / _PERIOD)
+    w = 2.0 * np.pi / _PERIOD
+    turns = w * _STEP * np.arange(round(_TURNS * _PERIOD / _STEP))
+    velocity = [peak * np.sin(turns) for peak in peaks]
+    edge = np.clip(np.arange(0.0, _TRAVEL, _STEP) / _EDGE, 0.0, 1.0)
+    one_way = float(np.sqrt(lowest * highest)) * edge * edge[::-1]
+    v = np.concatenate([*velocity, one_way, -one_way])
+    q: Array = start + _STEP * np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1])))
+    name = f"sines and travel, {lowest:.3g} to {highest:.3g} a second"
+    a: Array = np.gradient(v, _STEP)
+    t = _STEP * np.arange(len(q), dtype=np.float64)
+    return Motion(name, t, q, v, a)
+
+
+def log_motions(path: Path, joints: list[str], columns: Mapping[str, str]) -> dict[str, Motion]:
+    """The motions of joints in a log, by joint.
+
+    Args:
+        joints: those that carry friction. columns: our column name -> the log's.
+    Raises:
+        LogError: unreadable, or a log that does not say which of several joints it is of.
+    """
+    found = {}
+    for joint in joints:
+        log = read_log(path, joint, columns)
+        if len(joints) > 1 and not log.other_positions:
+            raise LogError(
+                f"{path.name}: {len(joints)} joints carry friction, name them in the columns: "
+                f"{joint}.position_rad"
+            )
+        smooth = differentiate(log)
+        dt = float(smooth.time[1] - smooth.time[0])
+        others = {
+            name: zero_phase(uniform(log.time, x, smooth.time), dt, smooth.bandwidth_hz)
+            for name, x in log.other_positions.items()
+        }
+        time = smooth.time - smooth.time[0]
+        found[joint] = Motion(
+            log.name, time, smooth.position, smooth.velocity, smooth.acceleration, others
+        )
+    return found

@@ -1,0 +1,77 @@
+"""``--to native``: an MJCF with the best friction that plain MuJoCo has, for what loads MJCF.
+
+Coulomb friction is MuJoCo's constraint `frictionloss`, made as stiff as MuJoCo takes it: with its
+defaults a joint creeps under half the limit at 0.05 rad/s, so 10,000 times faster than so. Constant
+torques and springs become `stiffness` and `springref`, an inertia error becomes `armature`.
+"""
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from frictionjoint.errors import ModelError
+from frictionjoint.export.sliding import PlainFriction
+from frictionjoint.simulate.carrier import TAG, blocks, rows_of_block
+
+# MuJoCo's largest impedance, and its shortest time constant, over a step
+_IMPEDANCE, _STEPS = 0.9999, 2.0
+# spring that carries a constant torque, over that torque: 1/rad
+_SOFT = 1e-4
+# damping coefficients that a joint can have
+TERMS = 3
+
+
+def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """The same spec without the friction it carries; changed in place."""
+    model = spec.copy().compile()
+    ours = 0
+    for at in blocks(model).values():
+        ours += rows_of_block(model.numeric_data[at:].tolist())
+    for numeric in list(spec.numerics):
+        if TAG in (numeric.name or ""):
+            spec.delete(numeric)
+    spec.nuserdata = max(0, model.nuserdata - ours)
+    return spec
+
+
+def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> mujoco.MjSpec:
+    """Give joints plain friction, beside what they have; changed in place.
+
+    Raises:
+        ModelError: an inertia error that makes an armature negative.
+    """
+    step = float(spec.option.timestep)
+    for name, plain in friction.items():
+        joint = spec.joint(name)
+        joint.frictionloss += plain.coulomb
+        if plain.coulomb > 0.0:
+            joint.solimp_friction[:2] = _IMPEDANCE
+            joint.solref_friction[:] = _STEPS * step, 1.0
+        _add(joint, "damping", plain.damping)
+        if joint.armature + plain.armature < 0.0:
+            raise ModelError(
+                f"joint {name!r}: its inertia error of {plain.armature:g} makes the armature "
+                "negative: correct the inertia of the model's bodies first"
+            )
+        joint.armature += plain.armature
+        _add_spring(joint, plain)
+    return spec
+
+
+def _add(joint: mujoco.MjsJoint, field: str, values: tuple[float, ...]) -> None:
+    """Add coefficients to a polynomial, or to the one number of a MuJoCo without polynomials."""
+    now = np.array(getattr(joint, field), dtype=np.float64)
+    np.ravel(now)[: len(values)] += values
+    setattr(joint, field, now if now.ndim else float(now))
+
+
+def _add_spring(joint: mujoco.MjsJoint, plain: PlainFriction) -> None:
+    before = float(np.ravel(joint.stiffness)[0])
+    stiffness = plain.stiffness
+    if plain.preload != 0.0 and before + stiffness == 0.0:
+        stiffness = _SOFT * abs(plain.preload)
+    _add(joint, "stiffness", (stiffness,))
+    if before + stiffness > 0.0:
+        torque = before * joint.springref - plain.preload
+        joint.springref = torque / (before + stiffness)

@@ -1,0 +1,231 @@
+"""One export: the text for a target, what it has no words for, and what that costs in numbers."""
+
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import mujoco
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
+from frictionjoint.export import c, scripts
+from frictionjoint.export.losses import Loss, losses
+from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
+from frictionjoint.export.motion import Motion, log_motions, stated_motion
+from frictionjoint.export.native import TERMS, add_plain, without_friction
+from frictionjoint.export.sliding import PlainFriction, plain_friction
+from frictionjoint.export.urdf import urdf_text
+from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+
+
+class Target(StrEnum):
+    """What a model can be exported to."""
+
+    NATIVE = "native"
+    URDF = "urdf"
+    C = "c"
+    MJLAB = "mjlab"
+    NEWTON = "newton"
+    ISAAC = "isaac"
+
+
+# law and effects as they are
+_WHOLE = (Target.C, Target.MJLAB)
+# a constant torque, a spring
+_SPRINGS = (Target.NATIVE, Target.NEWTON)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """An export.
+
+    Attributes:
+        text: of the file. lost: what the target has nothing for, a sentence each.
+        losses: in numbers, a joint each; none where law and effects go along.
+    """
+
+    text: str
+    lost: tuple[str, ...]
+    losses: tuple[Loss, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What an export starts from."""
+
+    path: Path
+    out: Path
+    target: Target
+    friction: dict[str, JointFriction]
+    lugre: bool = False
+
+    def spec(self) -> mujoco.MjSpec:
+        """The model without the friction it carries."""
+        return without_friction(mujoco.MjSpec.from_file(str(self.path)))
+
+
+def export(
+    path: Path,
+    target: Target,
+    out: Path,
+    speeds: tuple[float, float] | None = None,
+    log: Path | None = None,
+    columns: Mapping[str, str] | None = None,
+    lugre: bool = False,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Exported:
+    """The friction that an MJCF carries, in the terms of a target.
+
+    Args:
+        path: of the MJCF. out: of the file to write, for its name and its way to the model.
+        speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
+            20 times the Stribeck velocity.
+        log: whose motion stands in for the stated one, with `columns` ours -> the log's.
+        lugre: for the native target: friction by MuJoCo's own LuGre.
+    Raises:
+        ModelError: no friction, or a model that the target cannot hold. LogError: a bad log.
+    """
+    friction = read_friction(load_model(path))
+    task = _Task(path, out, target, friction, lugre)
+    if lugre and target is not Target.NATIVE:
+        raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
+    if target in _WHOLE:
+        return _whole(task)
+    motions = _motions(task, speeds, log, columns or {})
+    friction = {name: friction[name] for name in motions}
+    terms = TERMS if target is Target.NATIVE else 1
+    plain = {name: plain_friction(friction[name], motions[name].speeds, terms) for name in motions}
+    progress("losses along a motion")
+    bare = task.spec().compile()
+    actuators: dict[str, Array] = {}
+    if lugre:
+        fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
+        actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
+        text, model = _written(add_lugre(task.spec(), fitted, plain), task)
+    else:
+        text, model = _PLAIN[target](task, plain)
+    found = losses(load_model(path), bare, model, motions, actuators)
+    return Exported(text, tuple(_lost(task, plain, bare)), tuple(found))
+
+
+def _motions(
+    task: _Task, speeds: tuple[float, float] | None, log: Path | None, columns: Mapping[str, str]
+) -> dict[str, Motion]:
+    if log is not None:
+        return log_motions(log, list(task.friction), columns)
+    model = load_model(task.path)
+    return {
+        name: stated_motion(
+            carried.parameters, float(model.qpos0[model.jnt_qposadr[model.joint(name).id]]), speeds
+        )
+        for name, carried in task.friction.items()
+    }
+
+
+def _whole(task: _Task) -> Exported:
+    lost = c.lost_effects(task.friction)
+    reason = "only a log knows what it follows"
+    if task.target is Target.C:
+        text = c.header(task.friction, task.out.name)
+    else:
+        model = load_model(task.path)
+        text = scripts.mjlab_text(task.path, task.out, list(task.friction), model)
+    return Exported(text, tuple(f"{effect}: {reason}" for effect in lost))
+
+
+def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    return _written(add_plain(task.spec(), plain), task)
+
+
+def _written(spec: mujoco.MjSpec, task: _Task) -> tuple[str, mujoco.MjModel]:
+    model = spec.compile()
+    return _with_assets(spec, task), model
+
+
+def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
+    """The spec's MJCF; files that it names are looked for from where the export will lie."""
+    text: str = spec.to_xml()
+    if not (spec.meshes or spec.hfields or spec.textures or spec.skins):
+        return text
+    root = ET.fromstring(text)
+    compiler = root.find("compiler")
+    if compiler is None:
+        compiler = ET.Element("compiler")
+        root.insert(0, compiler)
+    before, after = task.path.absolute().parent, task.out.absolute().parent
+    for name in ("meshdir", "texturedir"):
+        compiler.set(name, os.path.relpath(before / getattr(spec, name), after))
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _urdf(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    note = f"{task.path.name} with the joints' friction as far as URDF has it, by frictionjoint"
+    text = urdf_text(task.spec().compile(), plain, note)
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.timestep = task.spec().option.timestep
+    return text, model
+
+
+def _newton(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    model = add_plain(task.spec(), plain).compile()
+    return scripts.newton_text(task.path, plain, model), model
+
+
+def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    for_physx = {name: p.without_springs() for name, p in plain.items()}
+    model = add_plain(task.spec(), for_physx).compile()
+    return scripts.isaac_text(task.path, plain, model), model
+
+
+_PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, mujoco.MjModel]]] = {
+    Target.NATIVE: _native,
+    Target.URDF: _urdf,
+    Target.NEWTON: _newton,
+    Target.ISAAC: _isaac,
+}
+
+
+def _lost(task: _Task, plain: Mapping[str, PlainFriction], bare: mujoco.MjModel) -> list[str]:
+    """Sentences, a joint after the other."""
+    found = []
+    for name, p in plain.items():
+        what = ["presliding with its memory", "friction that falls with speed"]
+        if task.lugre:
+            what = ["the memory of reversals"]
+        elif task.target is Target.ISAAC:
+            what = ["presliding with its memory", "the fall of friction between rest and sliding"]
+        what += [f"effect {effect}" for effect in p.lost]
+        if task.target not in _SPRINGS:
+            if p.preload != 0.0:
+                what.append(f"a constant torque of {p.preload:.4g}")
+            if p.stiffness != 0.0:
+                what.append(f"a spring of {p.stiffness:.4g}")
+        armature = float(bare.dof_armature[bare.joint(name).dofadr[0]]) + p.armature
+        if task.target is Target.URDF and armature != 0.0:
+            what.append(f"rotor inertia {armature:.4g}")
+        found.append(f"{name}: {', '.join(what)}")
+    return found
+
+
+def output_file(out: Path, target: Target) -> Path:
+    """The file to write; in a folder it has a name by its target.
+
+    Raises:
+        ModelError: a folder's parent is a file.
+    """
+    names = {
+        Target.NATIVE: "native.xml",
+        Target.URDF: "robot.urdf",
+        Target.C: "friction.h",
+        Target.MJLAB: "friction_mjlab.py",
+        Target.NEWTON: "friction_newton.py",
+        Target.ISAAC: "friction_isaac.py",
+    }
+    if out.is_dir() or not out.suffix:
+        if out.is_file():
+            raise ModelError(f"{out} is a file without a suffix: name a folder or another file")
+        return out / names[target]
+    return out

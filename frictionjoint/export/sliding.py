@@ -1,0 +1,129 @@
+"""Steady sliding: friction as a function of speed, which is all that most programs know of it.
+
+A plain joint has a Coulomb torque, a damping that may be a polynomial of the speed, and a constant
+torque; a friction that differs between the directions is the mean of both and half the difference
+as a constant torque, exactly.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import nnls
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.kernel import columns
+from frictionjoint.effects.signals import DT, N_SIGNALS, H, V
+from frictionjoint.errors import ParameterError
+from frictionjoint.law.stribeck import stribeck_level
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+
+_PER_SIDE = 5
+# effects that are a function of the speed alone
+_OF_SPEED = ("back-emf", "nonlinear-viscous")
+# a polynomial is worth its terms where it misses so much less than a line
+_WORTH = 0.9
+# share of the torque that a term is not worth being written for
+_NOTHING = 1e-9
+
+
+@dataclass(frozen=True)
+class PlainFriction:
+    """A joint's friction as far as a plain joint has it.
+
+    Attributes:
+        coulomb: N m. breakaway: N m, at least the Coulomb torque.
+        damping: coefficients of 1, |v|, v^2, times v; N m s/rad and so on, none negative.
+        preload: N m, constant, against positive motion.
+        stiffness: N m/rad, of a spring at rest at zero. armature: kg m^2, may be negative.
+        misfit: N m, rms over the speeds of what Coulomb and damping leave of steady sliding.
+        lost: names of effects that a plain joint has nothing for.
+    """
+
+    coulomb: float
+    breakaway: float
+    damping: tuple[float, ...]
+    preload: float
+    stiffness: float
+    armature: float
+    misfit: float
+    lost: tuple[str, ...]
+
+    def without_springs(self) -> "PlainFriction":
+        """The same for a program without springs and constant torques."""
+        return replace(self, preload=0.0, stiffness=0.0)
+
+
+def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
+    """Fs, Fc, Vs, delta, sigma2 of each direction, of whatever law."""
+    block = parameters.pack()
+    first = 5 if parameters.law == "integrated" else 2
+    return {
+        side: tuple(float(x) for x in block[at : at + _PER_SIDE])
+        for side, at in (("pos", first), ("neg", first + _PER_SIDE))
+    }
+
+
+def sliding_torque(carried: JointFriction, speeds: Array, side: str) -> Array:
+    """Magnitude of the torque that steady sliding takes at these speeds, N m, shape (n,)."""
+    level = np.array(levels(carried.parameters)[side])
+    F = np.array([stribeck_level(level, 0, float(v)) for v in speeds]) + level[4] * speeds
+    signals = np.zeros((len(speeds), N_SIGNALS))
+    signals[:, V], signals[:, H], signals[:, DT] = speeds, 1.0, 1.0
+    for effect in carried.effects:
+        if effect.effect.name in _OF_SPEED:
+            own = columns(effect.effect.effect_id, effect.shape, len(effect.coefficients), signals)
+            F = F + own @ np.array(effect.coefficients)
+    return np.asarray(F)
+
+
+def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> PlainFriction:
+    """The plain joint nearest to a joint's friction over given speeds, by least squares.
+
+    Args:
+        speeds: rad/s, > 0, as often as they occur.
+        terms: most coefficients of the damping; more than one only where that pays.
+    Raises:
+        ParameterError: no speed is above zero.
+    """
+    if not len(speeds):
+        raise ParameterError("the motion has no speed above zero: friction cannot be fitted to it")
+    up, down = (sliding_torque(carried, speeds, side) for side in ("pos", "neg"))
+    found, misfit = _polynomial(speeds, 0.5 * (up + down), 1)
+    if terms > 1:
+        more, left = _polynomial(speeds, 0.5 * (up + down), terms)
+        if left < _WORTH * misfit:
+            found, misfit = more, left
+    by_side = levels(carried.parameters)
+    spring = _total(carried, "spring", "stiffness")
+    bias = _total(carried, "torque-bias", "bias") + _total(carried, "spring", "preload")
+    known = (*_OF_SPEED, "spring", "torque-bias", "inertia-error")
+    return PlainFriction(
+        coulomb=found[0],
+        breakaway=max(found[0], 0.5 * (by_side["pos"][0] + by_side["neg"][0])),
+        damping=tuple(found[1:]),
+        preload=float(np.mean(0.5 * (up - down))) + bias,
+        stiffness=spring,
+        armature=_total(carried, "inertia-error", "inertia"),
+        misfit=misfit,
+        lost=tuple(e.effect.name for e in carried.effects if e.effect.name not in known),
+    )
+
+
+def _polynomial(speeds: Array, F: Array, terms: int) -> tuple[list[float], float]:
+    """Coefficients of 1, v, v^2 ..., none negative, and the rms of what they leave."""
+    top = float(speeds.max())
+    scaled = (speeds / top)[:, None] ** np.arange(terms + 1)
+    found, left = nnls(scaled, F)
+    used = np.flatnonzero(found > _NOTHING * found.max())
+    last = max(2, used[-1] + 1 if len(used) else 0)
+    coefficients = [float(x) for x in found[:last] / top ** np.arange(last)]
+    return coefficients, float(left / np.sqrt(len(F)))
+
+
+def _total(carried: JointFriction, name: str, coefficient: str) -> float:
+    return sum(_value(e, coefficient) for e in carried.effects if e.effect.name == name)
+
+
+def _value(effect: SimulatedEffect, coefficient: str) -> float:
+    return effect.coefficients[effect.effect.coefficients.index(coefficient)]

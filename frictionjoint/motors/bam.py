@@ -1,0 +1,214 @@
+"""Parameter files of BAM (Duclusaud et al. 2024, github.com/Rhoban/bam), read and written.
+
+BAM bounds friction by a budget: with the motor's torque tm and the torque te that acts on the joint
+from outside,
+
+    M1  base + viscous |v|                                  M2  + stribeck E, E = exp(-|v/vs|^alpha)
+    M3  base + viscous |v| + load |tm - te|                 M4  both, + load_stribeck E |tm - te|
+    M5  with |motor tm - external te| in place of load |tm - te|, and the same with E
+    M6  M5 + E (external_quad te^2 or motor_quad tm^2), by who drives
+
+The joint stands still as long as the budget suffices: no displacement before sliding. Here that is
+the law `static`; the load's part is the effect `load-dependent`. A joint that is held has
+tm = -te, so |tm - te| is twice the torque that the gear transmits, and of M5 the sum of motor and
+external remains.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.load_dependent import COULOMB, STRIBECK
+from frictionjoint.errors import ParameterError
+from frictionjoint.export.sliding import levels
+from frictionjoint.parameters import check_number
+from frictionjoint.rivals import StaticParameters
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+
+_PLAIN = ("friction_base", "friction_viscous")
+_FALLING = ("friction_stribeck", "dtheta_stribeck", "alpha")
+_SIDES = ("load_friction_motor", "load_friction_external")
+MODELS = {
+    "m1": _PLAIN,
+    "m2": (*_PLAIN, *_FALLING),
+    "m3": (*_PLAIN, "load_friction_base"),
+    "m4": (*_PLAIN, *_FALLING, "load_friction_base", "load_friction_stribeck"),
+    "m5": (*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES)),
+    "m6": (
+        *(*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES)),
+        *(f"{name}_quad" for name in _SIDES),
+    ),
+}
+# rad/s over which BAM's standstill is drawn out, and rad over which a change of load is reached
+_STANDSTILL, _REACH = 1e-3, 1e-4
+_BACK_EMF = next(effect for effect in CATALOGUE if effect.name == "back-emf")
+
+
+@dataclass(frozen=True)
+class BamParameters:
+    """A file of BAM.
+
+    Attributes:
+        model: m1 to m6. actuator: BAM's name of it. friction: the model's numbers, SI.
+        motor: what else the file holds: kt, R, armature, q_offset and so on.
+
+    Raises:
+        ParameterError: an unknown model, or a number that is missing or no number.
+    """
+
+    model: str
+    actuator: str
+    friction: dict[str, float]
+    motor: dict[str, float]
+
+    def __post_init__(self) -> None:
+        if self.model not in MODELS:
+            raise ParameterError(f"BAM has no model {self.model!r}: it has {', '.join(MODELS)}")
+        missing = [name for name in MODELS[self.model] if name not in self.friction]
+        if missing:
+            raise ParameterError(f"model {self.model} lacks {', '.join(missing)}: add it")
+        for name, value in {**self.friction, **self.motor}.items():
+            check_number(name, value)
+
+    def to_json(self) -> str:
+        """The file's text."""
+        names = {"model": self.model, "actuator": self.actuator}
+        return json.dumps({**self.motor, **self.friction, **names}, indent=4) + "\n"
+
+
+def read_bam(path: Path) -> BamParameters:
+    """A parameter file of BAM.
+
+    Raises:
+        ParameterError: unreadable, no JSON, or not what BAM writes.
+    """
+    try:
+        content: Any = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise ParameterError(f"{path}: not JSON: {error}") from None
+    if not isinstance(content, dict) or not {"model", "actuator"} <= set(content):
+        raise ParameterError(f"{path}: no parameter file of BAM: model and actuator are missing")
+    model, actuator = (str(content.pop(name)) for name in ("model", "actuator"))
+    own = MODELS.get(model, ())
+    try:
+        return BamParameters(
+            model,
+            actuator,
+            {name: content[name] for name in own if name in content},
+            {name: value for name, value in content.items() if name not in own},
+        )
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+
+
+def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
+    """Our friction of a joint, and what BAM's file says beyond it, a sentence each.
+
+    Raises:
+        ParameterError: numbers that the law does not take.
+    """
+    f = {name: bam.friction.get(name, 0.0) for name in MODELS["m6"] + MODELS["m4"]}
+    falls = bam.model != "m1" and bam.model != "m3"
+    law = StaticParameters.symmetric(
+        Fs=f["friction_base"] + f["friction_stribeck"],
+        Fc=f["friction_base"],
+        Vs=f["dtheta_stribeck"] if falls else 1.0,
+        delta=f["alpha"] if falls else 2.0,
+        sigma2=f["friction_viscous"],
+        V0=_STANDSTILL,
+    )
+    load = 2.0 * f["load_friction_base"] + sum(f[name] for name in _SIDES)
+    falling = 2.0 * f["load_friction_stribeck"] + sum(f[f"{name}_stribeck"] for name in _SIDES)
+    effects: list[SimulatedEffect] = []
+    if falling > 0.0:
+        shape = (_REACH, f["dtheta_stribeck"])
+        effects.append(SimulatedEffect(STRIBECK, shape, (load, falling)))
+    elif load > 0.0:
+        effects.append(SimulatedEffect(COULOMB, (_REACH,), (load,)))
+    kt, R = bam.motor.get("kt"), bam.motor.get("R")
+    said = [
+        f"no displacement before sliding is known: the joint creeps below {_STANDSTILL:g} rad/s"
+    ]
+    if kt is not None and R is not None:
+        effects.append(SimulatedEffect(_BACK_EMF, (), (kt * kt / R,)))
+        said.append(f"kt {kt:.4g} and R {R:.4g} remain as the back-EMF's kt^2/R alone")
+    if "armature" in bam.motor:
+        said.append(f"armature {bam.motor['armature']:.4g} kg m^2 belongs to the MJCF's joint")
+    rest = [name for name in bam.motor if name not in ("kt", "R", "armature")]
+    if rest:
+        said.append(f"{', '.join(rest)}: of the test bench, or of the drive")
+    if falling > 0.0 and f["alpha"] != 1.0:
+        said.append(
+            f"the load's part falls as exp(-|v|/vs), BAM's with the exponent {f['alpha']:.3g}"
+        )
+    if bam.model in ("m5", "m6"):
+        said.append("load by the motor and from outside is one sum: who drives makes no difference")
+    if bam.model == "m6":
+        said.append("the part quadratic in the load")
+    return JointFriction(law, tuple(effects)), tuple(said)
+
+
+def to_bam(
+    joint: JointFriction, like: BamParameters, model: str | None = None
+) -> tuple[BamParameters, tuple[str, ...]]:
+    """A file of BAM for a joint, and what BAM has nothing for, a sentence each.
+
+    Args:
+        like: whose actuator and motor numbers are taken: they are not ours to know.
+        model: m1 to m6; None: the least that holds the joint.
+    Raises:
+        ParameterError: an unknown model.
+    """
+    if model is not None and model not in MODELS:
+        raise ParameterError(f"BAM has no model {model!r}: it has {', '.join(MODELS)}")
+    by_side = levels(joint.parameters)
+    Fs, Fc, Vs, delta, sigma2 = (
+        0.5 * (a + b) for a, b in zip(by_side["pos"], by_side["neg"], strict=True)
+    )
+    load, falling, said = _loads(joint)
+    least = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}
+    model = model or least[Fs > Fc or falling > 0.0, load > 0.0 or falling > 0.0]
+    held: Mapping[str, float] = {
+        "friction_base": Fc,
+        "friction_viscous": sigma2,
+        "friction_stribeck": Fs - Fc,
+        "dtheta_stribeck": Vs,
+        "alpha": delta,
+        "load_friction_base": 0.5 * load,
+        "load_friction_stribeck": 0.5 * falling,
+        **{name: 0.5 * load for name in _SIDES},
+        **{f"{name}_stribeck": 0.5 * falling for name in _SIDES},
+        **{f"{name}_quad": 0.0 for name in _SIDES},
+    }
+    if by_side["pos"] != by_side["neg"]:
+        said.append("the difference between the directions: the mean is written")
+    if joint.parameters.law != "static":
+        said.append(f"the {joint.parameters.law} law before sliding: BAM stands still")
+    if "alpha" not in MODELS[model] and Fs > Fc:
+        said.append(f"model {model} does not fall with speed: {Fs - Fc:.3g} of breakaway is lost")
+    if len(MODELS[model]) <= len(MODELS["m2"]) and model != "m3" and load + falling > 0.0:
+        said.append(f"model {model} knows no load")
+    own = {name: held[name] for name in MODELS[model]}
+    return BamParameters(model, like.actuator, own, like.motor), tuple(said)
+
+
+def _loads(joint: JointFriction) -> tuple[float, float, list[str]]:
+    """Coefficients of the load, constant and falling with speed, and what else there is."""
+    load = falling = 0.0
+    said: list[str] = []
+    for effect in joint.effects:
+        if effect.effect.name == "load-dependent":
+            load += effect.coefficients[0]
+            if effect.effect.effect_id == STRIBECK.effect_id:
+                falling += effect.coefficients[1]
+                said.append(f"the load's fall with speed has its own {effect.shape[1]:.3g} rad/s")
+        elif effect.effect.name == "back-emf":
+            said.append("back-EMF: that of the given kt and R is taken")
+        else:
+            said.append(f"effect {effect.effect.name}")
+    return load, falling, said

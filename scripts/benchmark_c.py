@@ -1,0 +1,87 @@
+"""What a step of the exported C header costs, beside the compiled Python kernel.
+
+    python scripts/benchmark_c.py [--model models/kuka_ir361_joint1.xml] [--steps 200000]
+
+Motions at 1 kHz: sliding one way, a slow sine that reverses in sliding, and small reversals before
+sliding. A step is one call of `frictionjoint_torque` at a later time. Nanoseconds a step, the least
+of the repeats, counted in computing time; gcc -O2.
+"""
+
+import argparse
+import dataclasses
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from c_header import Header
+from numba import njit
+
+from frictionjoint.export.c import header
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+from frictionjoint.simulate.row import row_size, torque_now
+
+ROOT = Path(__file__).resolve().parents[1]
+EXPONENTS = (1.0, 2.0, 1.5, 4.0)
+
+
+@njit
+def _python(P, effects, X, t, q, v, F):
+    for k in range(len(t)):
+        F[k] = torque_now(P, 0, effects, X, 0, t[k], q[k], v[k])
+
+
+def motions(reach: float, speed: float, steps: int) -> dict[str, tuple[np.ndarray, ...]]:
+    """Time, position, velocity by name. reach: rad before sliding. speed: rad/s of sliding."""
+    t = 1e-3 * np.arange(1, steps + 1)
+    small = 0.3 * reach * (np.sin(7 * t) + 0.5 * np.sin(23.7 * t) + 0.25 * np.sin(61.3 * t))
+    found = {
+        "sliding": speed * t,
+        "reversing": speed * np.sin(2 * t),
+        "presliding": small,
+    }
+    return {name: (t, q, np.gradient(q, t)) for name, q in found.items()}
+
+
+def least(work: Callable[[], object], steps: int, repeats: int) -> float:
+    """Nanoseconds a step."""
+    times = []
+    for _ in range(repeats):
+        begin = time.process_time_ns()
+        work()
+        times.append(time.process_time_ns() - begin)
+    return min(times) / steps
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--model", type=Path, default=ROOT / "models/kuka_ir361_joint1.xml")
+    parser.add_argument("--steps", type=int, default=200_000)
+    parser.add_argument("--repeats", type=int, default=7)
+    asked = parser.parse_args()
+    (first, *_) = read_friction(load_model(asked.model)).values()
+    friction = {
+        f"n {n:g}": JointFriction(dataclasses.replace(first.parameters, n=n)) for n in EXPONENTS
+    }
+    reach, speed = 2.0 * first.parameters.knots[0][0], first.parameters.Vs_pos
+    print("| exponent | motion | C, ns | numba, ns |\n|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        made = Header(header(friction, "friction.h"), Path(folder))
+        for joint, (name, carried) in enumerate(friction.items()):
+            law = carried.parameters.pack()
+            P = np.append(law, 0.0)
+            for motion, (t, q, v) in motions(reach, speed, asked.steps).items():
+                F, X = np.empty(len(t)), np.zeros(row_size(int(law_row_size(law, 0)), 0))
+                in_c = least(partial(made.torque, joint, t, q, v), len(t), asked.repeats)
+                _python(P, len(law), X, t, q, v, F)
+                python = partial(_python, P, len(law), X, t, q, v, F)
+                here = least(python, len(t), asked.repeats)
+                print(f"| {name} | {motion} | {in_c:.0f} | {here:.0f} |")
+
+
+if __name__ == "__main__":
+    main()

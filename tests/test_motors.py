@@ -1,0 +1,175 @@
+"""The library of motors, and BAM's files both ways."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from frictionjoint.cli import app
+from frictionjoint.errors import FrictionJointError, ParameterError
+from frictionjoint.files import read_parameters, toml_text
+from frictionjoint.law.motion import friction_torque
+from frictionjoint.motors.bam import MODELS, BamParameters, from_bam, read_bam, to_bam
+from frictionjoint.motors.library import get_motor, list_motors, motor_text
+
+MOTOR = {"kt": 0.38, "R": 3.4, "armature": 0.0019, "q_offset": 0.03}
+NUMBERS = {
+    "friction_base": 0.009,
+    "friction_viscous": 0.005,
+    "friction_stribeck": 0.004,
+    "dtheta_stribeck": 2.5,
+    "alpha": 1.0,
+    "load_friction_base": 0.07,
+    "load_friction_stribeck": 0.05,
+    "load_friction_motor": 0.20,
+    "load_friction_external": 0.06,
+    "load_friction_motor_stribeck": 0.03,
+    "load_friction_external_stribeck": 0.08,
+    "load_friction_motor_quad": 0.009,
+    "load_friction_external_quad": 0.004,
+}
+
+
+def bam(model, **changed):
+    own = {name: NUMBERS[name] for name in MODELS[model]}
+    return BamParameters(model, "xl330", {**own, **changed}, MOTOR)
+
+
+def budget(b, tm, te, v):
+    """BAM's friction budget, written down from its documentation; model M1 to M6."""
+    f = {**dict.fromkeys(NUMBERS, 0.0), **b.friction}
+    falls = "alpha" in b.friction
+    E = math.exp(-(abs(v / f["dtheta_stribeck"]) ** f["alpha"])) if falls else 0.0
+    load, slow = f["load_friction_base"] * abs(tm - te), f["load_friction_stribeck"] * abs(tm - te)
+    if b.model in ("m5", "m6"):
+        load = abs(f["load_friction_motor"] * tm - f["load_friction_external"] * te)
+        motor, out = f["load_friction_motor_stribeck"], f["load_friction_external_stribeck"]
+        slow = abs(motor * tm - out * te)
+    total = f["friction_base"] + f["friction_viscous"] * abs(v) + load
+    return total + E * (f["friction_stribeck"] + slow)
+
+
+def ours(joint, load, v):
+    """The torque of steady sliding: the law's, and the load effect's formula."""
+    t = np.linspace(0.0, 2.0, 2001)
+    total = friction_torque(joint.parameters, t, v * t)[-1]
+    for effect in joint.effects:
+        if effect.effect.name == "load-dependent":
+            c = effect.coefficients
+            falling = c[1] * math.exp(-abs(v) / effect.shape[1]) if len(c) > 1 else 0.0
+            total += (c[0] + falling) * abs(load)
+    return total
+
+
+@pytest.mark.parametrize("model", ["m1", "m2", "m3", "m4", "m5"])
+@pytest.mark.parametrize("v", [0.1, 1.0, 6.0])
+@pytest.mark.parametrize("load", [0.0, 0.3])
+def test_a_held_load_meets_the_same_friction(model, v, load):
+    read = bam(model)
+    joint, _ = from_bam(read)
+    assert ours(joint, load, v) == pytest.approx(budget(read, load, -load, v), rel=1e-6)
+
+
+@pytest.mark.parametrize("model", ["m1", "m2", "m3", "m4"])
+def test_there_and_back_is_the_same_file(model):
+    read = bam(model)
+    joint, _ = from_bam(read)
+    made, _ = to_bam(joint, read)
+    assert made.model == model
+    assert made.motor == read.motor
+    for name, value in read.friction.items():
+        assert made.friction[name] == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize("model", ["m5", "m6"])
+def test_of_two_sides_the_sum_remains(model):
+    read = bam(model)
+    joint, said = from_bam(read)
+    assert any("who drives makes no difference" in line for line in said)
+    assert any("quadratic" in line for line in said) == (model == "m6")
+    back, _ = to_bam(joint, read, model)
+    sides = back.friction["load_friction_motor"], back.friction["load_friction_external"]
+    assert sides == pytest.approx((0.13, 0.13))
+    assert to_bam(joint, read)[0].model == "m4"
+
+
+def test_what_has_no_counterpart_is_said():
+    _, said = from_bam(bam("m4", alpha=1.7))
+    text = " ".join(said)
+    for word in ("before sliding", "kt 0.38", "armature 0.0019", "q_offset", "exponent 1.7"):
+        assert word in text
+    joint = get_motor("ur10_j1").friction
+    made, said = to_bam(joint, bam("m1"), "m1")
+    text = " ".join(said)
+    assert "integrated law before sliding" in text
+    assert "does not fall with speed" in text
+    assert made.actuator == "xl330"
+
+
+def test_bad_files_are_refused(tmp_path):
+    path = tmp_path / "m.json"
+    for text, word in (
+        ("{", "not JSON"),
+        ("[]", "no parameter file of BAM"),
+        ('{"model": "m7", "actuator": "x"}', "no model 'm7'"),
+        ('{"model": "m1", "actuator": "x", "friction_base": 1}', "lacks friction_viscous"),
+        (
+            '{"model": "m1", "actuator": "x", "friction_base": "a", "friction_viscous": 0}',
+            "friction_base is 'a'",
+        ),
+    ):
+        path.write_text(text)
+        with pytest.raises(ParameterError, match=r"m\.json") as error:
+            read_bam(path)
+        assert word in str(error.value)
+    with pytest.raises(ParameterError, match=r"none\.json: cannot be read"):
+        read_bam(tmp_path / "none.json")
+
+
+def call(*arguments):
+    return CliRunner().invoke(app, ["motors", *map(str, arguments)])
+
+
+def test_the_command_goes_both_ways(tmp_path):
+    source = tmp_path / "m4.json"
+    source.write_text(bam("m4").to_json())
+    done = call("from-bam", source, "--out", tmp_path / "m.toml")
+    assert done.exit_code == 0, done.output
+    assert "Without counterpart" in done.output
+    back = tmp_path / "back.json"
+    done = call("to-bam", tmp_path / "m.toml", "--like", source, "--out", back)
+    assert done.exit_code == 0, done.output
+    first, second = (json.loads(x.read_text()) for x in (source, back))
+    assert first.keys() == second.keys()
+    assert second["load_friction_base"] == pytest.approx(first["load_friction_base"])
+    refused = call("to-bam", tmp_path / "m.toml", "--like", source, "--model", "m9", "--out", "x")
+    assert isinstance(refused.exception, FrictionJointError)
+    assert "no model 'm9'" in str(refused.exception)
+
+
+def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path):
+    found = list_motors()
+    assert {"ur10_j1", "ur10_j6"} <= {motor.name for motor in found}
+    for motor in found:
+        assert motor.source.startswith("https://")
+        assert motor.licence
+        assert motor.fit
+        out = tmp_path / f"{motor.name}.toml"
+        assert call("get", motor.name, "--out", out).exit_code == 0
+        assert read_parameters(out) == motor.friction
+        assert toml_text(motor.friction.parameters, motor.friction.effects) == out.read_text()
+
+
+def test_the_list_names_them():
+    listed = json.loads(call("list", "--json").output)
+    assert [row["name"] for row in listed] == [motor.name for motor in list_motors()]
+    assert "ur10_j1" in call().output
+
+
+def test_a_motor_is_written_as_it_is_read():
+    motor = get_motor("ur10_j3")
+    assert f'[friction]\nlaw = "{motor.friction.parameters.law}"' in motor_text(motor)
+    with pytest.raises(ParameterError, match="no motor 'x': there are"):
+        get_motor("x")
