@@ -43,7 +43,9 @@ def test_inertia_leaves_nothing_on_a_slow_log(prepared):
     differences = segment.lowpass(INERTIA * np.gradient(np.gradient(q, DT), DT))[inner]
     assert np.std(torque - differences) > 0.05 * np.std(torque)
     assert np.std(torque - load) < 1e-4 * np.std(torque)
-    np.testing.assert_array_equal(segment.balanced_load, segment.lowpass(segment.signals[:, LOAD])[segment.kept])
+    np.testing.assert_array_equal(
+        segment.balanced_load, segment.lowpass(segment.signals[:, LOAD])[segment.kept]
+    )
 
 
 def test_a_law_is_driven_at_four_hundred_steps_a_second(prepared):

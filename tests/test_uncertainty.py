@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
+from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.effects.signals import N_SIGNALS, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout
@@ -16,8 +17,6 @@ from frictionjoint.identify.uncertainty import covariance
 LOGS, SAMPLES, DT = 4, 1500, 0.02
 TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
 REPEATS = 120
-# blocks of time, several correlation times long
-BLOCK = 100
 NOISE = Noise(0.0, np.zeros(1), np.zeros(1), 0.0, 0.0)
 
 
@@ -44,9 +43,7 @@ def fitted(v, torque):
         signals[:, V] = one
         mask = np.ones(SAMPLES, dtype=bool)
         zero = np.zeros(SAMPLES)
-        segments.append(
-            Segment("log", DT, 10.0, 1, signals, zero, mask, mask, {}, NOISE, DT, 20.0)
-        )
+        segments.append(Segment("log", DT, 10.0, 1, signals, zero, mask, mask, {}, NOISE, DT, 20.0))
     residual = torque.ravel() - X @ beta
     found = Fit(
         shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0,
@@ -57,15 +54,10 @@ def fitted(v, torque):
     return Prepared(tuple(segments), "joint", False, "torque", Band(10.0, 20.0)), found
 
 
-def blocks_of(found):
-    """Blocks of time of the logs in turn."""
-    return np.arange(len(found.residual)) // BLOCK
-
-
 def stated(v, torque):
     """Estimates and their standard errors."""
     prepared, found = fitted(v, torque)
-    cov = covariance(prepared, found, blocks_of(found))
+    cov = covariance(prepared, found, make_blocks(prepared, found).of_sample)
     return found.beta, np.sqrt(np.diag(cov))
 
 
@@ -129,7 +121,7 @@ def test_what_the_logs_do_not_move_has_no_bound():
     prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
     idle = np.column_stack([found.jacobian, np.zeros(found.residual.size)])
     with_idle = Fit(**{**vars(found), "jacobian": idle, "bound": np.zeros(3, dtype=bool)})
-    blocks = blocks_of(found)
+    blocks = make_blocks(prepared, found).of_sample
     cov = covariance(prepared, with_idle, blocks)
     assert cov[2, 2] == np.inf
     assert cov[:2, :2] == pytest.approx(covariance(prepared, found, blocks))
@@ -139,7 +131,7 @@ def test_the_order_of_scales_does_not_matter():
     rng = np.random.default_rng(2)
     v = speeds(rng)
     prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
-    blocks = blocks_of(found)
+    blocks = make_blocks(prepared, found).of_sample
     scale = np.array([1e-6, 1e5])
     other = Fit(**{**vars(found), "jacobian": found.jacobian * scale})
     cov = covariance(prepared, found, blocks)
