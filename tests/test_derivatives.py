@@ -1,11 +1,11 @@
-"""Derivatives: no shift in time, stated bandwidth, the same filter for both sides."""
+"""Motion of a measured position: a uniform grid, its derivatives, the band it lies in."""
 
 import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import JointLog, differentiate, zero_phase
-from frictionjoint.measured.derivatives import as_differenced, uniform_motion
+from frictionjoint.measured import JointLog, differentiate
+from frictionjoint.measured.derivatives import motion_band, uniform_motion
 
 
 def sine(n: int = 6000, dt: float = 0.001, jitter: float = 0.0, noise: float = 0.0) -> JointLog:
@@ -64,54 +64,6 @@ def test_a_gap_in_a_log_makes_no_waves() -> None:
     assert position.min() <= smooth.min() <= smooth.max() <= position.max()
 
 
-def test_the_filter_shifts_nothing_in_time() -> None:
-    t = 0.001 * np.arange(4000)
-    x = np.sin(2 * np.pi * 2 * t)
-    y = zero_phase(x, 0.001, 10.0)
-    lags = np.arange(-30, 31)
-    match = [np.dot(y[500:-500], np.roll(x, lag)[500:-500]) for lag in lags]
-    assert lags[int(np.argmax(match))] == 0
-    mirrored = zero_phase(x[::-1], 0.001, 10.0)[::-1]
-    np.testing.assert_allclose(mirrored[500:-500], y[500:-500], atol=1e-6)
-
-
-def test_the_stated_bandwidth_is_where_one_pass_halves_the_power() -> None:
-    t = 0.001 * np.arange(8000)
-    for bandwidth in (5.0, 20.0, 80.0):
-        y = zero_phase(np.sin(2 * np.pi * bandwidth * t), 0.001, bandwidth)
-        # two passes: the amplitude is halved
-        assert np.std(y[2000:-2000]) * np.sqrt(2) == pytest.approx(0.5, abs=0.01)
-
-
-def test_both_sides_of_the_balance_are_filtered_alike() -> None:
-    """inertia * filtered acceleration equals the filtered torque of that inertia."""
-    log = sine()
-    d = differentiate(log, 15.0)
-    torque = zero_phase(0.3 * truth(log.time)[1], 0.001, d.bandwidth_hz)
-    inner = slice(500, -500)
-    error = torque[inner] - 0.3 * d.acceleration[inner]
-    assert np.std(error) < 2e-3 * np.std(torque[inner])
-
-
-@pytest.mark.parametrize("per_sample", [0.1, 0.5, 1.0, 1.5])
-def test_a_torque_is_averaged_as_an_acceleration_is(per_sample: float) -> None:
-    """A wave of so many radians a sample loses as much by the average as by two differences."""
-    phase = per_sample * np.arange(4000)
-    differenced = np.gradient(np.gradient(np.sin(phase)))
-    averaged = as_differenced(-(per_sample**2) * np.sin(phase))
-    inner = slice(10, -10)
-    lost = np.std(differenced[inner]) / (per_sample**2 * np.std(np.sin(phase)))
-    kept = np.std(averaged[inner]) / (per_sample**2 * np.std(np.sin(phase)))
-    assert kept == pytest.approx(lost, abs=0.006)
-    assert kept == pytest.approx((np.sin(per_sample) / per_sample) ** 2, abs=0.006)
-
-
-def test_columns_are_filtered_along_time() -> None:
-    x = np.random.default_rng(0).standard_normal((500, 3))
-    together = zero_phase(x, 0.01, 8.0)
-    np.testing.assert_allclose(together[:, 1], zero_phase(x[:, 1], 0.01, 8.0), atol=1e-12)
-
-
 def test_more_noise_takes_bandwidth_and_a_given_one_is_kept() -> None:
     quiet, noisy = (differentiate(sine(noise=noise)).bandwidth_hz for noise in (1e-6, 1e-2))
     assert noisy < quiet
@@ -123,3 +75,18 @@ def test_more_noise_takes_bandwidth_and_a_given_one_is_kept() -> None:
 def test_a_bandwidth_must_be_positive(bandwidth: float) -> None:
     with pytest.raises(LogError, match="positive"):
         differentiate(sine(), bandwidth)
+
+
+def test_the_band_of_a_motion_ends_where_its_noise_begins() -> None:
+    """99% of the velocity's power is below 3 Hz; beyond 3 Hz there is noise alone."""
+    band = motion_band(sine(n=20_000, noise=1e-5).position, 0.001)
+    assert band.main == pytest.approx(3.0, abs=0.5)
+    assert 6.0 < band.whole < 100.0
+    noisy = motion_band(sine(n=20_000, noise=1e-2).position, 0.001)
+    assert noisy.whole < band.whole
+
+
+@pytest.mark.parametrize("amplitude", [1e-6, 1.0, 1e3])
+def test_a_band_is_no_matter_of_scale(amplitude: float) -> None:
+    position = sine(noise=1e-4).position
+    assert motion_band(amplitude * position, 0.001) == motion_band(position, 0.001)

@@ -7,7 +7,7 @@ import pytest
 from plants.draw import draw_trial
 from trial_logs import prepared_logs
 
-from frictionjoint.diagnose.loop import trace
+from frictionjoint.diagnose.trace import trace
 
 # A plant each, by the seed it is drawn from: the first of 1, 2, 3 with which the effect shows in
 # two short logs. Concave or quadratic viscosity mostly looks like the law's own curve there.
@@ -43,4 +43,4 @@ def plant(name, seed, friction="lugre", seconds=None):
 def test_it_is_named_first(name, seed, tmp_path):
     warm = name in ("temperature-dependent", "warm-up-drift")
     found = trace(prepared_logs(plant(name, seed, seconds=40.0 if warm else 12.0), tmp_path))
-    assert [s.term.name for s in found.steps][:1] == [name]
+    assert [s.term.name for s in found.findings][:1] == [name]

@@ -11,12 +11,12 @@ from test_plants import quiet
 from frictionjoint import friction_torque
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
-from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.laws import LAWS
 from frictionjoint.measured.readers import read_log
@@ -41,7 +41,7 @@ def plant(request, tmp_path_factory):
     body = RigidBody(folder / "joint.xml", "joint")
     logs = [read_log(path, "joint") for path in paths]
     fitted = prepare(logs[:1], body)
-    return PLANTS[request.param], fitted, prepare(logs[1:], body, fitted.segments[0].bandwidth_hz)
+    return PLANTS[request.param], fitted, prepare(logs[1:], body, fitted.band)
 
 
 def held_out_rms(fitted, kept):

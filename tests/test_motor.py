@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from frictionjoint import FrictionParameters, attach
-from frictionjoint.diagnose.candidates import effect_candidates, signals_of
+from frictionjoint.diagnose.library import effect_terms, signals_of
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError, ModelError
-from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rest import resolved, without_rest
 from frictionjoint.identify.result import require_gain
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import predict
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.weights import reweighed, sliding_error, weighted
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.carrier import SimulatedEffect, install
 from frictionjoint.simulate.motor import Motor, add_motor, motor_id
@@ -169,7 +169,7 @@ def fitted(one, *effects):
     # plain Coulomb friction follows its load at once
     terms = tuple(EffectTerm(e, (1e-5,) * len(e.shape)) for e in effects)
     prepared = prepare([one], RigidBody(XML, "arm"))
-    return resolved(prepared, fit(prepared, terms, forms=INTEGRATED[:1]), INTEGRATED[:1])[1]
+    return reweighed(prepared, fit(prepared, terms, forms=INTEGRATED[:1]))[1]
 
 
 def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
@@ -186,9 +186,10 @@ def test_logs_let_go_and_logs_that_are_not_may_be_held_out_of_each_other(driven_
     held = plant(1.2 * np.sin(2.0 * t), np.ones(len(t), dtype=bool), load=0.2)
     pair = (driven_and_let_go, held) if let_go == "fitted" else (held, driven_and_let_go)
     found = fitted(pair[0], back_emf.EFFECT, load_dependent.EFFECT)
-    kept = prepare([pair[1]], RigidBody(XML, "arm"))
-    prediction = predict(without_rest(kept, 0.05), found)
-    assert prediction.error.std() < 0.1 * np.std(prediction.measured[0])
+    fitted_on, kept = (prepare([one], RigidBody(XML, "arm")) for one in pair)
+    prediction = predict(weighted(kept, found, sliding_error(fitted_on, found)), found)
+    error = prediction.error[prediction.in_motion]
+    assert error.std() < 0.1 * np.std(prediction.measured[0])
 
 
 def test_a_current_is_a_torque_up_to_a_gain():
@@ -201,7 +202,7 @@ def test_a_current_is_a_torque_up_to_a_gain():
     assert found.gain == pytest.approx(MOTOR.gain, rel=0.01)
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.05)
     prepared = prepare([one], RigidBody(XML, "arm"))
-    names = {c.term.name for c in effect_candidates(prepared, signals_of(prepared, found), ())}
+    names = {t.name for t in effect_terms(prepared, signals_of(prepared, found), ())}
     assert not names & {"back-emf", "torque-gain"}
     spec = RigidBody(XML, "arm").spec()
     friction_spec(spec, "arm", found)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from frictionjoint import FrictionParameters, attach
-from frictionjoint.diagnose.loop import trace
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.replay import motor_of, replay
 from frictionjoint.effects import motor_saturation
 from frictionjoint.effects.motor_saturation import given as given_torque
@@ -183,7 +183,7 @@ def traced():
 def test_the_loop_names_it_with_its_size(traced):
     """What comes after it is at the edges of this plant's flat friction, finer than its log."""
     _, found = traced
-    assert [step.term.name for step in found.steps][:2] == ["back-emf", "motor-saturation"]
+    assert [step.term.name for step in found.findings][:2] == ["back-emf", "motor-saturation"]
     motor = motor_of(found.final)
     assert motor.gain == pytest.approx(GAIN, rel=0.02)
     assert motor.back_emf == pytest.approx(EMF, rel=0.03)
@@ -192,7 +192,7 @@ def test_the_loop_names_it_with_its_size(traced):
 
 def test_a_log_that_was_not_fitted_is_predicted_and_replayed(traced):
     body, found = traced
-    kept = prepare([log(3, 3000)], body, found.prepared.segments[0].bandwidth_hz)
+    kept = prepare([log(3, 3000)], body, found.prepared.band)
 
     def left(fit):
         return np.std(predict(kept, fit).error) / fit.gain

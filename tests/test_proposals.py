@@ -20,7 +20,7 @@ from scipy.linalg import toeplitz
 from test_plants import quiet
 
 from frictionjoint.diagnose.close_loop import _rivals
-from frictionjoint.diagnose.loop import trace
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.motions import Carried, Limits
 from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_part
 from frictionjoint.diagnose.separation import (
@@ -70,7 +70,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     body = RigidBody(assemble(spec).believed(), "joint")
     prepared = prepare(logs_of(spec, 0.8, 2.0), body)
     found = trace(prepared)
-    step = found.steps[0]
+    step = found.findings[0]
     assert {step.term.name, *step.ties} == {"torque-gain", "inertia-error"}
 
     planner = Planner(found.prepared, found.final, body)
@@ -89,11 +89,11 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     new = prepare(
         [recorded(loaded, as_target(proposal.motion), "payload")],
         RigidBody(assemble(loaded).believed(), "joint"),
-        prepared.segments[0].bandwidth_hz,
+        prepared.band,
     )
     again = trace(replace(prepared, segments=prepared.segments + new.segments))
-    assert again.steps[0].term.name == "inertia-error"
-    assert again.steps[0].ties == ()
+    assert again.findings[0].term.name == "inertia-error"
+    assert again.findings[0].ties == ()
 
 
 def correlated(rng, n):

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from plants.plant import simulate, write
 from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
-from frictionjoint.effects import motor_side_elasticity
+from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
 from frictionjoint.identify.design import full_signals
-from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import Segment, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict, settled
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
@@ -117,7 +117,7 @@ def swinging(tmp_path_factory):
 
 def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     """Without its swing the fit would take another damping for it."""
-    term = EffectTerm(motor_side_elasticity.EFFECT, (5.0, 0.1))
+    term = EffectTerm(joint_elasticity.EFFECT, (5.0, 0.1))
     from_rest = fit(swinging, (term,))
     begun, found = settled(swinging, from_rest)
     assert any(begun.segments[0].swing)
@@ -139,5 +139,5 @@ def test_a_swing_let_go_decays_as_its_damping_says(resonance, damping, angle):
     signals = np.zeros((len(t), N_SIGNALS))
     signals[1:, DT] = np.diff(t)
     start = (d[0].real, (roots * d[0]).real)
-    torque = motor_side_elasticity.free_swing((resonance, damping), start, signals)
+    torque = joint_elasticity.free_swing((resonance, damping), start, signals)
     np.testing.assert_allclose(torque, (roots**2 * d).real, atol=1e-3 * w * w)

@@ -8,13 +8,16 @@ from scipy.stats import t as student
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.effects.signals import N_SIGNALS, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.layout import Layout
+from frictionjoint.identify.noise import Noise
+from frictionjoint.identify.prepare import Band, Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.uncertainty import covariance
 
 LOGS, SAMPLES, DT = 4, 1500, 0.02
 TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
 REPEATS = 120
+NOISE = Noise(0.0, np.zeros(1), np.zeros(1), 0.0, 0.0)
 
 
 def speeds(rng):
@@ -39,20 +42,22 @@ def fitted(v, torque):
         signals = np.zeros((SAMPLES, N_SIGNALS))
         signals[:, V] = one
         mask = np.ones(SAMPLES, dtype=bool)
-        segments.append(Segment("log", DT, 10.0, 1, signals, np.zeros(SAMPLES), mask, mask, {}))
+        zero = np.zeros(SAMPLES)
+        segments.append(Segment("log", DT, 10.0, 1, signals, zero, mask, mask, {}, NOISE, DT, 20.0))
     residual = torque.ravel() - X @ beta
     found = Fit(
-        shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0, names=("sigma2", "Fc"),
-        residual=residual, jacobian=X, bound=np.zeros(2, dtype=bool),
+        shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0,
+        layout=Layout(("sigma2", "Fc"), (), ()), residual=residual, jacobian=X,
+        weight=np.ones(len(residual)), bound=np.zeros(2, dtype=bool),
         log_index=np.repeat(np.arange(LOGS), SAMPLES), target_rms=1.0,
     )  # fmt: skip
-    return Prepared(tuple(segments), "joint", False, "torque"), found
+    return Prepared(tuple(segments), "joint", False, "torque", Band(10.0, 20.0)), found
 
 
 def stated(v, torque):
     """Estimates and their standard errors."""
     prepared, found = fitted(v, torque)
-    cov = covariance(prepared, found, make_blocks(found.residual, found.log_index).of_sample)
+    cov = covariance(prepared, found, make_blocks(prepared, found).of_sample)
     return found.beta, np.sqrt(np.diag(cov))
 
 
@@ -116,7 +121,7 @@ def test_what_the_logs_do_not_move_has_no_bound():
     prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
     idle = np.column_stack([found.jacobian, np.zeros(found.residual.size)])
     with_idle = Fit(**{**vars(found), "jacobian": idle, "bound": np.zeros(3, dtype=bool)})
-    blocks = make_blocks(found.residual, found.log_index).of_sample
+    blocks = make_blocks(prepared, found).of_sample
     cov = covariance(prepared, with_idle, blocks)
     assert cov[2, 2] == np.inf
     assert cov[:2, :2] == pytest.approx(covariance(prepared, found, blocks))
@@ -126,7 +131,7 @@ def test_the_order_of_scales_does_not_matter():
     rng = np.random.default_rng(2)
     v = speeds(rng)
     prepared, found = fitted(v, exact(v) + 0.1 * correlated(rng, SAMPLES))
-    blocks = make_blocks(found.residual, found.log_index).of_sample
+    blocks = make_blocks(prepared, found).of_sample
     scale = np.array([1e-6, 1e5])
     other = Fit(**{**vars(found), "jacobian": found.jacobian * scale})
     cov = covariance(prepared, found, blocks)

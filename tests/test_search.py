@@ -1,0 +1,99 @@
+"""The search for what a model lacks, on small plants of MuJoCo's parts: what is there is found
+alone, what is not there is not, and what the logs cannot distinguish is said to be a tie."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plants.spec import Effect, Motion
+from trial_logs import PENDULUM, prepared_logs
+
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.notes import notes
+from frictionjoint.diagnose.trace import SIGNIFICANCE, SMALLEST_GAIN, trace
+from frictionjoint.errors import ParameterError
+from frictionjoint.identify.result import law_parameters, term_estimates
+
+# 24 s at 250 Hz on a LuGre joint
+PLANT = replace(PENDULUM, instrument=replace(PENDULUM.instrument, rate=250.0))
+# an effect, as the plant has it, and numbers of it that the search must find, with a tolerance
+SINGLE = {
+    "torque-bias": ({"bias": 0.15}, {"bias": (-0.15, 0.02)}),
+    "position-periodic": (
+        {"amplitude": 0.15, "cycles": 14.0, "phase": 0.4},
+        {"N": (14.0, 0.01)},
+    ),
+    "load-dependent": ({"slope": 0.2}, {"slope": (0.2, 0.05)}),
+    "measurement-delay": ({"delay": 0.012}, {"delay": (0.0125, 0.04)}),
+    "inertia-error": ({"inertia": 0.03}, {"inertia": (0.03, 0.03)}),
+    "spring": ({"stiffness": 1.0, "rest": 0.1}, {"stiffness": (1.0, 0.02)}),
+}
+
+
+def traced(folder, *effects, law=None, **changes):
+    return trace(prepared_logs(replace(PLANT, effects=effects, **changes), folder), law=law)
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_what_is_there_is_found_alone_with_its_size(name, tmp_path):
+    put_in, expected = SINGLE[name]
+    found = traced(tmp_path, Effect(name, put_in))
+    (step,) = found.findings
+    assert step.term.name == name
+    assert step.ties == ()
+    assert found.unexplained == ()
+    assert SMALLEST_GAIN <= step.gain <= 1.0
+    assert step.row.p_value <= SIGNIFICANCE
+    assert found.final.coefficient("Fc") == pytest.approx(PLANT.friction.Fc, rel=0.02)
+    cov = stated_covariance(found.prepared, found.final)
+    estimates = term_estimates(found.final, cov, 0, slide=False)
+    values = {n: x.value for n, x in estimates.items()}
+    for number, (value, tolerance) in expected.items():
+        assert number in values, values
+        assert values[number] == pytest.approx(value, rel=tolerance)
+
+
+@pytest.mark.parametrize("friction", ["lugre", "elasto-plastic", "gms"])
+def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
+    found = traced(tmp_path, friction=replace(PLANT.friction, law=friction))
+    assert found.findings == ()
+    assert found.unexplained == ()
+    (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final))
+               if "smallest effect" in n)  # fmt: skip
+    assert "too short" not in note
+    assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
+
+
+def test_spring_and_gravity_over_a_small_range_are_a_tie(tmp_path):
+    """Over 0.15 rad a sine is a straight line to a third of a per cent."""
+    motions = (Motion("sines", 3, 0.15, 0.5, 12.0), Motion("multisine", 4, 0.12, 0.5, 12.0))
+    spring = Effect("spring", {"stiffness": 2.0, "rest": 0.0})
+    found = traced(tmp_path, spring, motions=motions)
+    (step,) = found.findings
+    assert {"spring", "gravity-error"} <= {step.term.name, *step.ties}
+
+
+def test_two_effects_are_both_found(tmp_path):
+    cogging = Effect("position-periodic", {"amplitude": 0.15, "cycles": 14.0, "phase": 0.4})
+    bias = Effect("torque-bias", {"bias": 0.15})
+    found = traced(tmp_path, cogging, bias)
+    assert {f.term.name for f in found.findings} == {"position-periodic", "torque-bias"}
+
+
+def test_a_law_asked_for_stays_and_is_compared_with_no_other(tmp_path):
+    friction = replace(PLANT.friction, law="gms")
+    asked = traced(tmp_path, law="integrated", friction=friction)
+    assert law_parameters(asked.base).law == law_parameters(asked.final).law == "integrated"
+    assert asked.other is None
+
+
+def test_no_such_law():
+    with pytest.raises(ParameterError, match="unknown law"):
+        trace(None, law="hertz")
+
+
+def test_equal_seeds_give_equal_results(tmp_path):
+    logs = prepared_logs(replace(PLANT, effects=(Effect("torque-bias", {"bias": 0.15}),)), tmp_path)
+    one, other = trace(logs, 3), trace(logs, 3)
+    np.testing.assert_array_equal(one.final.beta, other.final.beta)
+    assert [f.gain for f in one.findings] == [f.gain for f in other.findings]

@@ -1,0 +1,90 @@
+"""How much a sample counts: all of it in sliding, little where the position does not resolve it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plants.draw import draw_trial
+from trial_logs import PENDULUM, prepared_logs
+
+from frictionjoint.effects.signals import V
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.weights import DISCREPANCY, reweighed, sliding_error, weighted
+
+
+@pytest.fixture(scope="module")
+def stuck(tmp_path_factory):
+    """A joint on MuJoCo's own frictionloss: at rest its position stands, whatever the torque."""
+    spec = draw_trial(np.random.default_rng(409), "none")
+    short = tuple(replace(m, duration=12.0) for m in spec.motions)
+    spec = replace(spec, friction=replace(spec.friction, law="plain"), motions=short)
+    logs = prepared_logs(spec, tmp_path_factory.mktemp("stuck"), 2)
+    return spec, logs, fit(logs, forms=INTEGRATED[:2])
+
+
+def test_a_rest_that_no_position_resolves_does_no_harm(stuck):
+    spec, logs, everything = stuck
+    logs, found = reweighed(logs, everything)
+    logs, found = reweighed(logs, found)
+    assert sliding_error(logs, found) < 0.1 * everything.rms
+    assert found.coefficient("Fc") == pytest.approx(spec.friction.Fc, rel=0.02)
+    assert found.coefficient("sigma2") == pytest.approx(spec.friction.sigma2, rel=0.1)
+
+
+def test_what_slides_counts_whole_and_what_rests_hardly(stuck):
+    _, logs, everything = stuck
+    logs, found = reweighed(*reweighed(logs, everything))
+    for s in logs.segments:
+        near = int(1.0 / (s.bandwidth_hz * s.dt))
+        fast = np.abs(s.signals[:, V]) > 0.2 * np.abs(s.signals[:, V]).max()
+        slid = np.convolve(~fast, np.ones(2 * near + 1), "same") < 0.5
+        assert slid.any()
+        assert np.median(s.weight[slid]) > 0.99
+        still = np.abs(s.signals[:, V]) < 1e-3
+        rests = np.convolve(~still, np.ones(2 * near + 1), "same") < 0.5
+        assert rests.sum() > 100
+        assert np.max(s.weight[rests]) < 0.2
+    np.testing.assert_array_equal(
+        found.weight, np.concatenate([s.kept_weight for s in logs.segments])
+    )
+
+
+@pytest.fixture(scope="module")
+def resolved(tmp_path_factory):
+    """A LuGre joint with a fine encoder, and its own law."""
+    logs = prepared_logs(PENDULUM, tmp_path_factory.mktemp("resolved"), 1)
+    return logs, fit(logs, forms=forms_of("lugre"))
+
+
+def test_the_least_weight_is_that_of_what_the_encoder_leaves_and_of_a_law_that_is_not_exact(
+    resolved,
+):
+    logs, found = resolved
+    (segment,) = weighted(logs, found, 0.01).segments
+    level, stiffness = found.coefficient("Fc"), law_parameters(found).stiffness
+    unresolved = min(stiffness * segment.noise.resolution, level)
+    least = 1.0 / np.hypot(1.0, np.hypot(unresolved, DISCREPANCY * level) / 0.01)
+    assert segment.weight.min() >= least * (1.0 - 1e-9)
+    assert segment.weight.max() <= 1.0
+
+
+def test_a_coarser_encoder_and_a_smaller_error_lower_the_weights(resolved):
+    logs, found = resolved
+    (own,) = weighted(logs, found, 0.01).segments
+    (segment,) = logs.segments
+    blunt = replace(segment, noise=replace(segment.noise, count=100.0 * segment.noise.count))
+    (coarse,) = weighted(replace(logs, segments=(blunt,)), found, 0.01).segments
+    (sure,) = weighted(logs, found, 0.001).segments
+    for other in (coarse, sure):
+        assert np.all(other.weight <= own.weight + 1e-12)
+        assert np.mean(other.weight) < np.mean(own.weight) - 0.01
+
+
+def test_weights_of_other_logs_follow_from_the_same_fit(resolved):
+    logs, found = resolved
+    once = weighted(logs, found, 0.01)
+    again = weighted(once, found, 0.01)
+    np.testing.assert_array_equal(once.segments[0].weight, again.segments[0].weight)
