@@ -13,10 +13,10 @@ import mujoco
 import numpy as np
 
 import frictionjoint as fj
-from frictionjoint.identify.fit import fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.starts import fit
 from frictionjoint.measured.readers import read_log
 
 DEMO = Path(str(files("frictionjoint.demo")))

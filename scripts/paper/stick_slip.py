@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 import frictionjoint as fj
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects.torque_bias import EFFECT as TORQUE_BIAS
-from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 
