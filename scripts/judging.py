@@ -114,7 +114,8 @@ def judged(answer: Answer, row: Mapping[str, Any]) -> dict[str, bool]:
             mapping of quantities.
     """
     group = answer.group
-    found = [{name, *ties} for name, ties in zip(row.get("added", ()), row.get("ties", ()))]
+    names = row.get("added", ())
+    found = [{name, *ties} for name, ties in zip(names, row.get("ties", ()), strict=True)]
     quantities = set(row.get("unexplained", ()))
     if group == "none":
         marks = {"nothing added": not found, "nor a quantity named": not found and not quantities}
@@ -127,9 +128,8 @@ def judged(answer: Answer, row: Mapping[str, Any]) -> dict[str, bool]:
     else:
         named, alone = _named(answer, found)
         word = "named right" if group == "one" else "both named"
-        firm = [{name} for name in row.get("added", ())]
         marks = {word: named, f"{word}, and nothing else": alone}
-        marks[f"{word}, without a tie's help"] = _named(answer, firm)[0]
+        marks[f"{word}, without a tie's help"] = _named(answer, [{name} for name in names])[0]
     return {question: right and "error" not in row for question, right in marks.items()}
 
 
