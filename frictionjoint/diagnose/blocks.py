@@ -5,10 +5,13 @@ tested on motion unlike that it was fitted to: on other logs where there are thr
 another kind of motion: blocks alike in speed, acceleration, position and direction.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
 from sklearn.cluster import KMeans
 from sklearn.preprocessing import StandardScaler
 
@@ -22,8 +25,13 @@ Index = NDArray[np.int64]
 _FEWEST_BLOCKS = 48
 _MOST_BLOCKS = 240
 _CORRELATION_TIMES = 5.0
+_AR_ORDER = 6
+# pieces of a block that are independent once a residual is whitened
+_PIECES = 5
 # logs from which on a fold is a log, and kinds of motion where there are fewer
 _LOGS, _KINDS = 3, 4
+# logs from which on alike ones make a fold together
+_MANY_LOGS = 8
 
 
 @dataclass(frozen=True)
@@ -46,11 +54,15 @@ class Blocks:
         """Number of blocks."""
         return len(self.fold)
 
-    def gram(self, U: Array) -> Array:
-        """U'U of each block, shape (B, m, m)."""
-        edges = np.flatnonzero(np.diff(self.of_sample, prepend=-1))
-        parts = np.split(U, edges[1:])
-        return np.stack([part.T @ part for part in parts])
+    def gram(self, U: Array, fine: bool = False) -> Array:
+        """U'U of each block, shape (B, m, m); fine: of the pieces of each, shape (5 B, m, m)."""
+        edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
+        if fine:
+            parts = np.arange(_PIECES) / _PIECES
+            edges = np.append(
+                (edges[:-1, None] + parts * np.diff(edges)[:, None]).astype(int).ravel(), len(U)
+            )
+        return np.stack([U[a:b].T @ U[a:b] for a, b in itertools.pairwise(edges)])
 
 
 def correlation_time(residual: Array) -> float:
@@ -65,6 +77,26 @@ def correlation_time(residual: Array) -> float:
     below = np.flatnonzero(rho < 0.05)
     end = below[0] if below.size else len(rho)
     return float(1.0 + 2.0 * rho[1:end].sum())
+
+
+def whitened(U: Array, residual: Array, log_index: Index) -> Array:
+    """Columns behind the filter that predicts a residual's next sample (Yule and Walker).
+
+    Args:
+        U: shape (n, k); residual: shape (n,); both of logs in turn.
+    """
+    lags = np.zeros(_AR_ORDER + 1)
+    parts = [residual[log_index == i] for i in np.unique(log_index)]
+    for e in parts:
+        lags += [float(e[k:] @ e[: len(e) - k]) for k in range(_AR_ORDER + 1)]
+    if lags[0] <= 0.0:
+        return U
+    lags[0] *= 1.0 + 1e-6  # keeps the filter tame where the spectrum has deep holes
+    predictor = np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
+    out = np.empty_like(U)
+    for i in np.unique(log_index):
+        out[log_index == i] = lfilter(predictor, [1.0], U[log_index == i], axis=0)
+    return out
 
 
 def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
@@ -88,12 +120,18 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         of_sample[where] = own + len(log)
         halves += [int(2 * b >= k) for b in range(k)]
         log += [int(i)] * k
-    fold = np.array(log) if len(logs) >= _LOGS else _kinds(prepared, of_sample)
+    if len(logs) < _LOGS:
+        fold = _kinds(prepared, of_sample)
+    elif len(logs) < _MANY_LOGS:
+        fold = np.array(log)
+    else:
+        # logs that are alike are no test of each other
+        fold = _kinds(prepared, log_index)[np.array(log)]
     return Blocks(of_sample, fold, np.array(halves), np.array(log))
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:
-    """Kind of motion of each block: speed, acceleration, mean position and direction."""
+    """Kind of motion of each block, or log: speed, acceleration, mean position and direction."""
     q, v, a = (
         np.concatenate([s.signals[:: s.step, k][s.kept] for s in prepared.segments])
         for k in (Q, V, A)

@@ -44,7 +44,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import EffectTerm, Term
-from frictionjoint.identify.weights import sliding_error, weighted
+from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
@@ -96,7 +96,7 @@ def close_loop(
     for fitted in (found.base, found.final):
         require_gain(fitted)
     moving = found.prepared
-    left = sliding_error(moving, found.final)
+    left = errors_of(moving, found.final)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     progress("replay")
     spec = body.spec()

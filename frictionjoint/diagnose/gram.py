@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.blocks import Blocks, whitened
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
@@ -39,12 +39,14 @@ class Screen:
     Attributes:
         blocks: of the fit. whole: the law projected out, by block, shape (B, c, c), the target last.
         tested: law and terms projected out, the target is the residual, shape (B, c, c).
+        white: the same of whitened columns, by smaller pieces, where what acts seldom shows.
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 
     blocks: Blocks
     whole: Array
     tested: Array
+    white: Array
     terms: tuple[Columns, ...]
     candidates: tuple[Columns, ...]
 
@@ -82,9 +84,17 @@ class Screen:
                 return np.asarray(2 * fold + self.blocks.halves)
         return fold
 
-    def surprises(self, signs: Array, at: Columns) -> Array:
-        """How far out a candidate's score is under each row of signs, in nats, shape (rows,)."""
-        score = self.tested[:, at, -1]
+    def surprises(self, signs: Array, whites: Array, at: Columns) -> Array:
+        """How far out a candidate's score is under each row of signs, in nats, shape (rows,).
+
+        The larger of that of the residual as it is, where what is slow shows, and whitened.
+        """
+        plain = self._surprise(self.tested, signs, at)
+        return np.maximum(plain, self._surprise(self.white, whites, at))
+
+    @staticmethod
+    def _surprise(grams: Array, signs: Array, at: Columns) -> Array:
+        score = grams[:, at, -1]
         spread = score.T @ score
         scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
         inverse = np.linalg.pinv(spread / np.outer(scale, scale), rcond=1e-9, hermitian=True)
@@ -150,13 +160,20 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     without_target = np.delete(np.arange(U.shape[1]), -2)
     known = np.concatenate(sets[: 1 + n_own])
     tested = _projected(grams[np.ix_(range(len(grams)), without_target, without_target)], known)
+    white = np.zeros((0, *tested.shape[1:]))
+    if candidates:
+        V = whitened(U[:, without_target], U[:, -1], fitted.log_index)
+        white = _projected(blocks.gram(V, fine=True), known)
     shift = len(sets[0])
     moved = [s - shift for s in sets[1:]]
-    shift_tested = len(known)
+    # so that columns are counted alike in all
+    own_columns = len(known) - shift
+    room = ((0, 0), (own_columns, 0), (own_columns, 0))
     return Screen(
         blocks,
         whole,
-        np.pad(tested, ((0, 0), (shift_tested - shift, 0), (shift_tested - shift, 0))),
+        np.pad(tested, room),
+        np.pad(white, room),
         tuple(moved[:n_own]),
         tuple(moved[n_own:]),
     )

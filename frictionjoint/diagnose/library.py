@@ -57,6 +57,11 @@ class Candidate:
         return isinstance(self.term, SmoothTerm)
 
     @property
+    def comes_first(self) -> bool:
+        """Whether nothing else can be decided before it."""
+        return isinstance(self.term, EffectTerm) and self.term.effect.first
+
+    @property
     def kind(self) -> tuple[str, str]:
         """What shapes of one thing have in common."""
         if isinstance(self.term, EffectTerm):

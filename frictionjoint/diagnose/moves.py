@@ -115,9 +115,11 @@ def _p_values(found: Screen, rng: np.random.Generator) -> tuple[Array, float]:
     """
     if not found.candidates:
         return np.zeros(0), 0.0
-    count = found.blocks.count
-    signs = np.vstack([np.ones(count), rng.choice([-1.0, 1.0], size=(FLIPS, count))])
-    surprises = np.array([found.surprises(signs, at) for at in found.candidates])
+    signs, whites = (
+        np.vstack([np.ones(len(grams)), rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))])
+        for grams in (found.tested, found.white)
+    )
+    surprises = np.array([found.surprises(signs, whites, at) for at in found.candidates])
     null = surprises[:, 1:].max(axis=0)
     p_values = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
     return p_values, float(np.quantile(null, 0.95))

@@ -26,6 +26,12 @@ class Scored:
         """Fraction of another model's squares that this one does not leave."""
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
+    def moved(self, other: "Scored") -> float:
+        """rms of the torque by which this model is nearer than another, over the friction's."""
+        f = self.fit
+        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.gain**2
+        return float(np.sqrt(max(0.0, other.total - self.total) / friction)) if friction else 0.0
+
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
         """Whether it predicts better by more than some paired standard errors over blocks."""
         difference = other.squares - self.squares

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
 from frictionjoint.diagnose.library import Candidate, library
@@ -25,7 +25,7 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread
@@ -35,6 +35,9 @@ SIGNIFICANCE = 0.05
 # fraction of the squares left that a change must take away: less is as likely a by-product of
 # whatever else is wrong
 SMALLEST_GAIN = 0.08
+# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is as
+# likely the law's own error as an effect
+DISCREPANCY = 0.01
 # gain from which on an effect may have bent the law, which is then fitted from everywhere
 _BENT = 0.3
 # models within chance and this fraction of the best one's gain are a tie
@@ -115,9 +118,19 @@ def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tupl
 
 def _step(state: _State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
+    blocks = make_blocks(state.prepared, state.fit)
+    candidates = library(state.prepared, state.fit, blocks)
+    first = [c for c in candidates if c.comes_first] if not state.fit.effects else []
+    return (_taken(state, blocks, first, rng) if first else []) or _taken(
+        state, blocks, candidates, rng
+    )
+
+
+def _taken(
+    state: _State, blocks: Blocks, candidates: Sequence[Candidate], rng: np.random.Generator
+) -> list[str]:
+    """The best of these candidates, if one is justified."""
     prepared, current = state.prepared, state.fit
-    blocks = make_blocks(prepared, current)
-    candidates = _first(state, library(prepared, current, blocks))
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)
@@ -151,14 +164,6 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     names = {t.name for t in state.fit.effects}
     state.findings = [f for f in state.findings if f.term.name in names]
     return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
-
-
-def _first(state: _State, candidates: list[Candidate]) -> list[Candidate]:
-    """What has to be decided before anything else, where there is such a thing; else all."""
-    first = [
-        c for c in candidates if isinstance(c.term, EffectTerm) and c.term.effect.first
-    ]
-    return first if first and not state.fit.effects else candidates
 
 
 def _looked_at_again(
@@ -221,10 +226,14 @@ def _chosen(now: Scored, tried: Sequence[_Tried], seen: Look) -> _Choice | None:
 
 
 def _justified(tried: _Tried, now: Scored, seen: Look) -> bool:
-    """By its gain on unlike motion, and by chance over the whole family."""
-    p_value = min((seen.find(c).p_value for c in tried.move.added), default=0.0)
+    """By its gain on unlike motion, and by chance over the whole family.
+
+    What comes first is known to be there: of that, only how much is asked.
+    """
+    added = tried.move.added
+    p_value = min((seen.find(c).p_value for c in added if not c.comes_first), default=0.0)
     enough = tried.score.gain(now) >= SMALLEST_GAIN and tried.score.better(now)
-    return enough and p_value <= SIGNIFICANCE
+    return enough and p_value <= SIGNIFICANCE and tried.score.moved(now) >= DISCREPANCY
 
 
 def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
@@ -259,7 +268,8 @@ def _drop_idle(state: _State) -> None:
             without = scored(
                 refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS), blocks
             )
-            if not now.better(without) or now.gain(without) < SMALLEST_GAIN:
+            needed = now.gain(without) >= SMALLEST_GAIN and now.moved(without) >= DISCREPANCY
+            if not (needed and now.better(without)):
                 idle.append((now.gain(without), without.fit))
         if not idle:
             return

@@ -210,24 +210,14 @@ def law_track(segment: Segment, shape: Shape) -> Array:
     """H and dz/dq along a log, shape (n, 2)."""
     time, q, before = _whole_path(segment, shape)
     found = shape.hysteresis(time, q)
-    return np.column_stack([x[before :: segment.refine] for x in found])
+    return np.column_stack([x[before:] for x in found])
 
 
 def law_tangents(segment: Segment, shape: Shape) -> tuple[Array, Array]:
     """Derivatives of H and dz/dq by the numbers of a shape along a log, each of shape (k, n)."""
     time, q, before = _whole_path(segment, shape)
-    if not hasattr(shape, "tangents"):
-        x=shape.vector(); dH=np.empty((len(x),len(q))); drate=np.empty_like(dH)
-        for k in range(len(x)):
-            h=1e-4
-            up,lo=x.copy(),x.copy(); lo[k]-=h
-            if not ("bend" in shape.variables[k] or shape.variables[k]=="excess"): up[k]+=h
-            if shape.variables[k]=="excess": up[k]+=h; lo[k]+=h
-            a=shape.moved(up).hysteresis(time,q); b=shape.moved(lo).hysteresis(time,q)
-            dH[k]=(a[0]-b[0])/(up[k]-lo[k]); drate[k]=(a[1]-b[1])/(up[k]-lo[k])
-    else:
-        _, _, dH, drate = shape.tangents(time, q)
-    return dH[:, before :: segment.refine], drate[:, before :: segment.refine]
+    _, _, dH, drate = shape.tangents(time, q)
+    return dH[:, before:], drate[:, before:]
 
 
 def _whole_path(segment: Segment, shape: Shape) -> tuple[Array, Array, int]:

@@ -42,14 +42,15 @@ from frictionjoint.measured.derivatives import (
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, Spectrum
 
-# s, about what a law is driven with; a slow log is not refined at any cost
-_LAW_STEP, _MOST_REFINED = 2.5e-3, 8
+# s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
+# blurred. A slow log is not refined at any cost.
+_STEP_S, _MOST_REFINED = 2.5e-3, 16
 # the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
 # the second; above it only time is spent.
 _LEAST_HZ, _MOST_HZ = 5.0, 60.0
 BALANCE_ORDER = 4
 # samples in a period of each corner
-_A_MOTION, _A_BALANCE = 4.0, 4.0
+_A_MOTION, _A_BALANCE, _A_COARSE = 4.0, 4.0, 32.0
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
@@ -80,7 +81,6 @@ class Segment:
         noise: of the instruments. sample: s between the samples of the log itself.
         corner_hz: of the filter of the motion.
         weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
-        refine: steps of the law from one sample to the next, see `path`.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
     """
@@ -98,22 +98,13 @@ class Segment:
     sample: float
     corner_hz: float
     weight: Array | None = None
-    refine: int = 1
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
 
-    @cached_property
+    @property
     def path(self) -> tuple[Array, Array]:
-        """Time and position that the law is driven along, `refine` steps a sample.
-
-        A law's level belongs to the velocity at an instant; over an interval of a slow log that
-        changes too much for its mean to stand in for it.
-        """
-        time, q = (np.ascontiguousarray(self.signals[:, k]) for k in (TIME, Q))
-        if self.refine == 1:
-            return time, q
-        fine = np.linspace(time[0], time[-1], (len(time) - 1) * self.refine + 1)
-        return fine, np.ascontiguousarray(CubicSpline(time, q)(fine))
+        """Time and position that a law is driven along."""
+        return tuple(np.ascontiguousarray(self.signals[:, k]) for k in (TIME, Q))  # type: ignore[return-value]
 
     @cached_property
     def _drive_spectrum(self) -> tuple[Spectrum, Array]:
@@ -228,7 +219,7 @@ def _lowpass(n: int, dt: float, corner_hz: float, step: int) -> LowPass:
 def _thinned(s: Segment, factor: float) -> Segment:
     """A log in a band narrower by a factor, on a grid to match."""
     bandwidth_hz = s.bandwidth_hz / factor
-    step = max(1, int(1.0 / (s.dt * 4.0 * _A_BALANCE * bandwidth_hz)))
+    step = max(1, int(1.0 / (s.dt * _A_COARSE * bandwidth_hz)))
     steep = LowPass(len(s.drive), s.dt, min(4.0 * bandwidth_hz, HIGHEST / s.dt), MOTION_ORDER, step)
     signals = s.signals[::step].copy()
     signals[1:, DT] = dt = s.dt * step
@@ -243,7 +234,6 @@ def _thinned(s: Segment, factor: float) -> Segment:
         mask=s.mask[::step],
         weight=None if s.weight is None else s.weight[::step],
         others={name: x[::step] for name, x in s.others.items()},
-        refine=1,
     )
 
 
@@ -289,10 +279,13 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
 
 def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
     grid, raw, sample = on_a_grid(log)
-    step = max(1, int(1.0 / (sample * _A_MOTION * band.motion)))
-    smooth = LowPass(len(grid), sample, min(band.motion, HIGHEST / sample), MOTION_ORDER, step)
-    t, dt = grid[::step], sample * step
-    n = len(t)
+    finest = min(_STEP_S, 1.0 / (_A_MOTION * band.motion))
+    step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
+    corner = min(band.motion, HIGHEST / sample)
+    smooth = LowPass(len(grid), sample, corner, MOTION_ORDER, step, up)
+    dt = sample * step / up
+    n = -(-((len(grid) - 1) * up + 1) // step)
+    t = grid[0] + dt * np.arange(n)
 
     def track(position: Array) -> tuple[Array, Array, Array]:
         spectrum = smooth.spectrum(position)
@@ -356,7 +349,6 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
         ),
         sample=sample,
         corner_hz=band.motion,
-        refine=int(np.clip(round(dt / _LAW_STEP), 1, _MOST_REFINED)),
     )
 
 

@@ -7,6 +7,7 @@ not resolve needs no rule of its own.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,38 +21,48 @@ from frictionjoint.identify.result import law_parameters
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
 DISCREPANCY = 0.05
-# fraction of sticking up to which a sample tells what moving samples leave
-_SLIDING = 0.05
+# fraction of sticking below which a contact slides, and beyond which it sticks
+_SLIDING, _STICKING = 0.05, 0.5
+
+
+class Errors(NamedTuple):
+    """rms of what a fit leaves of its logs, N m, in sliding and while the contact sticks."""
+
+    sliding: float
+    sticking: float
 
 
 def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tuple[Prepared, Fit]:
     """The logs weighted by a fit of them, and that fit again."""
-    prepared = weighted(prepared, fitted, sliding_error(prepared, fitted))
+    prepared = weighted(prepared, fitted, errors_of(prepared, fitted))
     return prepared, refit(prepared, fitted.terms, fitted.shape, closeness)
 
 
-def sliding_error(prepared: Prepared, fitted: Fit) -> float:
-    """rms of what a fit leaves of its logs in sliding, N m."""
+def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
+    """What a fit leaves of its logs."""
     kept = [_sticking(s, fitted)[:: s.step][s.kept] for s in prepared.segments]
-    sliding = np.concatenate(kept) < _SLIDING
-    e = fitted.residual[sliding] if sliding.any() else fitted.residual
-    return float(np.sqrt(np.mean(e**2)))
+    stuck = np.concatenate(kept)
+    e = fitted.residual
+    sliding, sticking = e[stuck < _SLIDING], e[stuck > _STICKING]
+    base = float(np.sqrt(np.mean(sliding**2))) if sliding.size else fitted.rms
+    return Errors(base, float(np.sqrt(np.mean(sticking**2))) if sticking.size else 0.0)
 
 
-def weighted(prepared: Prepared, fitted: Fit, base: float) -> Prepared:
+def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
     """Logs with their samples weighted by what a fitted law says of them.
 
     Args:
-        base: error in sliding that the weights are relative to, see `sliding_error`.
+        errors: of the logs the fit is of: weights are relative to that in sliding, and what is
+            left in sticking is no better known than that.
     """
-    stuck = [_sticking(s, fitted) for s in prepared.segments]
     law = law_parameters(fitted)
     level = fitted.levels[0]
-    base = base or 1e-300
+    base = errors.sliding or 1e-300
     segments = []
-    for s, x in zip(prepared.segments, stuck, strict=True):
+    for s in prepared.segments:
         unresolved = min(law.stiffness * s.noise.resolution, level)
-        variance = x * (unresolved**2 + (DISCREPANCY * level) ** 2)
+        known = unresolved**2 + (DISCREPANCY * level) ** 2
+        variance = _sticking(s, fitted) * max(known, errors.sticking**2 - base**2)
         segments.append(replace(s, weight=1.0 / np.sqrt(1.0 + variance / base**2)))
     return replace(prepared, segments=tuple(segments))
 

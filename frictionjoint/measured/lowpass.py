@@ -26,7 +26,8 @@ class LowPass:
     Attributes:
         n: samples of the signals. dt: s between them. corner_hz: half of the amplitude passes.
         order: steepness; 4 rings hardly, 8 is flat up to half of the corner.
-        step: one in `step` samples is given back.
+        step: one in `step` samples is given back. up: so many are given back for each, and then
+            one in `step` of those.
     """
 
     n: int
@@ -34,6 +35,7 @@ class LowPass:
     corner_hz: float
     order: int
     step: int = 1
+    up: int = 1
 
     def __call__(self, x: Array, derivative: int = 0) -> Array:
         """Filter along axis 0.
@@ -41,7 +43,7 @@ class LowPass:
         Args:
             x: shape (n,) or (n, k). derivative: of the filtered signal by time.
         Returns:
-            shape (ceil(n / step),) or (ceil(n / step), k).
+            shape (m,) or (m, k), with m = ceil(((n - 1) up + 1) / step).
         """
         return self.back(self.spectrum(x), derivative)
 
@@ -68,15 +70,16 @@ class LowPass:
         response = self._response * (1j * self._omega) ** derivative
         if delay:
             response = response * np.exp(-1j * self._omega * delay)
-        m = self._length // self.step
-        kept = values[: m // 2 + 1] * response[: m // 2 + 1].reshape(-1, *(1,) * (values.ndim - 1))
-        out = irfft(kept, m, axis=0) / self.step
-        count = -(-self.n // self.step)
-        first = self._pad // self.step
+        m = self._length * self.up // self.step
+        k = min(m, self._length) // 2 + 1
+        kept = values[:k] * response[:k].reshape(-1, *(1,) * (values.ndim - 1))
+        out = irfft(kept, m, axis=0) * (self.up / self.step)
+        count = len(self._at)
+        first = self._pad * self.up // self.step
         found = out[first : first + count]
         if derivative == 0:
             late = delay / (self.dt * (self.n - 1.0))
-            found = found + self._chord(ends, self._parts[:: self.step] - late)
+            found = found + self._chord(ends, self._at - late)
         elif derivative == 1:
             found = found + (ends[1] - ends[0]) / ((self.n - 1) * self.dt)
         return np.asarray(found)
@@ -87,6 +90,12 @@ class LowPass:
     @cached_property
     def _parts(self) -> Array:
         return np.arange(self.n) / (self.n - 1.0)
+
+    @cached_property
+    def _at(self) -> Array:
+        """Where the samples given back lie, from 0 to 1."""
+        last = (self.n - 1) * self.up
+        return np.arange(0, last + 1, self.step) / float(last)
 
     @cached_property
     def _fade(self) -> Array:
