@@ -38,7 +38,7 @@ from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared, prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.start import predict
-from frictionjoint.identify.weights import sliding_error, weighted
+from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.readers import read_log
 
 
@@ -84,7 +84,7 @@ def held_out_error(kept: Prepared, fitted_on: Prepared, final: Fit) -> float:
     Args:
         kept: the logs held out. fitted_on: those of the fit, as they were weighted last.
     """
-    told_by = predict(weighted(kept, final, sliding_error(fitted_on, final)), final)
+    told_by = predict(weighted(kept, final, errors_of(fitted_on, final)), final)
     return float(np.sqrt(np.mean(told_by.error[told_by.in_motion] ** 2)))
 
 
