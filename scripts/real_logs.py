@@ -21,14 +21,15 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Measured logs
 
-Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores, two joints at a
-time.
-Errors are rms of the torque (force) in motion on held-out data over its rms, with 95% intervals. The
-state at the start of each held-out log is estimated: what friction held, how a link swung. Replay is
-the rms position error of free runs of half a second, driven by the measured torque.
+Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores,
+two joints at a time.
+Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
+intervals. The state at the start of each held-out log is estimated: what friction held, how a
+link swung. Replay is the rms position error of free runs of half a second, driven by the
+measured torque.
 Before is the integrated law alone, after is the law named with the effects added.
-A row whose error is larger after than before is a failure of the loop: what it added held on the data
-it was given, and not on the rest.
+A row whose error is larger after than before is a failure of the loop: what it added held on
+the data it was given, and not on the rest.
 
 """
 
