@@ -49,7 +49,7 @@ def transition() -> Figure:
 
 
 def memory() -> Figure:
-    """Nested presliding loops beside what the stacks hold at each turn."""
+    """Nested presliding loops, and what the stacks hold at each turn."""
     q, Fh, turns, stacks = nested_loops()
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(10, 4.4), sharey=True, layout="constrained", width_ratios=(3, 2)
@@ -124,8 +124,8 @@ def loop() -> Figure:
     figure, axes = plt.subplots(figsize=(10, 2.1), layout="constrained")
     axes.set(xlim=(0, 100), ylim=(0, 22))
     axes.axis("off")
-    names = ("log\n+ MJCF", "rigid-body\ntorque", "base fit\nof the law", "residual", "trace")
-    names += ("add the\neffect, refit", "report,\nmodel.xml")
+    names = ("log\n+ MJCF", "balance of\ntorques", "base fit\nof the law", "residual", "search")
+    names += ("add or drop,\nrefit", "report,\nmodel.xml")
     for i, name in enumerate(names):
         x = 7 + 14.3 * i
         axes.text(x, 15, name, ha="center", va="center", fontsize=10, bbox=BOX)

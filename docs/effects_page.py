@@ -46,7 +46,8 @@ def torque(effect: Effect, rows: Array) -> Array:
     ones = [float(np.clip(1.0, low, high)) for low, high in bounds]
     grid = effect.shapes(rows)
     shape = grid[len(grid) // 2] if grid and grid[0] else (4.0,) * len(effect.shape)
-    P = np.array([*shape, *ones])
+    # a number that is still to be estimated is zero on the grid
+    P = np.array([*(x or 1.0 for x in shape), *ones])
     X = np.zeros(MEMORY)
     return np.array([effect_torque(effect.effect_id, P, 0, row, X, 0) for row in rows])
 
@@ -63,29 +64,39 @@ def picture(effect: Effect, rows: Array) -> Figure:
     return figure
 
 
+def described(effect: Effect, rows: Array) -> list[str]:
+    """What there is to say of an effect, with its picture."""
+    picture_name = f"img/effects/{effect.effect_id}"
+    pictures.write(picture_name, partial(picture, effect, rows))
+    units = [f"{c} ({u})" for c, u in zip(effect.coefficients, effect.units, strict=True)]
+    units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
+    return [
+        f"{effect.cause[0].upper()}{effect.cause[1:]}.\n",
+        pictures.shown(picture_name, f"Torque of {effect.name}"),
+        f"* Form: `{effect.form}`; {effect.entry}",
+        f"* Numbers: {', '.join(units)}",
+        f"* Signature: {effect.signature}",
+        f"* Record to distinguish it: {effect.separating_motion}",
+        f"* Source: {effect.source}\n",
+    ]
+
+
 def main() -> None:
     """Page and pictures."""
     rows = motion()
     lines = [
         "# Effects\n",
-        "What may be missing beside the friction law. The pictures show each effect's own torque",
+        "What a joint may have besides its friction law. The pictures show each effect's torque",
         "along q = sin t with all coefficients one, against position, velocity and time; they show",
         "shape, not size. T stands for N m or N, x for rad or m.\n",
     ]
-    for effect in CATALOGUE:
-        name = f"img/effects/{effect.effect_id}"
-        pictures.write(name, partial(picture, effect, rows))
-        units = [f"{c} ({u})" for c, u in zip(effect.coefficients, effect.units, strict=True)]
-        units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
-        lines += [
-            f"## {effect.name}: {effect.cause}\n",
-            pictures.shown(name, f"Torque of {effect.name}"),
-            f"* Form: `{effect.form}`; {effect.entry}",
-            f"* Numbers: {', '.join(units)}",
-            f"* Signature: {effect.signature}",
-            f"* Record to tell it apart: {effect.separating_motion}",
-            f"* Source: {effect.source}\n",
-        ]
+    for name in dict.fromkeys(effect.name for effect in CATALOGUE):
+        forms = [effect for effect in CATALOGUE if effect.name == name]
+        lines.append(f"## {name}\n")
+        for number, effect in enumerate(forms, 1):
+            if len(forms) > 1:
+                lines.append(f"### {name}, form {number} of {len(forms)}\n")
+            lines += described(effect, rows)
     with mkdocs_gen_files.open("effects.md", "w") as file:
         file.write("\n".join(lines))
 

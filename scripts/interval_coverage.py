@@ -4,10 +4,10 @@
     python scripts/interval_coverage.py --plants 0 --out coverage.jsonl   only the table
 
 Plants without an effect and with one, in turn, from `scripts/plants`; the loop reads three of
-their four logs, as in `blind_trials.py`. A row a plant is added to the file, and a seed that is
+their four logs, as in `trials.py`. A row a plant is added to the file, and a seed that is
 there is not run again. A plant counts where all its effects were named. Printed for the sandwich
-over blocks of time alone, and for what the report states: the share of 95% intervals that hold
-the truth, the median standard error over the truth, and how many intervals that is.
+over blocks of time alone, and for what the report states: the fraction of 95% intervals that
+hold the truth, the median standard error over the truth, and how many intervals that is.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from plants.plant import simulate, write
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.loop import trace
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared, prepare
@@ -69,7 +69,7 @@ def one_plant(seed: int, kind: str) -> dict[str, Any]:
 
 def judged(prepared: Prepared, fitted: Fit, truth: Mapping[str, Any]) -> dict[str, Any]:
     """What was named, and each estimate as [truth, value, stderr by blocks, stderr stated]."""
-    blocks = make_blocks(fitted.residual, fitted.log_index).of_sample
+    blocks = make_blocks(prepared, fitted).of_sample
     said = [t.name for t in fitted.terms if isinstance(t, EffectTerm)]
     rows: dict[str, list[float]] = {}
     for cov in (by_blocks(fitted, blocks), covariance(prepared, fitted, blocks)):
@@ -99,11 +99,11 @@ def _compared(
 
 def by_blocks(fitted: Fit, block: Array) -> Array:
     """The sandwich over blocks of time alone, shape (p, p)."""
-    J = fitted.jacobian
+    J, e = fitted.jacobian * fitted.weight[:, None], fitted.residual * fitted.weight
     scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     bread = np.linalg.pinv((J / scale).T @ (J / scale), rcond=1e-10, hermitian=True)
     scores = np.zeros((block.max() + 1, J.shape[1]))
-    np.add.at(scores, block, J / scale * fitted.residual[:, None])
+    np.add.at(scores, block, J / scale * e[:, None])
     n = len(scores)
     meat = scores.T @ scores * (n / (n - 1))
     return np.asarray(bread @ meat @ bread / np.outer(scale, scale))

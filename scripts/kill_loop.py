@@ -81,9 +81,9 @@ def _left(folder: Path, before: bool, number: signal.Signals) -> str | None:
         return f"{number.name}: {out} lacks {missing}"
     json.loads((out / "report.json").read_text())
     if not (out / "report.html").read_text().rstrip().endswith("</html>"):
-        return f"{number.name}: report.html is torn"
+        return f"{number.name}: report.html is incomplete"
     if not (out / "model.xml").read_text().rstrip().endswith("</mujoco>"):
-        return f"{number.name}: model.xml is torn"
+        return f"{number.name}: model.xml is incomplete"
     return None
 
 

@@ -23,12 +23,13 @@ HEAD = """# Measured logs
 
 Written by `python scripts/real_logs.py --data DIR --docs`, on a machine of two cores,
 two joints at a time.
-Errors are rms of the torque (force) on held-out data over its rms, with 95% intervals;
-of the held-out data the state at each log's start is sought: what friction held, how a link swung;
-replay is the rms position error of free runs of half a second, driven by the measured torque.
-Before is the integrated law alone, after the law named with the effects added.
-A row whose error is larger after than before is a failure of the loop: what it added held on the
-data it was given, and not on the rest.
+Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
+intervals. The state at the start of each held-out log is estimated: what friction held, how a
+link swung. Replay is the rms position error of free runs of half a second, driven by the
+measured torque.
+Before is the integrated law alone, after is the law named with the effects added.
+A row whose error is larger after than before is a failure of the loop: what it added held on
+the data it was given, and not on the rest.
 
 """
 
@@ -84,12 +85,12 @@ def row(case: Case) -> str:
     except FrictionJointError as error:
         return f"| {case.machine} | {case.joint} | {error} | | | | | |"
 
-    def share(value: float | None, interval: tuple[float, float]) -> str:
+    def part(value: float | None, interval: tuple[float, float]) -> str:
         low, high = (x / r.measured_rms for x in interval)
         return f"{(value or 0.0) / r.measured_rms:.1%} ({low:.1%} to {high:.1%})"
 
-    before = share(r.before_torque.held_out, r.torque_interval[0])
-    after = share(r.after_torque.held_out, r.torque_interval[1])
+    before = part(r.before_torque.held_out, r.torque_interval[0])
+    after = part(r.after_torque.held_out, r.torque_interval[1])
     replay = f"{r.before_replay.held_out or 0:.2g} to {r.after_replay.held_out or 0:.2g}"
     effects = ", ".join(a.effect for a in r.added) or "none"
     law = r.laws[1].law
