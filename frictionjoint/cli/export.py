@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import typer
 from rich.table import Table
 
+from frictionjoint.cli.logs import columns_of
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
@@ -58,7 +59,6 @@ def export(
 
     `frictionjoint export arm_friction.xml --to native --log motion.csv --out arm_native.xml`
     """
-    from frictionjoint.cli import _mapping
     from frictionjoint.export.run import Target, output_file
     from frictionjoint.export.run import export as run
     from frictionjoint.report.write import write_files
@@ -69,7 +69,7 @@ def export(
     file = output_file(out, target)
     with progress() as told:
         told(f"reading {model.name}")
-        done = run(model, target, file, _range(speeds), log, _mapping(column), lugre, told)
+        done = run(model, target, file, _range(speeds), log, columns_of(column), lugre, told)
         write_files(file.parent, {file.name: done.text})
     if as_json:
         rows = [loss.to_dict() for loss in done.losses]

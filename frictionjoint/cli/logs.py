@@ -83,13 +83,7 @@ class Reading:
         Raises:
             LogError: a column is not OURS=THEIRS.
         """
-        columns = {}
-        for text in column or []:
-            ours, equals, theirs = text.partition("=")
-            if not (ours and equals and theirs):
-                raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
-            columns[ours] = theirs
-        return cls(joint, columns, tuple(signal or ()), wrap, gain)
+        return cls(joint, columns_of(column), tuple(signal or ()), wrap, gain)
 
     def read(self, path: Path) -> "JointLog":
         """One log."""
@@ -97,6 +91,21 @@ class Reading:
 
         log = read_log(path, self.joint, self.columns, self.signals, self.wrap)
         return log if self.gain is None else log.with_gain(self.gain)
+
+
+def columns_of(column: list[str] | None) -> dict[str, str]:
+    """Foreign column names by ours, from texts OURS=THEIRS.
+
+    Raises:
+        LogError: a text is not of that form.
+    """
+    found = {}
+    for text in column or []:
+        ours, equals, theirs = text.partition("=")
+        if not (ours and equals and theirs):
+            raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
+        found[ours] = theirs
+    return found
 
 
 def split(

@@ -141,9 +141,7 @@ def _kinds(prepared: Prepared, of_sample: Index) -> Index:
     def mean(x: Array) -> Array:
         return np.asarray(np.bincount(of_sample, x) / count)
 
-    rows = np.column_stack(
-        [np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))]
-    )
+    rows = np.column_stack([np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))])
     rows = StandardScaler().fit_transform(rows)
     found = KMeans(min(_KINDS, len(rows)), n_init=4, random_state=0).fit_predict(rows)
     return np.asarray(found, dtype=np.int64)

@@ -46,7 +46,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import Prediction, predict
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
@@ -177,7 +177,7 @@ def _replays(
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
-    """Of the torque in motion, N m, by one gain of the drive: a model of less is no better for it."""
+    """Of the torque in motion, N m, all by one gain of the drive: less of it makes none better."""
     found: Prediction = predict(prepared, fitted)
     return np.asarray(found.error[found.in_motion] * (gain / fitted.gain))
 
@@ -289,9 +289,7 @@ def _rankings(found: Trace) -> tuple[Looked, ...]:
         Looked(
             chosen,
             runner_up,
-            tuple(
-                (r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed
-            ),
+            tuple((r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed),
         )
         for chosen, runner_up, look in looks or [(None, None, found.last_look)]
     )
@@ -309,9 +307,12 @@ def _effect(finding: Finding) -> Effect:
     return next(e for e in CATALOGUE if e.name == term.name)
 
 
-def _rivals(found: Trace) -> list[tuple[int, Term]]:
+def _rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
     """By the number of a term in the final fit: the effects that explain nearly as much."""
     taken = {f.term.name for f in found.findings}
     return [
-        (i, term) for i, f in enumerate(found.findings) for term in f.rivals if term.name not in taken
+        (i, term)
+        for i, f in enumerate(found.findings)
+        for term in f.rivals
+        if isinstance(term, EffectTerm) and term.name not in taken
     ]

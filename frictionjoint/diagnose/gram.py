@@ -1,8 +1,8 @@
 """All questions about candidates, answered from Gram matrices by block: samples are touched once.
 
 The law's own sensitivities are projected out of every candidate and of the residual on all data
-(Frisch and Waugh 1933): the law may know a fold, the effect may not. What a model predicts of a fold
-then follows from coefficients fitted to the other folds.
+(Frisch and Waugh 1933): the law may know a fold, the effect may not. What a model predicts of a
+fold then follows from coefficients fitted to the other folds.
 """
 
 import itertools
@@ -37,7 +37,8 @@ class Screen:
     """Gram matrices of a fit's terms, of candidates and of what they are to explain.
 
     Attributes:
-        blocks: of the fit. whole: the law projected out, by block, shape (B, c, c), the target last.
+        blocks: of the fit.
+        whole: the law projected out, by block, shape (B, c, c), the target last.
         tested: law and terms projected out, the target is the residual, shape (B, c, c).
         white: the same of whitened columns, by smaller pieces, where what acts seldom shows.
         terms: columns of each term of the fit. candidates: columns of each candidate.
@@ -159,7 +160,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     whole = _projected(grams[:, :-1, :-1], sets[0])
     without_target = np.delete(np.arange(U.shape[1]), -2)
     known = np.concatenate(sets[: 1 + n_own])
-    tested = _projected(grams[np.ix_(range(len(grams)), without_target, without_target)], known)
+    tested = _projected(grams[:, without_target[:, None], without_target], known)
     white = np.zeros((0, *tested.shape[1:]))
     if candidates:
         V = whitened(U[:, without_target], U[:, -1], fitted.log_index)

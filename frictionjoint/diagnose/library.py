@@ -114,9 +114,7 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     return np.concatenate(parts)
 
 
-def effect_terms(
-    prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]
-) -> list[Term]:
+def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]) -> list[Term]:
     """Every effect on a grid that the logs can speak of and that is not in the model yet."""
     everything = np.concatenate(signals)
     names = {term.name for term in taken}

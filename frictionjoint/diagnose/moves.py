@@ -1,4 +1,4 @@
-"""Changes of a model that are tried: add, drop, exchange, add two; all are screened, few refitted."""
+"""Changes of a model: add, exchange, add two; all are screened, few refitted."""
 
 import itertools
 from collections.abc import Sequence
@@ -130,6 +130,7 @@ def _frequencies(
 ) -> list[float]:
     """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
     halves = found.halves(rng)
+
     def worth(G: Array, i: int) -> float:
         """Squares explained, less what as many coefficients would explain by chance."""
         at = found.candidates[i]
@@ -170,9 +171,7 @@ class Moves:
         return [m for found, most in sorts for m in sorted(found, key=_total)[:most]]
 
     def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
-        return [
-            Move((*self.own, c.term), (c,), self.seen.find(c).left) for c in candidates
-        ]
+        return [Move((*self.own, c.term), (c,), self.seen.find(c).left) for c in candidates]
 
     def _pairs(self) -> list[Move]:
         found = []

@@ -84,10 +84,13 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
     if found.findings or found.unexplained:
         return ()
     unit = "N" if found.prepared.slide else "N m"
-    note = f"The smallest effect that these logs could have shown is {found.sight.torque:.2g} {unit} rms."
-    if found.sight.too_short:
-        note = (
-            f"These {found.sight.duration:.3g} s are too short to tell: {note[0].lower()}{note[1:]} "
-            f"About {found.sight.needed:.2g} s of such motion would do."
-        )
-    return (note,)
+    sight = found.sight
+    smallest = (
+        f"he smallest effect that these logs could have shown is {sight.torque:.2g} {unit} rms."
+    )
+    if not sight.too_short:
+        return (f"T{smallest}",)
+    return (
+        f"These {sight.duration:.3g} s are too short to tell: t{smallest} About {sight.needed:.2g} s "
+        "of such motion would do.",
+    )

@@ -8,9 +8,7 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.parameters import Friction
 
 Role = Literal["fit", "held-out"]
-Verdict = Literal[
-    "explained", "partly-explained", "no-effect-found", "too-short-to-tell"
-]
+Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
 Intervals = tuple[tuple[float, float], tuple[float, float]]
 SCHEMA = "frictionjoint/report-1"
 

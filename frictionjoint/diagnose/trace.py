@@ -35,8 +35,8 @@ SIGNIFICANCE = 0.05
 # fraction of the squares left that a change must take away: less is as likely a by-product of
 # whatever else is wrong
 SMALLEST_GAIN = 0.08
-# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is as
-# likely the law's own error as an effect
+# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
+# as likely the law's own error as an effect
 DISCREPANCY = 0.01
 # gain from which on an effect may have bent the law, which is then fitted from everywhere
 _BENT = 0.3
@@ -299,14 +299,10 @@ def _drop_what_moves_worse(state: _State, replayed: Callable[[Fit], float | None
                 trials.append((error, without))
         if not trials:
             return
-        state.prepared, state.fit = reweighed(
-            state.prepared, min(trials, key=lambda x: x[0])[1]
-        )
+        state.prepared, state.fit = reweighed(state.prepared, min(trials, key=lambda x: x[0])[1])
 
 
-def _told(
-    state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]
-) -> Trace:
+def _told(state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     blocks = make_blocks(state.prepared, state.fit)
@@ -324,7 +320,7 @@ def _told(
         _drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
     _drop_what_moves_worse(state, replayed)
-    found = []
+    found: list[Finding] = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
         found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))

@@ -44,7 +44,8 @@ def verdict(found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms]) -> Ve
 
 def _at_a_bound(fitted: Fit) -> bool:
     """Whether a parameter of an effect has run to the end of its range."""
-    return any(bool(fitted.bound[fitted.layout.of_term(i)].any()) for i in range(len(fitted.effects)))
+    own = (fitted.layout.of_term(i) for i in range(len(fitted.effects)))
+    return any(bool(fitted.bound[at].any()) for at in own)
 
 
 def _is_white(fitted: Fit, prepared: Prepared) -> bool:

@@ -41,8 +41,8 @@ class Effect:
         slow: it changes over minutes, so that a log may hold one value of it: its gain is judged
             on stretches of every log, not on whole logs.
         memory: float64 of state the kernel keeps.
-        sought: how its shape numbers are proposed: on the grid of `shapes`, or, for what is fixed in
-            angle, from the spectrum of the residual over position.
+        sought: how its shape numbers are proposed: on the grid of `shapes`, or, for what is fixed
+            in angle, from the spectrum of the residual over position.
         drives: what a log must hold of the motor for the effect to show.
         first: it is decided before anything else, for without it every torque is off.
         opposes_voltage: it takes from the voltage what turns with the motor; it acts only while the

@@ -7,6 +7,7 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
+from collections.abc import Callable
 from functools import partial
 from threading import Lock
 
@@ -111,9 +112,7 @@ class Balance:
         return signals
 
     def _track(self, law: Shape, i: int) -> Array:
-        return self._get(
-            ("track", i, law), lambda: law_track(self.prepared.segments[i], law)
-        )
+        return self._get(("track", i, law), lambda: law_track(self.prepared.segments[i], law))
 
     def _log_moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int
@@ -154,7 +153,7 @@ class Balance:
                 torque[j] += (term.columns(s, signals) @ weights - here) / h
         return kept(s, torque.T)
 
-    def _get(self, key: object, make: "partial[Array]") -> Array:
+    def _get(self, key: object, make: Callable[[], Array]) -> Array:
         """The columns under a key, made if need be; logs ask side by side."""
         found = self._kept.get(key)
         if found is not None:

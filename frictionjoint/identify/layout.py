@@ -53,9 +53,8 @@ class Layout:
 
     def of_term(self, i: int) -> list[int]:
         """All parameters of term i."""
-        return [
-            k for part in (self.coefficients(i), self.numbers(i)) for k in range(*part.indices(10**6))
-        ]
+        first, second = self.coefficients(i), self.numbers(i)
+        return [*range(first.start, first.stop), *range(second.start, second.stop)]
 
     def at(self, name: str) -> int | None:
         """Place of a parameter, None where the model has none of that name."""

@@ -305,8 +305,9 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
     signals[:, DT] = dt
     signals[0, DT] = 0.0
     # not a number where no thermometer was read
-    known = log.temperature is not None
-    signals[:, TEMP] = uniform(log.time, log.temperature, t) if known else np.nan
+    signals[:, TEMP] = np.nan
+    if log.temperature is not None:
+        signals[:, TEMP] = uniform(log.time, log.temperature, t)
     mask = np.ones(n, dtype=bool)
     # a zero-phase filter is not to be trusted within about one period of its corner of the ends
     edge = min(n // 10, max(2, int(1.0 / (band.balance * dt))))

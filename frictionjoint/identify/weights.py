@@ -1,9 +1,9 @@
 """How much each sample of a balance counts: what the position does not resolve counts less.
 
-Where a contact sticks, its torque follows the position steeply: K dq for an error dq of the encoder,
-up to the whole level. And there every law is wrong by a few per cent of the level, for none is
-exact. In sliding neither matters. Both follow from a fitted law, so that rest that an encoder does
-not resolve needs no rule of its own.
+Where a contact sticks, its torque follows the position steeply: K dq for an error dq of the
+encoder, up to the whole level. And there every law is wrong by a few per cent of the level, for
+none is exact. In sliding neither matters. Both follow from a fitted law, so that rest that an
+encoder does not resolve needs no rule of its own.
 """
 
 from dataclasses import replace
@@ -71,6 +71,6 @@ def _sticking(segment: Segment, fitted: Fit) -> Array:
     """Square of dz/dq, 1 in sticking and 0 in sliding, behind the balance's filter, shape (n,)."""
     rate = np.clip(law_track(segment, fitted.shape)[:, 1], 0.0, 1.0)
     # slower than the encoder tells, the direction of the next displacement is not known
-    slow = np.abs(segment.signals[:, V]) < segment.noise.resolution * 2.0 * np.pi * segment.corner_hz
-    rate[slow] = 1.0
+    slowest = segment.noise.resolution * 2.0 * np.pi * segment.corner_hz
+    rate[np.abs(segment.signals[:, V]) < slowest] = 1.0
     return np.clip(segment.smooth(rate**2), 0.0, 1.0)

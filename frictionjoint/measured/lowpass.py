@@ -112,8 +112,10 @@ class LowPass:
 
     @cached_property
     def _omega(self) -> Array:
-        return 2.0 * np.pi * np.arange(self._length // 2 + 1) / (self._length * self.dt)
+        found = 2.0 * np.pi * np.arange(self._length // 2 + 1) / (self._length * self.dt)
+        return np.asarray(found, dtype=np.float64)
 
     @cached_property
     def _response(self) -> Array:
-        return np.asarray(1.0 / (1.0 + (self._omega / (2.0 * np.pi * self.corner_hz)) ** self.order))
+        ratio = self._omega / (2.0 * np.pi * self.corner_hz)
+        return np.asarray(1.0 / (1.0 + ratio**self.order))

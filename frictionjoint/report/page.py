@@ -6,8 +6,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
-from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Report
+from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.report import plots, presliding, wording
 from frictionjoint.report.html import fill, plot
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Curve, Looked, Report
+from frictionjoint.diagnose.trace import SMALLEST_GAIN
 from frictionjoint.report.wording import axis, units
 
 # Points of a line, and of a cloud: each point of a cloud is an element of the page.
