@@ -83,14 +83,11 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
     """What the logs could have shown, where nothing was found."""
     if found.findings or found.unexplained:
         return ()
-    unit = "N" if found.prepared.slide else "N m"
     sight = found.sight
-    smallest = (
-        f"he smallest effect that these logs could have shown is {sight.torque:.2g} {unit} rms."
-    )
+    size = f"{sight.torque:.2g} {'N' if found.prepared.slide else 'N m'} rms"
     if not sight.too_short:
-        return (f"T{smallest}",)
+        return (f"The smallest effect that these logs could have shown is {size}.",)
     return (
-        f"These {sight.duration:.3g} s are too short to tell: t{smallest} About {sight.needed:.2g} s "
-        "of such motion would do.",
+        f"These {sight.duration:.3g} s are too short to tell: the smallest effect that they could "
+        f"have shown is {size}. About {sight.needed:.2g} s of such motion would do.",
     )
