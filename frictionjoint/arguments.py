@@ -3,7 +3,7 @@
 Python would otherwise fail somewhere inside, with an attribute that the user has never heard of.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +67,12 @@ def require_friction(friction: Any, function: str = "install") -> None:
         if not isinstance(joint, str):
             raise TypeError(f"{function}: joint {joint!r} is no name: give its name in the model")
         require_parameters(parameters, f"{function}, joint {joint!r}")
+
+
+def require_logs(logs: Any) -> None:
+    """A list of logs, not one."""
+    if isinstance(logs, str | Path) or not isinstance(logs, Iterable):
+        raise TypeError(f"logs is {kind_of(logs)}: give a list of logs or of their paths")
 
 
 def require_path(path: Any, function: str) -> None:

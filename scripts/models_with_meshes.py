@@ -12,10 +12,12 @@ and differ from those without friction.
 import argparse
 import contextlib
 import io
+import itertools
 import sys
 import tempfile
 import time
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from unittest import mock
@@ -65,9 +67,9 @@ def command(*arguments: object) -> str:
     return out.getvalue()
 
 
-def candidates(folder: Path) -> list[Path]:
+def candidates(folder: Path) -> Iterator[Path]:
     """Files of models with asset files, the first that compiles in each subfolder."""
-    found: dict[Path, Path] = {}
+    found: set[Path] = set()
     for path in sorted([*folder.rglob("*.xml"), *folder.rglob("*.urdf")]):
         if path.parent in found:
             continue
@@ -77,8 +79,8 @@ def candidates(folder: Path) -> list[Path]:
         with contextlib.suppress(FrictionJointError):
             model = compile_model(path)
             if (model.nmesh or model.ntex or model.nhfield) and named(model):
-                found[path.parent] = path
-    return list(found.values())
+                found.add(path.parent)
+                yield path
 
 
 def named(model: mujoco.MjModel) -> list[str]:
@@ -135,12 +137,11 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=17)
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
-    paths = candidates(arguments.folder)[: arguments.most]
     print(f"MuJoCo {mujoco.__version__}\n")
     print("| model | joints | meshes | textures | install, check, 100 steps | s |")
     print("|---|---|---|---|---|---|")
     rows = []
-    for path in paths:
+    for path in itertools.islice(candidates(arguments.folder), arguments.most):
         with tempfile.TemporaryDirectory() as folder:
             name = path.relative_to(arguments.folder).as_posix()
             rows.append(row := tried(path, name, Path(folder)))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from frictionjoint.arguments import require_logs
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.blocks import make_blocks
@@ -82,8 +83,10 @@ def close_loop(
             in the result where that is clearly better.
     Raises:
         FrictionJointError: bad logs or model, in one line.
+        TypeError: a single log in place of a list, or no path of a model.
     """
     begin = time.perf_counter()
+    require_logs(logs)
     if not logs:
         raise LogError("no log to fit: give at least one that is not held out")
     body = RigidBody(model, joint)
