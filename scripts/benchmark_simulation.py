@@ -19,9 +19,15 @@ import time
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 import frictionjoint as fj
+
+try:
+    from mujoco.batch import Batch
+except ImportError:
+    raise SystemExit(
+        f"MuJoCo {mujoco.__version__} has no Batch: pip install 'mujoco>=3.17'"
+    ) from None
 
 STEPS = 2000
 WARM_UP = 200

@@ -8,12 +8,19 @@ drawn from 36 to 68 N m. Counts who stuck, by breakaway torque.
 
 import argparse
 
+import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 import frictionjoint as fj
 from frictionjoint.simulate.carrier import blocks, read_friction, write_parameters
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
+
+try:
+    from mujoco.batch import Batch
+except ImportError:
+    raise SystemExit(
+        f"MuJoCo {mujoco.__version__} has no Batch: pip install 'mujoco>=3.17'"
+    ) from None
 
 
 def main():

@@ -3,12 +3,12 @@
 import mujoco
 import numpy as np
 import pytest
-from mujoco.batch import Batch
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.carrier import blocks, read_friction, write_parameters
 
+Batch = pytest.importorskip("mujoco.batch", reason="MuJoCo before 3.17 has no Batch").Batch
 MANY = 1024
 STEPS = 150
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 4.2))

@@ -19,7 +19,14 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import mujoco
-from mujoco import sysid
+
+try:
+    from mujoco import sysid
+except ImportError as error:
+    raise ImportError(
+        f"MuJoCo {mujoco.__version__} has no sysid to import ({error}): pip install "
+        "'mujoco[sysid]>=3.17'"
+    ) from None
 
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import FrictionParameters

@@ -1,0 +1,78 @@
+"""A wrong type at a public function is a TypeError that says what to give instead."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.files import toml_text
+from frictionjoint.simulate.carrier import JointFriction
+from frictionjoint.simulate.check import check_model
+from frictionjoint.simulate.scope import Scope
+
+FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
+JOINT = "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody></mujoco>"
+SPEC = mujoco.MjSpec.from_string(JOINT)
+fj.install(SPEC, {"j": FRICTION})
+MODEL = SPEC.compile()
+DATA = mujoco.MjData(MODEL)
+
+
+class Physics:
+    """What dm_control hands out: a model within."""
+
+    ptr = MODEL
+
+
+class Environment:
+    """What Gymnasium hands out."""
+
+    class unwrapped:  # noqa: N801
+        model = MODEL
+
+
+@pytest.mark.parametrize(
+    ("act", "words"),
+    [
+        (lambda: fj.attach("arm.xml"), "load 'arm.xml' with frictionjoint.load_model"),
+        (lambda: fj.attach(SPEC), r"give spec\.compile\(\)"),
+        (lambda: fj.attach(DATA), "give the model that this data belongs to"),
+        (lambda: fj.attach(Physics()), r"give its \.ptr"),
+        (lambda: fj.attach(Environment()), r"give its \.unwrapped\.model"),
+        (lambda: fj.attach(None), "give an MjModel"),
+        (lambda: fj.install("arm.xml", {"j": FRICTION}), r"MjSpec\.from_file"),
+        (lambda: fj.install(MODEL, {"j": FRICTION}), "give the spec that it was compiled from"),
+        (lambda: fj.install(SPEC, FRICTION), r'give \{"joint name": parameters\}'),
+        (lambda: fj.install(SPEC, {0: FRICTION}), "joint 0 is no name"),
+        (lambda: fj.install(SPEC, {"j": FRICTION.to_dict()}), r"FrictionParameters\.from_dict"),
+        (lambda: fj.install(SPEC, {"j": "j.toml"}), "read_parameters"),
+        (lambda: fj.install(SPEC, {"j": JointFriction(FRICTION)}), r"give its \.parameters"),
+        (lambda: fj.install(SPEC, {"j": fj.FrictionParameters}), r"FrictionParameters\(\.\.\.\)"),
+        (lambda: fj.uninstall(MODEL), "uninstall takes a mujoco.MjSpec"),
+        (lambda: fj.load_model(MODEL), "load_model takes the path of a file"),
+        (lambda: fj.torque(MODEL, MODEL), r"give mujoco\.MjData\(model\)"),
+        (lambda: fj.remembered(DATA, DATA), "remembered takes a mujoco.MjModel"),
+        (lambda: check_model("arm.xml"), "check_model takes a mujoco.MjModel"),
+        (lambda: Scope("arm.xml", "j"), "Scope takes a mujoco.MjModel"),
+        (lambda: fj.friction_torque({}, [0], [0]), r"FrictionParameters\.from_dict"),
+        (lambda: fj.friction_torque(FRICTION, "a.csv", [0]), "time is no array of numbers"),
+        (lambda: fj.friction_torque(FRICTION, [0], {}), "position is no array of numbers"),
+        (lambda: fj.FrictionParameters.from_dict("j.toml"), "read_parameters"),
+        (lambda: fj.FrictionParameters.from_dict(toml_text(FRICTION)), "read_parameters"),
+        (lambda: fj.close_loop("a.csv", "arm.xml", "j"), r"give a list of logs"),
+        (
+            lambda: fj.close_loop(["a.csv"], MODEL, "j"),
+            "a path or an MJCF's text, not from MjModel",
+        ),
+    ],
+)
+def test_wrong_types_name_the_mend(act, words):
+    with pytest.raises(TypeError, match=words) as refused:
+        act()
+    assert "\n" not in str(refused.value)
+    assert mujoco.get_mjcb_passive() is None
+
+
+def test_right_types_in_other_clothes_are_taken():
+    assert fj.friction_torque(FRICTION, np.arange(3), [0, 1, 2]).shape == (3,)
+    fj.attach(MODEL).detach()
