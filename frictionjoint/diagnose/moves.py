@@ -129,7 +129,6 @@ def _frequencies(
     found: Screen, kinds: Sequence[Sequence[int]], rng: np.random.Generator
 ) -> list[float]:
     """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
-    halves = found.halves(rng)
 
     def worth(G: Array, i: int) -> float:
         """Squares explained, less what as many coefficients would explain by chance."""

@@ -35,6 +35,8 @@ def sentence(report: Report) -> str:
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
     alone = f"{_law(report)} leaves {after:.3g} {unit} on {where} data"
+    if report.verdict == "too-short-to-tell":
+        return f"These logs are too short to tell: {alone}{_times_noise(report, after)}."
     if report.verdict == "no-effect-found":
         if _ratio(report, after) <= _NOISE_ALONE:
             return (
