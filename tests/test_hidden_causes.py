@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from frictionjoint.diagnose.loop import Trace, trace
 from plants.draw import draw_trial
 from plants.spec import Effect, PlantSpec
 from trial_logs import prepared_logs
-
-from frictionjoint.diagnose.loop import Trace, trace
 
 
 def drawn(seed: int, kind: str) -> PlantSpec:

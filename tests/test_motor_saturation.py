@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from frictionjoint import FrictionParameters, attach
-from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.replay import motor_of, replay
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects import motor_saturation
 from frictionjoint.effects.motor_saturation import given as given_torque
 from frictionjoint.errors import ModelError

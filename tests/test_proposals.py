@@ -20,7 +20,6 @@ from scipy.linalg import toeplitz
 from test_plants import quiet
 
 from frictionjoint.diagnose.close_loop import _rivals
-from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.motions import Carried, Limits
 from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_part
 from frictionjoint.diagnose.separation import (
@@ -29,6 +28,7 @@ from frictionjoint.diagnose.separation import (
     separation,
     with_further,
 )
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
