@@ -2,10 +2,14 @@
 
 import os
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint.diagnose.report_data import Report
 
 # the trial plants live beside the scripts that use them
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
@@ -23,3 +27,12 @@ def measured_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no measured logs: set FRICTIONJOINT_DATA (looked in {folder})")
     return folder
+
+
+@pytest.fixture(scope="session")
+def demo_report() -> Report:
+    """The whole loop on the shipped logs, once for all tests of it."""
+    demo = Path(str(files("frictionjoint"))) / "demo"
+    logs, held_out = ("pick_and_place", "ramps"), ("multisine",)
+    fitted, kept = ([demo / f"{name}.csv" for name in names] for names in (logs, held_out))
+    return close_loop(fitted, demo / "joint.xml", "joint", kept)

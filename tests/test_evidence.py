@@ -45,7 +45,7 @@ def fitted(y, X, weight=None):
     )  # fmt: skip
 
 
-def candidates(rng, names=len(TERMS)):
+def candidates(rng, names=None):
     return [Candidate(t, rng.standard_normal((N, len(t.coefficients)))) for t in TERMS[:names]]
 
 
