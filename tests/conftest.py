@@ -8,9 +8,6 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from frictionjoint.diagnose.close_loop import close_loop
-from frictionjoint.diagnose.report_data import Report
-
 # the trial plants live beside the scripts that use them
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
@@ -30,8 +27,10 @@ def measured_data() -> Path:
 
 
 @pytest.fixture(scope="session")
-def demo_report() -> Report:
-    """The whole loop on the shipped logs, once for all tests of it."""
+def demo_report():
+    """Report of the whole loop on the shipped logs, once for all tests of it."""
+    from frictionjoint.diagnose.close_loop import close_loop
+
     demo = Path(str(files("frictionjoint"))) / "demo"
     logs, held_out = ("pick_and_place", "ramps"), ("multisine",)
     fitted, kept = ([demo / f"{name}.csv" for name in names] for names in (logs, held_out))

@@ -38,9 +38,12 @@ def run_here(*arguments, cwd, monkeypatch):
     monkeypatch.chdir(cwd)
     out, err, terminated = io.StringIO(), io.StringIO(), signal.getsignal(signal.SIGTERM)
     try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            with pytest.raises(SystemExit) as ended:
-                main()
+        with (
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+            pytest.raises(SystemExit) as ended,
+        ):
+            main()
     finally:
         signal.signal(signal.SIGTERM, terminated)
     return subprocess.CompletedProcess(
