@@ -2,6 +2,7 @@
 
 import os
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -26,3 +27,14 @@ def measured_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no measured logs: set FRICTIONJOINT_DATA (looked in {folder})")
     return folder
+
+
+@pytest.fixture(scope="session")
+def demo_report():
+    """Report of the whole loop on the shipped logs, once for all tests of it."""
+    from frictionjoint.diagnose.close_loop import close_loop
+
+    demo = Path(str(files("frictionjoint"))) / "demo"
+    logs, held_out = ("pick_and_place", "ramps"), ("multisine",)
+    fitted, kept = ([demo / f"{name}.csv" for name in names] for names in (logs, held_out))
+    return close_loop(fitted, demo / "joint.xml", "joint", kept)

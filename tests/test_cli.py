@@ -1,15 +1,20 @@
 """The command line: bad input gives one line, exit code 2, and nothing written."""
 
+import contextlib
+import io
 import json
 import re
+import signal
 import subprocess
 import sys
+import warnings
 from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
+from frictionjoint.cli import main
 from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.parameters import FrictionParameters
 
@@ -23,6 +28,26 @@ def run(*arguments, cwd):
     command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", *arguments]
     return subprocess.run(
         [str(a) for a in command], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
+
+
+def run_here(*arguments, cwd, monkeypatch):
+    """The same without a process of its own, which takes seconds to import everything."""
+    monkeypatch.setattr(sys, "argv", ["frictionjoint", *(str(a) for a in arguments)])
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
+    monkeypatch.chdir(cwd)
+    out, err, terminated = io.StringIO(), io.StringIO(), signal.getsignal(signal.SIGTERM)
+    try:
+        with (
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+            pytest.raises(SystemExit) as ended,
+        ):
+            main()
+    finally:
+        signal.signal(signal.SIGTERM, terminated)
+    return subprocess.CompletedProcess(
+        sys.argv, ended.value.code or 0, out.getvalue(), err.getvalue()
     )
 
 
@@ -61,12 +86,13 @@ BAD_LOGS = {
 
 
 @pytest.mark.parametrize("kind", BAD_LOGS)
-def test_bad_log_is_refused_in_one_line(kind, tmp_path):
+def test_bad_log_is_refused_in_one_line(kind, tmp_path, monkeypatch):
     text, word = BAD_LOGS[kind]
     (tmp_path / "bad.csv").write_text(text)
-    done = run(
-        "close-loop", "bad.csv", "--model", MODEL, "--joint", "joint", "--out", "out", cwd=tmp_path
-    )
+    done = run_here(
+        "close-loop", "bad.csv", "--model", MODEL, "--joint", "joint", "--out", "out",
+        cwd=tmp_path, monkeypatch=monkeypatch,
+    )  # fmt: skip
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert "bad.csv" in done.stderr
@@ -86,12 +112,19 @@ def test_bad_log_is_refused_in_one_line(kind, tmp_path):
         (["install", MODEL, "--joint", "joint"], "NAME=params.toml"),
     ],
 )
-def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path):
-    done = run(*arguments, "--out", "out", cwd=tmp_path)
+def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path, monkeypatch):
+    done = run_here(*arguments, "--out", "out", cwd=tmp_path, monkeypatch=monkeypatch)
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert word in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_the_process_ends_with_the_code_and_the_line(tmp_path):
+    done = run("close-loop", "none.csv", "--model", MODEL, "--joint", "joint", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("frictionjoint: none.csv: no such log")
+    assert len(done.stderr.splitlines()) == 1
 
 
 def test_identify_install_and_check_work_in_a_row(tmp_path):
@@ -121,8 +154,8 @@ COMMANDS = ("demo", "close-loop", "identify", "compare", "install", "check", "da
 
 
 @pytest.mark.parametrize("name", [*COMMANDS, "data list", "data get"])
-def test_every_subcommand_has_help_with_an_example(name, tmp_path):
-    done = run(*name.split(), "--help", cwd=tmp_path)
+def test_every_subcommand_has_help_with_an_example(name, tmp_path, monkeypatch):
+    done = run_here(*name.split(), "--help", cwd=tmp_path, monkeypatch=monkeypatch)
     assert done.returncode == 0
     assert f"Usage: frictionjoint {name}" in done.stdout
     assert re.search(rf"Examples?:\s+frictionjoint {name}", done.stdout)
@@ -157,8 +190,8 @@ def test_piped_output_is_plain_and_wide(tmp_path):
         (["check"], "; see frictionjoint check --help"),
     ],
 )
-def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path):
-    done = run(*arguments, cwd=tmp_path)
+def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path, monkeypatch):
+    done = run_here(*arguments, cwd=tmp_path, monkeypatch=monkeypatch)
     assert done.returncode == 2
     assert line in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -159,7 +159,7 @@ def test_a_motor_that_cannot_be_followed_is_refused():
 # identification
 
 
-def log(seed, n=5000, counts=20000):
+def log(seed, n=4000, counts=20000):
     """A log with noise on its voltage; let go now and then, which tells back-EMF from friction."""
     time, step = 2e-3 * np.arange(n), 2.0 * np.pi / counts
     volts, closed = voltages(n, seed), time % 4.0 < 3.0
@@ -192,7 +192,7 @@ def test_the_loop_names_it_with_its_size(traced):
 
 def test_a_log_that_was_not_fitted_is_predicted_and_replayed(traced):
     body, found = traced
-    kept = prepare([log(3, 3000)], body, found.prepared.band)
+    kept = prepare([log(3, 2500)], body, found.prepared.band)
 
     def left(fit):
         return np.std(predict(kept, fit).error) / fit.gain

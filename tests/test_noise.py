@@ -81,7 +81,8 @@ def test_the_floor_of_an_encoder_alone(balance):
 
 def test_a_coarser_encoder_narrows_the_band_and_a_noisier_torque_widens_it():
     def band(counts, noise):
-        return left_of(log(counts, noise))[0].band.balance
+        (segment,) = left_of(log(counts, noise), Band(20.0, 100.0))[0].segments
+        return segment.noise.band_hz(5.0, 60.0, BALANCE_ORDER)
 
     assert band(1024, 2e-3) < 0.7 * band(65536, 2e-3)
     assert band(1024, 0.2) > band(1024, 2e-3)
@@ -89,11 +90,13 @@ def test_a_coarser_encoder_narrows_the_band_and_a_noisier_torque_widens_it():
 
 
 def test_in_its_band_the_position_adds_little_to_what_the_torque_leaves():
-    """A twentieth of the power, wherever that is possible between 5 and 60 Hz."""
+    """A twentieth of the power."""
     for counts in (4096, 16384):
-        logs, _ = left_of(log(counts, 0.02))
-        torque, position = logs.segments[0].noise.left(logs.band.balance, BALANCE_ORDER)
-        assert position <= 0.05 * torque or logs.band.balance == pytest.approx(5.0)
+        (segment,) = left_of(log(counts, 0.02), Band(20.0, 100.0))[0].segments
+        corner = segment.noise.band_hz(1.0, 60.0, BALANCE_ORDER)
+        torque, position = segment.noise.left(corner, BALANCE_ORDER)
+        assert 1.0 < corner < 60.0
+        assert 0.03 * torque < position <= 0.05 * torque
 
 
 def test_what_is_left_of_a_density_is_its_part_that_passes():

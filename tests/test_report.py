@@ -2,37 +2,29 @@
 
 import re
 from dataclasses import replace
-from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from frictionjoint.cli.terminal import show_report
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.measured.readers import read_log
 from frictionjoint.report import presliding, wording
 from frictionjoint.report.page import render
 
 sentence = wording.sentence
-DEMO = Path(str(files("frictionjoint"))) / "demo"
 COMMAND = "frictionjoint close-loop 'my log.csv' --out out"
 
 
-@pytest.fixture(scope="module")
-def found():
-    logs = [read_log(DEMO / f"{name}.csv", "joint") for name in ("pick_and_place", "ramps")]
-    return close_loop(
-        logs, DEMO / "joint.xml", "joint", [read_log(DEMO / "multisine.csv", "joint")]
-    )
+@pytest.fixture
+def found(demo_report):
+    return demo_report
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def nothing(found):
     """The same report as it would be had nothing been found."""
     laws, curves = (found.laws[0],) * 2, tuple(replace(c, after=c.before) for c in found.curves)

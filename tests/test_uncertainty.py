@@ -16,7 +16,7 @@ from frictionjoint.identify.uncertainty import covariance
 
 LOGS, SAMPLES, DT = 4, 1500, 0.02
 TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
-REPEATS = 120
+REPEATS = 80
 NOISE = Noise(0.0, np.zeros(1), np.zeros(1), 0.0, 0.0)
 
 
