@@ -1,1 +1,1 @@
-"""A whole robot at once: every joint, shared causes, one report, one model."""
+"""Torques of a whole rigid-body tree, linear in the inertial parameters of its bodies."""

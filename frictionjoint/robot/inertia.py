@@ -28,9 +28,9 @@ def of_model(model: mujoco.MjModel) -> Array:
     """Parameters of every body of a model, shape (nbody, 10)."""
     found = np.zeros((model.nbody, TEN))
     for b in range(model.nbody):
-        R = np.zeros(9)
-        mujoco.mju_quat2Mat(R, model.body_iquat[b])
-        R = R.reshape(3, 3)
+        rotation = np.zeros(9)
+        mujoco.mju_quat2Mat(rotation, model.body_iquat[b])
+        R = rotation.reshape(3, 3)
         about_centre = R @ np.diag(model.body_inertia[b]) @ R.T
         found[b] = of_body(float(model.body_mass[b]), model.body_ipos[b], about_centre)
     return found
@@ -56,16 +56,16 @@ def about_centre(phi: Array) -> tuple[float, Array, Array]:
 
 def matrix(phi: Array) -> Array:
     """Inertia about the origin of the body's frame, shape (3, 3)."""
-    I = np.zeros((3, 3))
-    I[_ROWS, _COLUMNS] = I[_COLUMNS, _ROWS] = phi[4:]
-    return I
+    inertia = np.zeros((3, 3))
+    inertia[_ROWS, _COLUMNS] = inertia[_COLUMNS, _ROWS] = phi[4:]
+    return inertia
 
 
 def pseudo(phi: Array) -> Array:
     """Pseudo-inertia, shape (4, 4)."""
-    I = matrix(phi)
+    inertia = matrix(phi)
     P = np.zeros((4, 4))
-    P[:3, :3] = 0.5 * np.trace(I) * np.eye(3) - I
+    P[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
     P[:3, 3] = P[3, :3] = phi[1:4]
     P[3, 3] = phi[0]
     return P
@@ -73,8 +73,8 @@ def pseudo(phi: Array) -> Array:
 
 def of_pseudo(P: Array) -> Array:
     """Parameters of a pseudo-inertia, the inverse of `pseudo`."""
-    I = np.trace(P[:3, :3]) * np.eye(3) - P[:3, :3]
-    return np.array([P[3, 3], *P[:3, 3], *I[_ROWS, _COLUMNS]])
+    inertia = np.trace(P[:3, :3]) * np.eye(3) - P[:3, :3]
+    return np.array([P[3, 3], *P[:3, 3], *inertia[_ROWS, _COLUMNS]])
 
 
 def possible(phi: Array) -> bool:

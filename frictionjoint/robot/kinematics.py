@@ -170,7 +170,7 @@ def _turned(R: Array, x: Array) -> Array:
 
 
 def _matrix(quat: Array) -> Array:
-    return _rotation(quat[None, :])[0]
+    return np.asarray(_rotation(quat[None, :])[0])
 
 
 def _rotation(quat: Array) -> Array:

@@ -4,7 +4,6 @@ The force and moment that a body's motion takes are linear in its ten parameters
 a degree of freedom is their component along its axis (Atkeson, An and Hollerbach 1986).
 """
 
-import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
