@@ -21,7 +21,6 @@ PLANTS = {
     "joint-elasticity": 1,
     "load-dependent": 1,
     "measurement-delay": 2,
-    "nonlinear-viscous": 3,
     "position-periodic": 1,
     "spring": 1,
     "temperature-dependent": 1,

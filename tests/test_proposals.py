@@ -105,7 +105,7 @@ def test_separation_is_what_least_squares_leaves_over_its_noise():
     rng = np.random.default_rng(0)
     n = 400
     J, a, b = rng.standard_normal((n, 3)), rng.standard_normal(n), rng.standard_normal(n)
-    noise = Noise(correlated(rng, 4000), np.zeros(4000, dtype=np.int64))
+    noise = Noise(correlated(rng, 4000), np.zeros(4000, dtype=np.int64), 100)
     rho = np.zeros(n)
     rho[: len(noise.autocovariance)] = noise.autocovariance[:n]
     sigma = toeplitz(rho)
@@ -124,8 +124,8 @@ def test_noise_is_that_of_the_residual_also_at_a_lower_rate():
     rng = np.random.default_rng(1)
     residual, index = correlated(rng, 40_000), np.zeros(40_000, dtype=np.int64)
     slow = np.sin(2.0 * np.pi * np.arange(8000) / 2000.0)[:, None]
-    fine = moments(slow, Noise(residual, index))
-    coarse = moments(slow[2::5], Noise(residual, index, 5))
+    fine = moments(slow, Noise(residual, index, 240))
+    coarse = moments(slow[2::5], Noise(residual, index, 240, 5))
     # the variance of a sum of moving averages is their gain at frequency 0, squared
     assert fine.noise == pytest.approx(2.5**2 * fine.gram, rel=0.1)
     assert coarse.noise == pytest.approx(fine.noise, rel=0.05)
@@ -136,7 +136,7 @@ def test_the_same_record_once_more_halves_the_variance():
     rng = np.random.default_rng(2)
     n = 3000
     J = rng.standard_normal((n, 2)) * [1.0, 1e3]
-    noise = Noise(correlated(rng, n), np.zeros(n, dtype=np.int64))
+    noise = Noise(correlated(rng, n), np.zeros(n, dtype=np.int64), 75)
     sums = moments(J, noise)
     bread = np.linalg.inv(sums.gram)
     cov = bread @ sums.noise @ bread

@@ -21,7 +21,7 @@ def spiralling_model(reversals):
     found = []
     with fj.attach(model):
         for i in range(reversals):
-            data.time = float(i)
+            data.time = i * model.opt.timestep
             data.qpos[0] = 1.4e-5 * 0.97**i * (-1.0) ** i if i else 0.0
             mujoco.mj_forward(model, data)
             found.append(fj.remembered(model, data)["j"])

@@ -45,7 +45,7 @@ from frictionjoint.identify.result import (
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import Prediction, predict
+from frictionjoint.identify.start import IN_MOTION, Prediction, predict
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.arguments import require_seed
@@ -255,10 +255,10 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
         # gain that the residual before is stated by.
         scale = found.final.gain / found.base.gain
         own, base, *_ = predict(prepared, found.base)
-        measured, after, friction, _weight = predict(prepared, found.final)
+        measured, after, friction, weight = predict(prepared, found.final)
         before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
-        rows = zip(prepared.segments, measured, before, after, friction, strict=True)
-        for s, m, b, a, f in rows:
+        rows = zip(prepared.segments, measured, before, after, friction, weight, strict=True)
+        for s, m, b, a, f, w in rows:
             kept = s.signals[:: s.step][s.kept]
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
             for name, x in s.others.items():
@@ -274,6 +274,7 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
                     b,
                     a,
                     f,
+                    w**2 > IN_MOTION,
                     {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
                 )
             )

@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameters import Friction
@@ -100,7 +103,8 @@ class Added:
 class Curve:
     """Time series of one log for the plots, each of shape (n,).
 
-    `before` and `after` are the predictions of `measured`; `friction` is the law's part of `after`.
+    `before` and `after` are the predictions of `measured`; `friction` is the law's part of `after`;
+    `in_motion` the samples whose torque the position determines, those of the torque errors.
     """
 
     name: str
@@ -112,6 +116,7 @@ class Curve:
     before: Array
     after: Array
     friction: Array
+    in_motion: NDArray[np.bool_]
     quantities: dict[str, Array]
 
 

@@ -24,6 +24,9 @@ _ADDED = 0.05
 # fraction of the travel by which one position, computed twice, may differ
 _ROUNDING = 1e-12
 _WINDOW = 4096
+# counts up to which two positions are near, and how far from whole numbers of them they may lie:
+# any differences lie a quarter off on average
+_NEAR, _WHOLE = 50.0, 0.05
 
 
 @dataclass(frozen=True)
@@ -80,16 +83,21 @@ def density_above(x: Array, dt: float) -> float:
 
 
 def count_of(position: Array) -> float:
-    """Step of the encoder, the least difference between two positions, rad; 0 where all differ.
+    """Step of the encoder, rad: positions next to each other lie whole numbers of it apart.
 
     Args:
         position: as measured, shape (n,).
+    Returns:
+        0 where there is no such step.
     """
-    values = np.unique(position)
-    apart = np.diff(values)
+    apart = np.diff(np.unique(position))
     apart = apart[apart > _ROUNDING * np.ptp(position)]
-    # counts repeat: a position that is never the same twice has none
-    return float(apart.min()) if apart.size and 2 * len(values) < len(position) else 0.0
+    if not apart.size:
+        return 0.0
+    step = float(np.mean(apart[apart < 1.5 * apart.min()]))
+    counts = apart[apart < _NEAR * step] / step
+    whole = np.abs(counts - np.round(counts)).mean() < _WHOLE
+    return step if whole and len(counts) > 0.5 * len(apart) else 0.0
 
 
 def noise_of(
