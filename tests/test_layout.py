@@ -138,7 +138,7 @@ def test_the_viscosity_is_not_that_of_an_inertia_that_lags(held):
     logs, found = held
     at = found.layout.at("sigma2")
     error = float(np.sqrt(stated_covariance(logs, found)[at, at]))
-    assert error < 0.05 * SIGMA2
+    assert error < 0.15 * SIGMA2
     assert found.coefficient("sigma2") == pytest.approx(SIGMA2, abs=3.0 * error)
 
 

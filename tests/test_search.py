@@ -23,7 +23,7 @@ SINGLE = {
         {"amplitude": 0.15, "cycles": 14.0, "phase": 0.4},
         {"N": (14.0, 0.01)},
     ),
-    "load-dependent": ({"slope": 0.2}, {"slope": (0.2, 0.05)}),
+    "load-dependent": ({"slope": 0.2}, {"c": (0.2, 0.05)}),
     "measurement-delay": ({"delay": 0.012}, {"delay": (0.0125, 0.04)}),
     "inertia-error": ({"inertia": 0.03}, {"inertia": (0.03, 0.03)}),
     "spring": ({"stiffness": 1.0, "rest": 0.1}, {"stiffness": (1.0, 0.02)}),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from plants.draw import draw_trial
+from plants.spec import Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.effects.signals import V
@@ -34,29 +35,28 @@ def test_a_rest_that_no_position_resolves_does_no_harm(stuck):
     assert found.coefficient("sigma2") == pytest.approx(spec.friction.sigma2, rel=0.1)
 
 
-def test_what_slides_counts_whole_and_what_rests_hardly(stuck):
-    _, logs, everything = stuck
-    logs, found = reweighed(*reweighed(logs, everything))
-    for s in logs.segments:
-        near = int(1.0 / (s.bandwidth_hz * s.dt))
-        fast = np.abs(s.signals[:, V]) > 0.2 * np.abs(s.signals[:, V]).max()
-        slid = np.convolve(~fast, np.ones(2 * near + 1), "same") < 0.5
-        assert slid.any()
-        assert np.median(s.weight[slid]) > 0.99
-        still = np.abs(s.signals[:, V]) < 1e-3
-        rests = np.convolve(~still, np.ones(2 * near + 1), "same") < 0.5
-        assert rests.sum() > 100
-        assert np.max(s.weight[rests]) < 0.2
-    np.testing.assert_array_equal(
-        found.weight, np.concatenate([s.kept_weight for s in logs.segments])
-    )
-
-
 @pytest.fixture(scope="module")
 def resolved(tmp_path_factory):
-    """A LuGre joint with a fine encoder, and its own law."""
-    logs = prepared_logs(PENDULUM, tmp_path_factory.mktemp("resolved"), 1)
+    """A LuGre joint that goes from one rest to another, and its own law."""
+    motions = (Motion("pick-and-place", 3, 0.4, 0.8, 12.0),)
+    logs = prepared_logs(replace(PENDULUM, motions=motions), tmp_path_factory.mktemp("resolved"))
     return logs, fit(logs, forms=forms_of("lugre"))
+
+
+def test_what_slides_counts_whole_and_what_rests_does_not(resolved):
+    logs, found = reweighed(*resolved)
+    (segment,) = logs.segments
+    speed = np.abs(segment.signals[:, V])
+    near = int(1.0 / (segment.bandwidth_hz * segment.dt))
+
+    def throughout(x):
+        return np.convolve(~x, np.ones(2 * near + 1), "same") < 0.5
+
+    slides, rests = throughout(speed > 0.1), throughout(speed < 1e-3)
+    assert min(slides.sum(), rests.sum()) > 20
+    assert np.median(segment.weight[slides]) > 0.99
+    assert np.median(segment.weight[rests]) < 0.5
+    np.testing.assert_array_equal(found.weight, segment.kept_weight)
 
 
 def test_the_least_weight_is_that_of_what_the_encoder_leaves_and_of_a_law_that_is_not_exact(
@@ -75,11 +75,11 @@ def test_a_coarser_encoder_and_a_smaller_error_lower_the_weights(resolved):
     logs, found = resolved
     (own,) = weighted(logs, found, 0.01).segments
     (segment,) = logs.segments
-    blunt = replace(segment, noise=replace(segment.noise, count=100.0 * segment.noise.count))
+    blunt = replace(segment, noise=replace(segment.noise, count=2.0 * np.pi / 500.0))
     (coarse,) = weighted(replace(logs, segments=(blunt,)), found, 0.01).segments
     (sure,) = weighted(logs, found, 0.001).segments
     for other in (coarse, sure):
-        assert np.all(other.weight <= own.weight + 1e-12)
+        assert np.all(other.weight <= own.weight + 1e-6)
         assert np.mean(other.weight) < np.mean(own.weight) - 0.01
 
 
