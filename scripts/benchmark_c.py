@@ -31,7 +31,7 @@ EXPONENTS = (1.0, 2.0, 1.5, 4.0)
 @njit
 def _python(P, effects, X, t, q, v, F):
     for k in range(len(t)):
-        F[k] = torque_now(P, 0, effects, X, 0, t[k], q[k], v[k])
+        F[k] = torque_now(P, 0, effects, X, 0, t[k], q[k], v[k], 0.0)
 
 
 def motions(reach: float, speed: float, steps: int) -> dict[str, tuple[np.ndarray, ...]]:

@@ -81,7 +81,7 @@ def python_torque(carried, t, q, v, around):
     X = np.zeros(row_size(int(law_row_size(law, 0)), len(effects)))
     F = np.empty(len(t))
     for k in range(len(t)):
-        F[k] = torque_now(P, 0, len(law), X, 0, t[k], q[k], v[k])
+        F[k] = torque_now(P, 0, len(law), X, 0, t[k], q[k], v[k], 0.0)
         if effects:
             F[k] += effects_torque(P, 0, len(law), X, 0, t[k], q[k], v[k], *around[k])
     return F, X
@@ -200,7 +200,7 @@ def test_only_what_the_joints_need_is_in_the_header():
 
 def test_what_only_a_log_knows_is_named():
     effect = next(e for e in CATALOGUE if e.name == "temperature-dependent")
-    carried = JointFriction(INTEGRATED[0], (SimulatedEffect(effect, (30.0,), (0.1, 0.1)),))
+    carried = JointFriction(INTEGRATED[0], (SimulatedEffect(effect, (30.0, 20.0), (0.1, 0.1)),))
     assert lost_effects({"j": carried}) == ["j: temperature-dependent"]
     assert "j: temperature-dependent" in header({"j": carried}, "friction.h")
 

@@ -120,6 +120,12 @@ def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Arra
     return found
 
 
+def _waiting(time: Array) -> Array:
+    """Times before a motion, their intervals growing from next to nothing to its own."""
+    step = float(time[1] - time[0])
+    return np.asarray(time[0] - 2.2 * step + np.cumsum(step * 2.9 ** np.arange(-30.0, 1.0)))
+
+
 def _alone(model: mujoco.MjModel, actuators: int) -> None:
     """Nothing but the joints acts; the first `actuators` are those of the robot, and off."""
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
@@ -138,6 +144,12 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
     if attached:
         model.opt.timestep = _INSTANT
     with attach(model) if attached else contextlib.nullcontext():
+        for t in _waiting(motion.time) if attached else ():
+            # at the first position, until an interval of the motion is no leap in time
+            data.time = t
+            for j, track in tracks.items():
+                data.qpos[model.jnt_qposadr[j]] = track[0, 0]
+            mujoco.mj_forward(model, data)
         for k, t in enumerate(motion.time):
             data.time = t
             for j, track in tracks.items():
