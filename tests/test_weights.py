@@ -13,7 +13,7 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.weights import DISCREPANCY, reweighed, sliding_error, weighted
+from frictionjoint.identify.weights import DISCREPANCY, errors_of, reweighed, weighted
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def test_a_rest_that_no_position_resolves_does_no_harm(stuck):
     spec, logs, everything = stuck
     logs, found = reweighed(logs, everything)
     logs, found = reweighed(logs, found)
-    assert sliding_error(logs, found) < 0.1 * everything.rms
+    assert errors_of(logs, found) < 0.1 * everything.rms
     assert found.coefficient("Fc") == pytest.approx(spec.friction.Fc, rel=0.02)
     assert found.coefficient("sigma2") == pytest.approx(spec.friction.sigma2, rel=0.1)
 
