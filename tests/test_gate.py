@@ -10,11 +10,12 @@ from scipy.ndimage import gaussian_filter1d
 
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
-from frictionjoint.identify.fit import Fit, fit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import MOST_LEFT, check, check_fit, scale_is_determined
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.starts import fit
 from frictionjoint.measured import JointLog, read_log
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.simulate.stick_slip import kuka_model

@@ -19,7 +19,7 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.weights import reweighed, sliding_error, weighted
+from frictionjoint.identify.weights import errors_of, reweighed, weighted
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.carrier import SimulatedEffect, install
 from frictionjoint.simulate.motor import Motor, add_motor, motor_id
@@ -187,7 +187,7 @@ def test_logs_let_go_and_logs_that_are_not_may_be_held_out_of_each_other(driven_
     pair = (driven_and_let_go, held) if let_go == "fitted" else (held, driven_and_let_go)
     found = fitted(pair[0], back_emf.EFFECT, load_dependent.EFFECT)
     fitted_on, kept = (prepare([one], RigidBody(XML, "arm")) for one in pair)
-    prediction = predict(weighted(kept, found, sliding_error(fitted_on, found)), found)
+    prediction = predict(weighted(kept, found, errors_of(fitted_on, found)), found)
     error = prediction.error[prediction.in_motion]
     assert error.std() < 0.1 * np.std(prediction.measured[0])
 
