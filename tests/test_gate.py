@@ -10,12 +10,11 @@ from scipy.ndimage import gaussian_filter1d
 
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.gate import MOST_LEFT, check, check_fit, scale_is_determined
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.starts import fit
 from frictionjoint.measured import JointLog, read_log
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.simulate.stick_slip import kuka_model
@@ -194,7 +193,7 @@ def test_measured_logs_pass_whatever_the_model_lacks(
 def quick_fit(one: JointLog, body: RigidBody) -> tuple[Prepared, Fit]:
     """A fit from one start, which is near enough for what is asked of it here."""
     prepared = prepare([one], body)
-    return prepared, fit(prepared, start=replace(INTEGRATED[0], Vs=0.05, length=1e-3))
+    return prepared, refit(prepared, (), replace(INTEGRATED[0], Vs=0.05, length=1e-3))
 
 
 def test_the_load_determines_the_scale_of_a_current_or_it_is_said() -> None:
