@@ -6,6 +6,7 @@ processor time, which trials side by side have to share.
 """
 
 import functools
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -29,16 +30,24 @@ def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
     return run
 
 
+_busy = threading.local()
+
+
 @contextmanager
 def side_by_side() -> Iterator[Callable[..., Any]]:
     """A `map` on as many threads as numba may use, the setting ``NUMBA_NUM_THREADS``.
 
-    What it maps spends its time in kernels, filters and linear algebra, which hold no lock. The
+    What it maps spends its time in kernels, filters and linear algebra, which hold no lock. Within
+    one of its threads it is the plain `map`: the outermost loop is the one worth sharing. The
     threads live as long as the context: those of a process do not pass to one forked from it.
     """
     threads = int(config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
-    if threads == 1:
+    if threads == 1 or getattr(_busy, "inside", False):
         yield map
         return
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(threads, initializer=_enter) as pool:
         yield pool.map
+
+
+def _enter() -> None:
+    _busy.inside = True

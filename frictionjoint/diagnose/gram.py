@@ -1,8 +1,9 @@
-"""All questions about candidates, answered from Gram matrices by block: samples are touched once.
+"""All questions about candidates, answered from their columns and the residual, block by block.
 
 The law's own sensitivities are projected out of every candidate and of the residual on all data
 (Frisch and Waugh 1933): the law may know a fold, the effect may not. What a model predicts of a
-fold then follows from coefficients fitted to the other folds.
+fold then follows from coefficients fitted to the other folds. Only the Gram matrices that a
+question needs are made: those of all pairs of candidates would not fit into memory.
 """
 
 import itertools
@@ -34,19 +35,21 @@ _CONCENTRATED = 0.9
 
 @dataclass(frozen=True)
 class Screen:
-    """Gram matrices of a fit's terms, of candidates and of what they are to explain.
+    """A fit's terms, candidates and what they are to explain, all weighted.
 
     Attributes:
         blocks: of the fit.
-        whole: the law projected out, by block, shape (B, c, c), the target last.
-        tested: law and terms projected out, the target is the residual, shape (B, c, c).
-        white: the same of whitened columns, by smaller pieces, where what acts seldom shows.
+        columns: the law projected out, shape (n, c), the target last.
+        tested: law and terms projected out, the residual last, shape (n, c).
+        scores: products of the tested columns with the residual, by block, shape (B, c).
+        white: the same of whitened ones, by smaller pieces, where what acts seldom shows.
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 
     blocks: Blocks
-    whole: Array
+    columns: Array
     tested: Array
+    scores: Array
     white: Array
     terms: tuple[Columns, ...]
     candidates: tuple[Columns, ...]
@@ -59,43 +62,43 @@ class Screen:
             shape (B,).
         """
         at = np.concatenate([*sets, []]).astype(np.int64)
-        y = self.whole.shape[1] - 1
-        squares, trained = self.whole[:, y, y].copy(), np.empty(self.blocks.count)
-        folds = self._folds(sets)
-        total = self.whole.sum(axis=0)
+        grams = self._grams(self.columns, at)
+        A, b, squares = grams[:, :-1, :-1], grams[:, :-1, -1], grams[:, -1, -1].copy()
+        trained = np.empty(self.blocks.count)
+        edges = np.cumsum([0, *(len(s) for s in sets)])
+        folds = self._folds([A[:, i:j, i:j] for i, j in itertools.pairwise(edges)])
+        total = grams.sum(axis=0)
         for fold in np.unique(folds):
             inside = folds == fold
-            part = self.whole[inside]
-            G = total - part.sum(axis=0)
-            A, b = G[np.ix_(at, at)], G[at, y]
-            beta = _least_squares(A, b)
-            trained[inside] = G[y, y] - b @ beta
-            cross = part[:, at, y] @ beta
-            quadratic = np.einsum("i,bij,j->b", beta, part[:, at[:, None], at], beta)
-            squares[inside] += quadratic - 2.0 * cross
+            G = total - grams[inside].sum(axis=0)
+            beta = _least_squares(G[:-1, :-1], G[:-1, -1])
+            trained[inside] = G[-1, -1] - G[:-1, -1] @ beta
+            squares[inside] += (A[inside] @ beta - 2.0 * b[inside]) @ beta
         return squares, trained
 
-    def _folds(self, sets: Sequence[Columns]) -> Columns:
+    def _folds(self, grams: Sequence[Array]) -> Columns:
         """The folds; halved where one of them holds all that determines a set."""
         fold = self.blocks.fold
-        for at in sets:
-            power = np.einsum("bii->b", self.whole[:, at[:, None], at])
-            by_fold = np.bincount(fold, power)
+        for gram in grams:
+            by_fold = np.bincount(fold, np.einsum("bii->b", gram))
             if by_fold.max() > _CONCENTRATED * by_fold.sum():
                 return np.asarray(2 * fold + self.blocks.halves)
         return fold
+
+    def _grams(self, columns: Array, at: Columns) -> Array:
+        """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1)."""
+        return self.blocks.gram(columns[:, [*at, -1]])
 
     def surprises(self, signs: Array, whites: Array, at: Columns) -> Array:
         """How far out a candidate's score is under each row of signs, in nats, shape (rows,).
 
         The larger of that of the residual as it is, where what is slow shows, and whitened.
         """
-        plain = self._surprise(self.tested, signs, at)
-        return np.maximum(plain, self._surprise(self.white, whites, at))
+        plain = self._surprise(self.scores[:, at], signs)
+        return np.maximum(plain, self._surprise(self.white[:, at], whites))
 
     @staticmethod
-    def _surprise(grams: Array, signs: Array, at: Columns) -> Array:
-        score = grams[:, at, -1]
+    def _surprise(score: Array, signs: Array) -> Array:
         spread = score.T @ score
         scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
         inverse = np.linalg.pinv(spread / np.outer(scale, scale), rcond=1e-9, hermitian=True)
@@ -104,14 +107,29 @@ class Screen:
         freedom = max(1, round(float(np.trace(inverse @ (spread / np.outer(scale, scale))))))
         return np.asarray(-np.log(np.maximum(chdtrc(freedom, statistic), 1e-300)))
 
-    def halves(self, rng: np.random.Generator) -> tuple[Array, ...]:
-        """Sums of the tested matrices over complementary halves of the blocks."""
-        found = []
-        for _ in range(_HALVES):
-            chosen = rng.permutation(self.blocks.count) < self.blocks.count // 2
-            first = self.tested[chosen].sum(axis=0)
-            found += [first, self.tested.sum(axis=0) - first]
-        return tuple(found)
+    def halves(self, rng: np.random.Generator) -> Array:
+        """Complementary halves of the blocks, 1 or 0, shape (halves, B)."""
+        count = self.blocks.count
+        first = [rng.permutation(count) < count // 2 for _ in range(_HALVES)]
+        return np.array([half for chosen in first for half in (chosen, ~chosen)], dtype=float)
+
+    def worth(self, parts: Array, at: Columns) -> Array:
+        """Squares that columns explain of each part of the blocks, shape (parts,).
+
+        Less what as many coefficients would explain by chance.
+
+        Args:
+            parts: 1 or 0 for each block, shape (parts, B).
+        """
+        grams = self._grams(self.tested, at)
+        k = grams.shape[1]
+        G = (parts @ grams.reshape(len(grams), -1)).reshape(-1, k, k)
+        scale = np.sqrt(np.maximum(np.einsum("pii->pi", G[:, :-1, :-1]), 1e-300))
+        inside = G[:, :-1, :-1] / (scale[:, :, None] * scale[:, None, :])
+        b = G[:, :-1, -1] / scale
+        inverse = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True)
+        found = np.einsum("pi,pij,pj->p", b, inverse, b)
+        return np.asarray(found - 2.0 * len(at) * G[:, -1, -1] / self.blocks.count)
 
 
 def _least_squares(A: Array, b: Array) -> Array:
@@ -122,13 +140,8 @@ def _least_squares(A: Array, b: Array) -> Array:
     return np.asarray(inverse @ (b / scale) / scale)
 
 
-def explained(G: Array, at: Columns) -> float:
-    """Squares that a set of columns takes from the target of one Gram matrix."""
-    return float(G[at, -1] @ _least_squares(G[np.ix_(at, at)], G[at, -1]))
-
-
 def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) -> Screen:
-    """Gram matrices for a fit and candidates."""
+    """The columns of a fit and of candidates, ready to be asked."""
     w = fitted.weight[:, None]
     layout, free = fitted.layout, ~fitted.bound
     for i, term in enumerate(fitted.terms):
@@ -147,43 +160,37 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         if not isinstance(term, Timing):
             at = layout.coefficients(i)
             target += fitted.jacobian[:, at] @ fitted.beta[at]
-    columns = [fitted.jacobian[:, base], *(fitted.jacobian[:, k] for k in own)]
-    columns += [c.columns for c in candidates]
-    U = np.column_stack([*columns, target, fitted.residual]) * w
-    U /= lengths(U) * (np.arange(U.shape[1]) < U.shape[1] - 2) + (
-        np.arange(U.shape[1]) >= U.shape[1] - 2
-    )
-    grams = blocks.gram(U)
-    edges = np.cumsum([0, *(c.shape[1] for c in columns)])
-    sets = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
-    n_own = len(own)
-    whole = _projected(grams[:, :-1, :-1], sets[0])
-    without_target = np.delete(np.arange(U.shape[1]), -2)
-    known = np.concatenate(sets[: 1 + n_own])
-    tested = _projected(grams[:, without_target[:, None], without_target], known)
-    white = np.zeros((0, *tested.shape[1:]))
+    law = _unit(fitted.jacobian[:, base] * w)
+    sets = [fitted.jacobian[:, k] for k in own] + [c.columns for c in candidates]
+    edges = np.cumsum([0, *(x.shape[1] for x in sets)])
+    X = _unit(np.column_stack([np.zeros((len(target), 0)), *sets]) * w)
+    columns = np.column_stack([X, target * fitted.weight])
+    columns = _without(columns, law)
+    tested, scores, white = columns[:, :0], columns[:0], columns[:0]
     if candidates:
-        V = whitened(U[:, without_target], U[:, -1], fitted.log_index)
-        white = _projected(blocks.gram(V, fine=True), known)
-    shift = len(sets[0])
-    moved = [s - shift for s in sets[1:]]
-    # so that columns are counted alike in all
-    own_columns = len(known) - shift
-    room = ((0, 0), (own_columns, 0), (own_columns, 0))
+        n_own = int(edges[len(own)])
+        known = np.column_stack([law, X[:, :n_own]])
+        U = np.column_stack([X, fitted.residual * fitted.weight])
+        tested = _without(U, known)
+        scores = blocks.sums(tested * tested[:, -1:])
+        V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index)
+        V = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
+        white = blocks.sums(V * V[:, -1:], fine=True)
+    at = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
-        blocks,
-        whole,
-        np.pad(tested, room),
-        np.pad(white, room),
-        tuple(moved[:n_own]),
-        tuple(moved[n_own:]),
+        blocks, columns, tested, scores, white, tuple(at[: len(own)]), tuple(at[len(own) :])
     )
 
 
-def _projected(grams: Array, base: Columns) -> Array:
-    """Gram matrices of all other columns with some projected out of them on all blocks."""
-    p = len(base)
-    total = grams.sum(axis=0)
-    solved = np.linalg.pinv(total[:p, :p], rcond=1e-10, hermitian=True) @ total[:p, p:]
-    T = np.vstack([-solved, np.eye(grams.shape[1] - p)])
-    return np.asarray(T.T @ grams @ T)
+def _unit(X: Array) -> Array:
+    return X / lengths(X)
+
+
+def _without(X: Array, known: Array) -> Array:
+    """Columns with others projected out of them on all samples."""
+    values, vectors = np.linalg.eigh(known.T @ known)
+    independent = values > 1e-10 * values.max(initial=0.0)
+    basis = known @ (vectors[:, independent] / np.sqrt(values[independent]))
+    for _ in range(2):  # once leaves the rounding of the squares
+        X = X - basis @ (basis.T @ X)
+    return X

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
-from frictionjoint.diagnose.gram import FLIPS, Columns, Screen, explained, screen
+from frictionjoint.diagnose.gram import FLIPS, Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.smooth import SmoothTerm
@@ -117,7 +117,7 @@ def _p_values(found: Screen, rng: np.random.Generator) -> tuple[Array, float]:
         return np.zeros(0), 0.0
     signs, whites = (
         np.vstack([np.ones(len(grams)), rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))])
-        for grams in (found.tested, found.white)
+        for grams in (found.scores, found.white)
     )
     surprises = np.array([found.surprises(signs, whites, at) for at in found.candidates])
     null = surprises[:, 1:].max(axis=0)
@@ -129,21 +129,19 @@ def _frequencies(
     found: Screen, kinds: Sequence[Sequence[int]], rng: np.random.Generator
 ) -> list[float]:
     """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
+    if not kinds:
+        return []
+    whole = np.ones((1, found.blocks.count))
+    halves = found.halves(rng)
 
-    def worth(G: Array, i: int) -> float:
-        """Squares explained, less what as many coefficients would explain by chance."""
-        at = found.candidates[i]
-        return explained(G, at) - 2.0 * len(at) * float(G[-1, -1]) / found.blocks.count
+    def most(parts: Array, members: Sequence[int]) -> Array:
+        return np.max([found.worth(parts, found.candidates[i]) for i in members], axis=0)
 
-    whole = found.tested.sum(axis=0)
-    sizes = [max((worth(whole, i) for i in k), default=0.0) for k in kinds]
+    sizes = [float(most(whole, members)[0]) for members in kinds]
     leading = np.argsort(sizes)[::-1][:_CONTENDERS]
-    won = np.zeros(len(kinds))
-    halves = found.halves(rng) if len(leading) else ()
-    for G in halves:
-        sizes = [max(worth(G, i) for i in kinds[k]) for k in leading]
-        won[leading[int(np.argmax(sizes))]] += 1.0 / len(halves)
-    return list(won)
+    first = np.argmax([most(halves, kinds[k]) for k in leading], axis=0)
+    won = np.bincount(leading[first], minlength=len(kinds)) / len(halves)
+    return [float(x) for x in won]
 
 
 class Moves:

@@ -10,6 +10,7 @@ the whole family of candidates, chance hardly does as much.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.threads import one_thread
+from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
 SIGNIFICANCE = 0.05
@@ -134,14 +135,18 @@ def _taken(
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)
-    tried = [
-        _Tried(m, scored(refit(prepared, m.terms, current.shape, ROUGH, _TRIED_STEPS), blocks))
-        for m in Moves(current, seen, screened, candidates).best()
-    ]
-    choice = _chosen(now, tried, seen)
+
+    def attempt(move: Move) -> _Tried:
+        found = refit(prepared, move.terms, current.shape, ROUGH, _TRIED_STEPS)
+        return _Tried(move, scored(found, blocks))
+
+    moves = Moves(current, seen, screened, candidates).best()
+    with side_by_side() as each:
+        tried = list(each(attempt, [m for m in moves if _beyond_chance(m, seen)]))
+    choice = _chosen(now, tried)
     if choice:
         prepared, now, tried = _looked_at_again(state, now, tried, choice.taken)
-        choice = _chosen(now, tried, seen)
+        choice = _chosen(now, tried)
     if not choice:
         return []
     taken = choice.taken
@@ -183,22 +188,25 @@ def _looked_at_again(
         first = min(first, fit(prepared, first.effects, forms), key=lambda f: f.drive_rms)
         prepared, first = reweighed(prepared, first, ROUGH)
     blocks = make_blocks(prepared, first)
-    again = []
-    for t in leaders:
+
+    def again(t: _Tried) -> _Tried:
         fits = [first]
         if t is not best:
             starts = (first.shape, state.fit.shape)
             fits = [refit(prepared, t.move.terms, s, ROUGH, _TRIED_STEPS) for s in starts]
             if bent and not t.move.unnamed and len(t.move.added) == 1:
                 fits.append(fit(prepared, t.move.terms, forms))
-        again.append(_Tried(t.move, scored(min(fits, key=lambda f: f.drive_rms), blocks)))
+        return _Tried(t.move, scored(min(fits, key=lambda f: f.drive_rms), blocks))
+
+    with side_by_side() as each:
+        tried = list(each(again, leaders))
     without = refit(prepared, state.fit.effects, state.fit.shape, ROUGH, _TRIED_STEPS)
-    return prepared, scored(without, blocks), again
+    return prepared, scored(without, blocks), tried
 
 
-def _chosen(now: Scored, tried: Sequence[_Tried], seen: Look) -> _Choice | None:
+def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     """The best change that is justified, and the effects it is tied with."""
-    good = [t for t in tried if _justified(t, now, seen)]
+    good = [t for t in tried if _justified(t, now)]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = min(singles, key=_total, default=None)
@@ -225,15 +233,19 @@ def _chosen(now: Scored, tried: Sequence[_Tried], seen: Look) -> _Choice | None:
     return _Choice(simplest, tuple(ties))
 
 
-def _justified(tried: _Tried, now: Scored, seen: Look) -> bool:
-    """By its gain on unlike motion, and by chance over the whole family.
+def _beyond_chance(move: Move, seen: Look) -> bool:
+    """Whether, over the whole family of candidates, chance hardly explains as much.
 
     What comes first is known to be there: of that, only how much is asked.
     """
-    added = tried.move.added
-    p_value = min((seen.find(c).p_value for c in added if not c.comes_first), default=0.0)
+    asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
+    return min(asked, default=0.0) <= SIGNIFICANCE
+
+
+def _justified(tried: _Tried, now: Scored) -> bool:
+    """By its gain on unlike motion."""
     enough = tried.score.gain(now) >= SMALLEST_GAIN and tried.score.better(now)
-    return enough and p_value <= SIGNIFICANCE and tried.score.moved(now) >= DISCREPANCY
+    return enough and tried.score.moved(now) >= DISCREPANCY
 
 
 def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
@@ -262,18 +274,22 @@ def _drop_idle(state: _State) -> None:
     while state.fit.effects:
         blocks = make_blocks(state.prepared, state.fit)
         now = scored(state.fit, blocks)
+        with side_by_side() as each:
+            others = list(each(partial(_without, state), state.fit.effects))
         idle = []
-        for term in state.fit.effects:
-            rest = tuple(t for t in state.fit.effects if t is not term)
-            without = scored(
-                refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS), blocks
-            )
+        for without in (scored(other, blocks) for other in others):
             needed = now.gain(without) >= SMALLEST_GAIN and now.moved(without) >= DISCREPANCY
             if not (needed and now.better(without)):
                 idle.append((now.gain(without), without.fit))
         if not idle:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
+
+
+def _without(state: _State, term: Term) -> Fit:
+    """The model without one of its effects."""
+    rest = tuple(t for t in state.fit.effects if t is not term)
+    return refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
 
 
 def _other_law(state: _State, laws: Laws) -> bool:
@@ -292,8 +308,7 @@ def _drop_what_moves_worse(state: _State, replayed: Callable[[Fit], float | None
             return
         trials = []
         for term in state.fit.effects:
-            rest = tuple(t for t in state.fit.effects if t is not term)
-            without = refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
+            without = _without(state, term)
             error = replayed(without)
             if error is not None and error < (1.0 - _NEARER) * now:
                 trials.append((error, without))
@@ -309,9 +324,7 @@ def _told(state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float 
     whole = scored(state.fit, blocks)
     for term in state.fit.effects:
         if is_unnamed(term):
-            rest = tuple(t for t in state.fit.effects if t is not term)
-            without = refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
-            gain = whole.gain(scored(without, blocks))
+            gain = whole.gain(scored(_without(state, term), blocks))
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
     if unexplained:
         named = tuple(t for t in state.fit.effects if not is_unnamed(t))

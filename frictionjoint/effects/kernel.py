@@ -134,12 +134,16 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
 @njit(cache=True, nogil=True)
 def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
     X = np.zeros(MEMORY)
+    # a view of each row would take longer to make than most torques
+    sig = np.empty(signals.shape[1])
     for c in range(out.shape[1]):
         numbers[n_shape:] = 0.0
         numbers[n_shape + c] = 1.0
         X[:] = 0.0
         for k in range(signals.shape[0]):
-            out[k, c] = effect_torque(effect_id, numbers, 0, signals[k], X, 0)
+            for i in range(len(sig)):
+                sig[i] = signals[k, i]
+            out[k, c] = effect_torque(effect_id, numbers, 0, sig, X, 0)
 
 
 def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:

@@ -241,8 +241,9 @@ class Search:
     def solved(self, x: Array) -> tuple[Array, Array, Array]:
         """Columns, target and coefficients at a point."""
         key = x.tobytes()
-        if self._last and self._last[0] == key:
-            return self._last[1]
+        last = self._last  # searches from several starts run side by side
+        if last and last[0] == key:
+            return last[1]
         shape, terms = self.split(x)
         X, y = self.balance.columns(shape, terms)
         w = self.weight

@@ -12,7 +12,7 @@ from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, timed
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term
-from frictionjoint.threads import one_thread
+from frictionjoint.threads import one_thread, side_by_side
 
 # samples that the coarse look is at
 _COARSE = 3000
@@ -66,5 +66,6 @@ def ripened(
             x = search.vector(law)
             places.append(Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x))
     places.sort(key=lambda place: place.cost)
-    ripe = [p.search.run(p.x, _STEPS, ROUGH) for p in places[:_RIPENING]]
+    with side_by_side() as each:
+        ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places[:_RIPENING]))
     return sorted(ripe, key=lambda place: place.cost)

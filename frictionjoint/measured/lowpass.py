@@ -54,13 +54,17 @@ class LowPass:
         about its ends, which keeps its value and its slope.
         """
         ends = np.array([x[0], x[-1]])
-        rest = x - self._chord(ends, self._parts)
-        pad, tail = self._pad, self._length - self._pad - self.n
-        before, after = -rest[pad:0:-1], -rest[-2 : -min(tail, self._pad) - 2 : -1]
-        gap = np.zeros((self._length - len(before) - self.n - len(after), *x.shape[1:]))
+        pad, n = self._pad, self.n
+        tail = min(self._length - pad - n, pad)
+        whole = np.zeros((self._length, *x.shape[1:]))
+        rest = whole[pad : pad + n]
+        np.multiply(self._parts.reshape(-1, *(1,) * (x.ndim - 1)), ends[0] - ends[1], out=rest)
+        rest += x
+        rest -= ends[0]
         fade = self._fade.reshape(-1, *(1,) * (x.ndim - 1))
-        whole = np.concatenate([before * fade, rest, after * fade[::-1][: len(after)], gap])
-        return np.asarray(rfft(whole, axis=0)), ends
+        np.multiply(rest[pad:0:-1], -fade, out=whole[:pad])
+        np.multiply(rest[-2 : -tail - 2 : -1], -fade[::-1][:tail], out=whole[pad + n :][:tail])
+        return np.asarray(rfft(whole, axis=0, overwrite_x=True)), ends
 
     def back(
         self, spectrum: tuple[Spectrum, Array], derivative: int = 0, delay: float = 0.0
@@ -73,29 +77,27 @@ class LowPass:
         m = self._length * self.up // self.step
         k = min(m, self._length) // 2 + 1
         kept = values[:k] * response[:k].reshape(-1, *(1,) * (values.ndim - 1))
-        out = irfft(kept, m, axis=0) * (self.up / self.step)
-        count = len(self._at)
+        out = irfft(kept, m, axis=0, overwrite_x=True)
+        out *= self.up / self.step
+        count = len(self._time)
         first = self._pad * self.up // self.step
         found = out[first : first + count]
+        slope = (ends[1] - ends[0]) / ((self.n - 1) * self.dt)
         if derivative == 0:
-            late = delay / (self.dt * (self.n - 1.0))
-            found = found + self._chord(ends, self._at - late)
+            found += self._time.reshape(-1, *(1,) * (values.ndim - 1)) * slope
+            found += ends[0] - slope * delay
         elif derivative == 1:
-            found = found + (ends[1] - ends[0]) / ((self.n - 1) * self.dt)
+            found += slope
         return np.asarray(found)
-
-    def _chord(self, ends: Array, part: Array) -> Array:
-        return np.asarray(ends[0] + part.reshape(-1, *(1,) * (ends.ndim - 1)) * (ends[1] - ends[0]))
 
     @cached_property
     def _parts(self) -> Array:
         return np.arange(self.n) / (self.n - 1.0)
 
     @cached_property
-    def _at(self) -> Array:
-        """Where the samples given back lie, from 0 to 1."""
-        last = (self.n - 1) * self.up
-        return np.arange(0, last + 1, self.step) / float(last)
+    def _time(self) -> Array:
+        """Of the samples given back, s."""
+        return np.arange(0, (self.n - 1) * self.up + 1, self.step) * (self.dt / self.up)
 
     @cached_property
     def _fade(self) -> Array:
