@@ -30,7 +30,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from judging import read_answer, tables, told
 
-from frictionjoint.diagnose.replay import replay
+from frictionjoint.diagnose.replay import replayed_whole
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor
 from frictionjoint.identify.fit import Fit
@@ -59,7 +59,7 @@ def searched(folder: Path) -> dict[str, Any]:
     begin, cpu = time.perf_counter(), time.process_time()
     logs = [read_log(path, joint) for path in sorted(folder.glob("fit*.csv"))]
     fitted_on = prepare(logs, body)
-    found = trace(fitted_on, replayed=lambda fitted: replay(fitted_on, body, fitted).rms)
+    found = trace(fitted_on, replayed=lambda fitted: replayed_whole(fitted_on, body, fitted))
     seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
     kept = prepare([read_log(folder / "held.csv", joint)], body, fitted_on.band)
     held = held_out_error(kept, found.prepared, found.final)

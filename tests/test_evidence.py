@@ -40,7 +40,8 @@ def fitted(y, X, weight=None):
     return Fit(
         shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0,
         layout=Layout(("sigma2", "Fc", "sigma1"), (), ()), residual=y - X @ beta, jacobian=X,
-        weight=weight, bound=np.zeros(3, dtype=bool), log_index=np.zeros(N, dtype=int),
+        weight=weight, bound=np.zeros(3, dtype=bool),
+        low=np.full(3, -np.inf), high=np.full(3, np.inf), log_index=np.zeros(N, dtype=int),
         target_rms=1.0,
     )  # fmt: skip
 
@@ -154,6 +155,7 @@ def test_blocks_cut_logs_in_time_and_folds_are_of_unlike_motion(logs):
         shape=INTEGRATED[0], terms=(), drive="torque", beta=np.zeros(1), gain=1.0,
         layout=Layout(("Fc",), (), ()), residual=rng.standard_normal(n),
         jacobian=np.ones((n, 1)), weight=np.ones(n), bound=np.zeros(1, dtype=bool),
+        low=np.full(1, -np.inf), high=np.full(1, np.inf),
         log_index=np.repeat(np.arange(logs), len(segments[0].drive)), target_rms=1.0,
     )  # fmt: skip
     found = make_blocks(prepared, fit)

@@ -183,7 +183,8 @@ def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
 def test_logs_let_go_and_logs_that_are_not_may_be_held_out_of_each_other(driven_and_let_go, let_go):
     """Whether viscous friction is told from back-EMF is settled by the logs that are fitted."""
     t = 5e-3 * np.arange(800)
-    held = plant(1.2 * np.sin(2.0 * t), np.ones(len(t), dtype=bool), load=0.2)
+    target = 1.2 * np.sin(2.0 * t) + 0.4 * np.sin(7.0 * t)
+    held = plant(target, np.ones(len(t), dtype=bool), load=0.2)
     pair = (driven_and_let_go, held) if let_go == "fitted" else (held, driven_and_let_go)
     found = fitted(pair[0], back_emf.EFFECT, load_dependent.EFFECT)
     fitted_on, kept = (prepare([one], RigidBody(XML, "arm")) for one in pair)

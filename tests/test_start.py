@@ -12,12 +12,14 @@ from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantS
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
 from frictionjoint.identify.design import full_signals
+from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.prepare import Segment, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
 
@@ -50,8 +52,8 @@ def cut(tmp_path_factory):
 
 
 def test_a_log_that_begins_at_rest_under_load_is_no_longer_wrong_until_it_slides(cut):
-    from_zero = fit(cut)
-    begun, found = settled(cut, from_zero)
+    weighted, from_zero = reweighed(cut, fit(cut))
+    begun, found = reweighed(*settled(weighted, from_zero))
     held = begun.segments[0].held
     assert abs(held) > 0.2
     assert found.rms < 0.9 * from_zero.rms
@@ -60,7 +62,7 @@ def test_a_log_that_begins_at_rest_under_load_is_no_longer_wrong_until_it_slides
 
 def test_of_a_log_that_is_only_predicted_the_start_is_sought_too(cut):
     begun, found = settled(cut, fit(cut))
-    (measured, *_), (predicted, *_), _ = predict(cut, found)
+    (measured, *_), (predicted, *_), *_ = predict(cut, found)
     error = measured - predicted
     at_start = error[: len(error) // 20]
     assert np.sqrt(np.mean(at_start**2)) < 2.0 * np.sqrt(np.mean(error**2))
@@ -75,7 +77,19 @@ def still(held: float) -> Segment:
     signals[:, Q] = 0.3
     everything = np.ones(len(time), dtype=bool)
     return Segment(
-        "still", 0.005, 20.0, 1, signals, 0.0 * time, everything, everything, {}, held=held
+        name="still",
+        dt=0.005,
+        bandwidth_hz=20.0,
+        step=1,
+        signals=signals,
+        drive=0.0 * time,
+        driven=everything,
+        mask=everything,
+        others={},
+        noise=Noise(0.0, np.zeros(2), np.zeros(2), 1.0, 0.0),
+        sample=0.005,
+        corner_hz=40.0,
+        held=held,
     )
 
 
@@ -118,11 +132,14 @@ def swinging(tmp_path_factory):
 def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     """Without its swing the fit would take another damping for it."""
     term = EffectTerm(joint_elasticity.EFFECT, (5.0, 0.1))
-    from_rest = fit(swinging, (term,))
-    begun, found = settled(swinging, from_rest)
+    weighted, from_rest = reweighed(swinging, fit(swinging, (term,)))
+    begun, found = reweighed(*settled(weighted, from_rest))
     assert any(begun.segments[0].swing)
-    assert found.rms < 0.8 * from_rest.rms
-    np.testing.assert_allclose(found.terms[0].shape, (RESONANCE, DAMPING), rtol=0.05)
+    assert found.drive_rms < 0.8 * from_rest.drive_rms
+    resonance, damping = found.terms[0].shape
+    assert resonance == pytest.approx(RESONANCE, rel=0.02)
+    # friction on the motor's side stops the swing too, and no law is exact
+    assert damping == pytest.approx(DAMPING, rel=0.1)
     assert predict(swinging, found).error.std() < 1.05 * found.rms
 
 

@@ -16,7 +16,7 @@ from frictionjoint.identify.uncertainty import covariance
 
 LOGS, SAMPLES, DT = 4, 1500, 0.02
 TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
-REPEATS = 80
+REPEATS = 400
 NOISE = Noise(0.0, np.zeros(1), np.zeros(1), 0.0, 0.0)
 
 
@@ -49,6 +49,7 @@ def fitted(v, torque):
         shape=INTEGRATED[0], terms=(), drive="torque", beta=beta, gain=1.0,
         layout=Layout(("sigma2", "Fc"), (), ()), residual=residual, jacobian=X,
         weight=np.ones(len(residual)), bound=np.zeros(2, dtype=bool),
+        low=np.full(2, -np.inf), high=np.full(2, np.inf),
         log_index=np.repeat(np.arange(LOGS), SAMPLES), target_rms=1.0,
     )  # fmt: skip
     return Prepared(tuple(segments), "joint", False, "torque", Band(10.0, 20.0)), found

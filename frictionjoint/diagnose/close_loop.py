@@ -14,7 +14,7 @@ from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
-from frictionjoint.diagnose.replay import Replay, friction_spec, replay
+from frictionjoint.diagnose.replay import Replay, friction_spec, replay, replayed_whole
 from frictionjoint.diagnose.report_data import (
     Added,
     Curve,
@@ -99,7 +99,7 @@ def close_loop(
     fitted_on = prepare(list(logs), body)
     check(fitted_on)
     kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
-    found = trace(fitted_on, seed, progress, law, lambda f: replay(fitted_on, body, f).rms)
+    found = trace(fitted_on, seed, progress, law, lambda f: replayed_whole(fitted_on, body, f))
     for fitted in (found.base, found.final):
         require_gain(fitted)
     check_fit(found.prepared, found.final)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 from scipy.special import chdtrc
 
 from frictionjoint.arrays import Array
@@ -43,6 +44,8 @@ class Screen:
         tested: law and terms projected out, the residual last, shape (n, c).
         scores: products of the tested columns with the residual, by block, shape (B, c).
         white: the same of whitened ones, by smaller pieces, where what acts seldom shows.
+        low, high: range of the coefficient of each column but the last. To first order a number of
+            a shape moves no further than one search may move it, shape (c - 1,).
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 
@@ -51,6 +54,8 @@ class Screen:
     tested: Array
     scores: Array
     white: Array
+    low: Array
+    high: Array
     terms: tuple[Columns, ...]
     candidates: tuple[Columns, ...]
 
@@ -71,8 +76,8 @@ class Screen:
         for fold in np.unique(folds):
             inside = folds == fold
             G = total - grams[inside].sum(axis=0)
-            beta = _least_squares(G[:-1, :-1], G[:-1, -1])
-            trained[inside] = G[-1, -1] - G[:-1, -1] @ beta
+            beta = _least_squares(G[:-1, :-1], G[:-1, -1], self.low[at], self.high[at])
+            trained[inside] = G[-1, -1] + (G[:-1, :-1] @ beta - 2.0 * G[:-1, -1]) @ beta
             squares[inside] += (A[inside] @ beta - 2.0 * b[inside]) @ beta
         return squares, trained
 
@@ -132,12 +137,24 @@ class Screen:
         return np.asarray(found - 2.0 * len(at) * G[:, -1, -1] / self.blocks.count)
 
 
-def _least_squares(A: Array, b: Array) -> Array:
+def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
+    """Coefficients within their range, from a Gram matrix and the products with the target."""
     if not len(b):
         return b
     scale = np.sqrt(np.maximum(np.diag(A), 1e-300))
-    inverse = np.linalg.pinv(A / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
-    return np.asarray(inverse @ (b / scale) / scale)
+    inside = A / np.outer(scale, scale)
+    beta = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True) @ (b / scale) / scale
+    if np.all(beta >= low) and np.all(beta <= high):
+        return np.asarray(beta)
+    values, vectors = np.linalg.eigh(inside)
+    roots = np.sqrt(np.maximum(values, _RCOND * values.max()))
+    found = lsq_linear(
+        roots[:, None] * vectors.T,
+        vectors.T @ (b / scale) / roots,
+        (low * scale, high * scale),
+        method="bvls",
+    )
+    return np.asarray(found.x / scale)
 
 
 def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) -> Screen:
@@ -163,7 +180,10 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     law = _unit(fitted.jacobian[:, base] * w)
     sets = [fitted.jacobian[:, k] for k in own] + [c.columns for c in candidates]
     edges = np.cumsum([0, *(x.shape[1] for x in sets)])
-    X = _unit(np.column_stack([np.zeros((len(target), 0)), *sets]) * w)
+    X = np.column_stack([np.zeros((len(target), 0)), *sets]) * w
+    size = lengths(X)
+    X = X / size
+    low, high = _ranges(fitted, own, candidates) * size
     columns = np.column_stack([X, target * fitted.weight])
     columns = _without(columns, law)
     tested, scores, white = columns[:, :0], columns[:0], columns[:0]
@@ -178,8 +198,24 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         white = blocks.sums(V * V[:, -1:], fine=True)
     at = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
-        blocks, columns, tested, scores, white, tuple(at[: len(own)]), tuple(at[len(own) :])
+        blocks=blocks,
+        columns=columns,
+        tested=tested,
+        scores=scores,
+        white=white,
+        low=low,
+        high=high,
+        terms=tuple(at[: len(own)]),
+        candidates=tuple(at[len(own) :]),
     )
+
+
+def _ranges(fitted: Fit, own: Sequence[Columns], candidates: Sequence[Candidate]) -> Array:
+    """Least and largest coefficient of each column, shape (2, c)."""
+    pairs = [(fitted.low[k], fitted.high[k]) for columns in own for k in columns]
+    for c in candidates:
+        pairs += c.bounds or ((-np.inf, np.inf),) * c.columns.shape[1]
+    return np.array(pairs).reshape(-1, 2).T
 
 
 def _unit(X: Array) -> Array:

@@ -10,7 +10,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import MOTOR, TEMP, TIME, H, Q
-from frictionjoint.identify.design import full_signals, kept
+from frictionjoint.identify.design import full_signals, kept, term_bounds
 from frictionjoint.identify.fit import HEARD, Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
@@ -46,10 +46,12 @@ class Candidate:
     Attributes:
         term: effect at given shape numbers, or an unnamed dependence.
         columns: behind the balance's filter, N m per coefficient, shape (n, k).
+        bounds: of each coefficient, N m; none where empty.
     """
 
     term: Term
     columns: Array
+    bounds: tuple[tuple[float, float], ...] = ()
 
     @property
     def unnamed(self) -> bool:
@@ -78,7 +80,11 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     with side_by_side() as each:
         columns = list(each(partial(columns_of, prepared, signals), terms))
     return [
-        Candidate(term, x)
+        Candidate(
+            term,
+            x,
+            tuple((lo * fitted.gain, hi * fitted.gain) for lo, hi in term_bounds(prepared, term)),
+        )
         for term, x in zip(terms, columns, strict=True)
         if np.all(np.isfinite(x)) and np.any(x)
     ]

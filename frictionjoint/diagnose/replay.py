@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import Q, V
+from frictionjoint.effects.signals import TEMP, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.motor_torque import follows_motor
 from frictionjoint.identify.prepare import Prepared, Segment
@@ -92,6 +92,22 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     if motor:
         add_motor(spec, joint, motor)
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
+
+
+def replayed_whole(prepared: Prepared, body: RigidBody, fitted: Fit) -> float | None:
+    """rms position error of free runs that hold all that a fit says, m or rad.
+
+    Returns:
+        None where they do not: a log's delay and its thermometer are no part of a simulation, and
+        an armature is never below nothing.
+    """
+    for i, term in enumerate(fitted.terms):
+        if not isinstance(term, EffectTerm):
+            continue
+        less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -body.armature
+        if term.delay or TEMP in term.effect.needs or less:
+            return None
+    return replay(prepared, body, fitted).rms
 
 
 def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:

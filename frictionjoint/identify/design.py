@@ -25,9 +25,13 @@ from frictionjoint.threads import side_by_side
 
 # displacements, over the travel, over which friction may have come to what it held at first
 _REACHED, _POINTS = (1e-7, 3.0), 60
-# relative step of a term's shape number, and of H along a law's tangent: the kernels of effects
-# carry no tangents of their own
-_STEP = 1e-4
+# how far a term's shape number may move in one search, over itself
+_REACH = 0.6
+# step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
+# or a stop has none at an impact
+_STEP = 0.015
+# of H along a law's tangent
+_SMALL = 1e-4
 # columns of the latest points of a search are kept: most stay from one point to the next
 _KEPT_A_LOG = 24
 
@@ -36,12 +40,13 @@ class Balance:
     """The balance of some logs, for models of one law and one list of terms.
 
     Attributes:
-        prepared: the logs. layout: of the model's parameters.
+        prepared: the logs. layout: of the model's parameters. span: longest travel of a log.
     """
 
     def __init__(self, prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> None:
         self.prepared = prepared
         self.layout: Layout = layout_of(prepared, law, terms)
+        self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
         self._kept: dict[object, Array] = {}
         self._lock = Lock()
 
@@ -120,12 +125,12 @@ class Balance:
         s, layout = self.prepared.segments[i], self.layout
         found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
-            for j, x in enumerate(term.free_shape):
+            for j, (x, reach) in enumerate(reaches(term, self.span)):
                 if term.delay or not term.coefficients:
                     # the drive of an earlier time
                     found.append(s.balanced_drive(delay_of(terms), 1)[s.kept])
                     continue
-                h = _STEP * abs(x) or _STEP
+                h = _STEP * reach if np.isfinite(reach) else _SMALL
                 pair = [
                     self._term(term.with_shape(_with(term.free_shape, j, x + d)), law, i)
                     for d in (h, -h)
@@ -148,7 +153,7 @@ class Balance:
             here = term.columns(s, signals) @ weights
             for j, tangent in enumerate(dH):
                 # these columns are linear in H, but for a bound on it
-                h = _STEP / (float(np.abs(tangent).max()) or 1.0)
+                h = _SMALL / (float(np.abs(tangent).max()) or 1.0)
                 signals[:, H] = own + h * tangent
                 torque[j] += (term.columns(s, signals) @ weights - here) / h
         return kept(s, torque.T)
@@ -164,6 +169,25 @@ class Balance:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = made
         return made
+
+
+def reaches(term: Term, span: float) -> list[tuple[float, float]]:
+    """Each free shape number of a term and how far it may move in one search.
+
+    Args:
+        span: travel of the joint.
+    """
+    found = []
+    for i, x in enumerate(term.free_shape):
+        if not isinstance(term, EffectTerm):
+            reach = np.inf
+        elif term.effect.sought == "spectrum" and i == 0:
+            reach = np.pi / span / 2.0  # between the lines of a spectrum
+        else:
+            # a zero was not searched yet: the physical range decides
+            reach = _REACH * abs(x) + 1e-12 if x else np.inf
+        found.append((x, reach))
+    return found
 
 
 def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
@@ -249,22 +273,27 @@ def _approach(shape: Shape, segment: Segment) -> Array:
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
     least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
-    low = [least[name] for name in layout.base]
-    high = [np.inf] * len(low)
-    inertia = float(np.median([s.noise.inertia for s in prepared.segments]))
+    pairs = [(least[name], np.inf) for name in layout.base]
     for term in layout.terms:
-        bounds: tuple[tuple[float, float], ...] = ()
-        unit = 1.0
-        if isinstance(term, EffectTerm):
-            bounds = term.effect.bounds
-            unit = inertia if term.effect.of_inertia else 1.0
-        free = ((-np.inf, np.inf),) * len(term.coefficients)
-        # with an unknown gain only the sign of a bound survives
-        survives = not prepared.gain_unknown or unit != 1.0
-        for lo, hi in bounds or free:
-            low.append(lo * unit if lo == 0.0 or survives else -np.inf)
-            high.append(hi * unit if survives else np.inf)
-    return np.array(low), np.array(high)
+        pairs += term_bounds(prepared, term)
+    low, high = np.array(pairs).T
+    return low, high
+
+
+def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
+    """Range of each coefficient of a term, in units of the drive."""
+    bounds: tuple[tuple[float, float], ...] = ()
+    unit = 1.0
+    if isinstance(term, EffectTerm):
+        bounds = term.effect.bounds
+        if term.effect.of_inertia:
+            unit = float(np.median([s.noise.inertia for s in prepared.segments]))
+    # with an unknown gain only the sign of a bound survives
+    survives = not prepared.gain_unknown or unit != 1.0
+    return [
+        (lo * unit if lo == 0.0 or survives else -np.inf, hi * unit if survives else np.inf)
+        for lo, hi in bounds or ((-np.inf, np.inf),) * len(term.coefficients)
+    ]
 
 
 def lengths(X: Array) -> Array:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import Q, V
-from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, solve
+from frictionjoint.effects.signals import V
+from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
@@ -26,8 +26,6 @@ _ON_BOUND = 1e-4
 _MOST_STEPS = 20
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
-# how far a term's shape number may move in one search, over itself
-_REACH = 0.6
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
 
@@ -45,6 +43,8 @@ class Fit:
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
         weight: of each sample, shape (n,).
         bound: which parameters sit on a bound of their range, shape (p,).
+        low, high: range of each linear coefficient; of a number of a shape, how far one search may
+            move it from where it is, shape (p,).
         log_index: which log each sample belongs to, shape (n,).
         target_rms: rms of the measured torque.
     """
@@ -59,6 +59,8 @@ class Fit:
     jacobian: Array
     weight: Array
     bound: NDArray[np.bool_]
+    low: Array
+    high: Array
     log_index: NDArray[np.int64]
     target_rms: float
 
@@ -166,19 +168,22 @@ class Search:
         self.balance = Balance(prepared, law, terms)
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
         self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
-        self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-        low, high = (list(x) for x in law.bounds(self.vmax, self.span))
-        for term in terms:
-            for (least, most), (x, reach) in zip(
-                self._limits(term), self._reaches(term), strict=True
-            ):
-                low.append(max(x - reach, least))
-                high.append(min(x + reach, most))
-        self.bounds: tuple[Array, Array] = (np.array(low), np.array(high))
+        self.bounds = self._ranges(law, terms)
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)
         self.weight = np.concatenate([s.kept_weight for s in prepared.segments])
         self._last: tuple[bytes, tuple[Array, Array, Array]] | None = None
+
+    def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
+        """Of the numbers of a law, and of those of terms from where they are."""
+        low, high = (list(x) for x in law.bounds(self.vmax, self.balance.span))
+        for term in terms:
+            for (least, most), (x, reach) in zip(
+                self._limits(term), reaches(term, self.balance.span), strict=True
+            ):
+                low.append(max(x - reach, least))
+                high.append(min(x + reach, most))
+        return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
         """Physical ranges; a frequency in time no higher than the balance can still tell."""
@@ -189,19 +194,6 @@ class Search:
                 if unit == "Hz":
                     limits[i] = (limits[i][0], max(min(limits[i][1], top), 1.01 * limits[i][0]))
         return limits
-
-    def _reaches(self, term: Term) -> list[tuple[float, float]]:
-        """Each number and how far it may move in one search."""
-        found = []
-        for i, x in enumerate(term.free_shape):
-            if isinstance(term, EffectTerm) and term.effect.sought == "spectrum" and i == 0:
-                reach = np.pi / self.span / 2.0  # between the lines of a spectrum
-            elif x == 0.0:
-                reach = np.inf  # not sought yet: the physical range decides
-            else:
-                reach = _REACH * abs(x) + 1e-12
-            found.append((x, np.inf if not isinstance(term, EffectTerm) else reach))
-        return found
 
     @property
     def start(self) -> Array:
@@ -281,6 +273,7 @@ class Search:
         )
         total = y if self.prepared.gain_unknown else y + self._load()
         moves = self.balance.moves(shape, terms, beta)
+        low, high = self._ranges(shape, terms)
         return Fit(
             shape=shape,
             terms=terms,
@@ -292,6 +285,8 @@ class Search:
             jacobian=np.column_stack([X, moves]) * gain,
             weight=self.weight,
             bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
+            low=np.concatenate([self.low, low - x]),
+            high=np.concatenate([self.high, high - x]),
             log_index=index,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
         )

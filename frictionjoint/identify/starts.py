@@ -62,7 +62,7 @@ def ripened(
     for i, form in enumerate(forms):
         progress(f"fit: form {i + 1} of {len(forms)}")
         search = Search(coarse, terms, form)
-        for law in form.grid(search.vmax, search.span):
+        for law in form.grid(search.vmax, search.balance.span):
             x = search.vector(law)
             places.append(Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x))
     places.sort(key=lambda place: place.cost)
