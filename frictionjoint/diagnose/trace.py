@@ -17,6 +17,7 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.finding import Finding, Trace, sight
+from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
 from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
@@ -166,6 +167,7 @@ def _taken(
             )
         )
     _drop_idle(state)
+    _simplify(state)
     names = {t.name for t in state.fit.effects}
     state.findings = [f for f in state.findings if f.term.name in names]
     return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
@@ -205,8 +207,8 @@ def _looked_at_again(
 
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
-    """The best change that is justified, and the effects it is tied with."""
-    good = [t for t in tried if _justified(t, now)]
+    """The best change that is needed, and the effects it is tied with."""
+    good = [t for t in tried if _needed(t.score, now)]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = min(singles, key=_total, default=None)
@@ -225,7 +227,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         t
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
-        and (t is best or not best.score.better(t.score))
+        and not (best.score.better(t.score) and best.score.moved(t.score) >= DISCREPANCY)
         and t.score.gain(now) >= (1.0 - _TIE) * gain
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
@@ -240,12 +242,6 @@ def _beyond_chance(move: Move, seen: Look) -> bool:
     """
     asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
     return min(asked, default=0.0) <= SIGNIFICANCE
-
-
-def _justified(tried: _Tried, now: Scored) -> bool:
-    """By its gain on unlike motion."""
-    enough = tried.score.gain(now) >= SMALLEST_GAIN and tried.score.better(now)
-    return enough and tried.score.moved(now) >= DISCREPANCY
 
 
 def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
@@ -276,14 +272,48 @@ def _drop_idle(state: _State) -> None:
         now = scored(state.fit, blocks)
         with side_by_side() as each:
             others = list(each(partial(_without, state), state.fit.effects))
-        idle = []
-        for without in (scored(other, blocks) for other in others):
-            needed = now.gain(without) >= SMALLEST_GAIN and now.moved(without) >= DISCREPANCY
-            if not (needed and now.better(without)):
-                idle.append((now.gain(without), without.fit))
+        scores = [scored(other, blocks) for other in others]
+        idle = [(now.gain(s), s.fit) for s in scores if not _needed(now, s)]
         if not idle:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
+
+
+def _needed(now: Scored, other: Scored) -> bool:
+    """Whether a model predicts better than another, and by more than the law's own error."""
+    enough = now.gain(other) >= SMALLEST_GAIN and now.better(other)
+    return enough and now.moved(other) >= DISCREPANCY
+
+
+def _simplify(state: _State) -> None:
+    """Exchange effects for simpler ones that explain as much beside all others."""
+    for i in range(len(state.fit.effects)):
+        own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
+        simpler = [
+            c
+            for c in library(state.prepared, state.fit, blocks)
+            if not c.unnamed and numbers_of(c.term) < numbers_of(own[i])
+        ]
+        if not simpler or is_unnamed(own[i]):
+            continue
+        seen = screen(state.fit, blocks, simpler)
+        rest = [at for k, at in enumerate(seen.terms) if k != i]
+        left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
+        best = simpler[int(np.argmin(left))]
+        terms = (*own[:i], best.term, *own[i + 1 :])
+        other = refit(state.prepared, terms, state.fit.shape, ROUGH, _TRIED_STEPS)
+        if not _needed(scored(state.fit, blocks), scored(other, blocks)):
+            state.findings = [_instead(f, own[i], best) for f in state.findings]
+            state.prepared, state.fit = reweighed(state.prepared, other)
+
+
+def _instead(finding: Finding, term: Term, candidate: Candidate) -> Finding:
+    """A finding of one effect as that of a simpler one, seen in the same look."""
+    if finding.term.name != term.name:
+        return finding
+    row = finding.look.find(candidate)
+    ties = tuple(name for name in finding.ties if name != row.name)
+    return replace(finding, term=candidate.term, row=row, ties=ties)
 
 
 def _without(state: _State, term: Term) -> Fit:
