@@ -68,6 +68,7 @@ def searched(folder: Path) -> dict[str, Any]:
     return {
         "added": [f.term.name for f in found.findings],
         "ties": [list(f.ties) for f in found.findings],
+        "gains": [f.gain for f in found.findings],
         "unexplained": dict(found.unexplained),
         "law": law_parameters(found.final).law,
         "held_rms": held,

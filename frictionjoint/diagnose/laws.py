@@ -7,6 +7,7 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.laws import LAWS
 
@@ -38,9 +39,15 @@ class Laws:
     ) -> None:
         self.own = base.shape.variables
         self.shapes: dict[tuple[str, ...], Shape] = {self.own: base.shape}
-        for forms in () if asked else _RIVALS:
-            progress("fit: other laws")
-            place = ripened(prepared, base.effects, forms)[0]
+        self._rivals = () if asked else _RIVALS
+        self._progress = progress
+        self.ripen(prepared, base.effects)
+
+    def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
+        """Look for the rivals' shapes beside some effects from everywhere."""
+        for forms in self._rivals:
+            self._progress("fit: other laws")
+            place = ripened(prepared, effects, forms)[0]
             self.shapes[forms[0].variables] = place.search.split(place.x)[0]
 
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:

@@ -35,6 +35,8 @@ _REACHES = (0.01, 0.03, 0.1, 0.3)
 _PEAKS = 2
 # length over which a change of the friction level is reached, over the travel: where a fit starts
 _LEVEL_REACH = 1e-3
+# of a candidate's columns, what may be left by others that hold the same
+_SAME = 1e-3
 # a temperature that changes by less, K, holds nothing but its sensor's flicker
 _LEAST_WARMING = 1.0
 
@@ -69,6 +71,12 @@ class Candidate:
         if isinstance(self.term, EffectTerm):
             return self.term.name, "effect"
         return self.term.name, type(self.term).__name__
+
+    def contains(self, other: "Candidate") -> bool:
+        """Whether another candidate is this one with some of its coefficients fixed."""
+        left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
+        rest = other.columns - self.columns @ left
+        return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
 
 
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:

@@ -75,6 +75,10 @@ class Look(NamedTuple):
         total = float(self.without.sum())
         return 1.0 - float(row.left.sum()) / total if total > 0.0 else 0.0
 
+    def holds(self, candidate: Candidate) -> bool:
+        """Whether a candidate's kind was looked at."""
+        return any(r.candidate.kind == candidate.kind for r in self.rows)
+
     def find(self, candidate: Candidate) -> Looked:
         """The row of a candidate's kind."""
         return next(r for r in self.rows if r.candidate.kind == candidate.kind)

@@ -40,7 +40,8 @@ SMALLEST_GAIN = 0.08
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
 DISCREPANCY = 0.01
-# gain from which on an effect may have bent the law, which is then fitted from everywhere
+# part of what is left from which on an effect may have bent the laws, which are then fitted from
+# everywhere
 _BENT = 0.3
 # models within chance and this fraction of the best one's gain are a tie
 _TIE = 0.1
@@ -56,7 +57,10 @@ _TRIED_STEPS, _MOST_CHANGES = 8, 12
 
 
 class _Tried(NamedTuple):
+    """A change, the logs as it was fitted to them, its score."""
+
     move: Move
+    prepared: Prepared
     score: Scored
 
 
@@ -103,10 +107,13 @@ def trace(
     state = _State(prepared, current, [], Look((), np.zeros(0), 0.0))
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"step {change}: trying candidates")
+        left = state.fit.drive_rms
         taken = _step(state, rng)
         if taken:
             progress(f"step {change}: {', '.join(taken)}")
-        elif not _other_law(state, laws):
+        if state.fit.drive_rms < (1.0 - _BENT) * left:
+            laws.ripen(state.prepared, state.fit.effects)
+        if not (_other_law(state, laws) or taken):
             break
     return _told(state, base, laws, replayed)
 
@@ -139,20 +146,20 @@ def _taken(
 
     def attempt(move: Move) -> _Tried:
         found = refit(prepared, move.terms, current.shape, ROUGH, _TRIED_STEPS)
-        return _Tried(move, scored(found, blocks))
+        return _Tried(move, prepared, scored(found, blocks))
 
     moves = Moves(current, seen, screened, candidates).best()
     with side_by_side() as each:
         tried = list(each(attempt, [m for m in moves if _beyond_chance(m, seen)]))
     choice = _chosen(now, tried)
     if choice:
-        prepared, now, tried = _looked_at_again(state, now, tried, choice.taken)
+        now, tried = _looked_at_again(state, now, tried, choice.taken)
         choice = _chosen(now, tried)
     if not choice:
         return []
     taken = choice.taken
     before = state.fit
-    state.prepared, state.fit = reweighed(prepared, taken.score.fit)
+    state.prepared, state.fit = reweighed(taken.prepared, taken.score.fit)
     gain = taken.score.gain(now)
     for candidate in taken.move.added:
         state.findings.append(
@@ -175,35 +182,30 @@ def _taken(
 
 def _looked_at_again(
     state: _State, now: Scored, tried: Sequence[_Tried], best: _Tried
-) -> tuple[Prepared, Scored, list[_Tried]]:
+) -> tuple[Scored, list[_Tried]]:
     """The leading changes under the weights of the best one, with a law that nothing has bent.
 
-    What was wrong before may have bent the law, and so the weights: what is left then depends on
-    which change was tried first.
+    What was wrong before may have bent the law, and so the weights and what the logs are thought
+    to have held when they began: what is left then depends on which change was tried first.
     """
     gain = best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= _LEADERS * gain]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
-    forms = LAW_FORMS[first.shape.variables]
-    bent = gain > _BENT
-    if bent:
-        first = min(first, fit(prepared, first.effects, forms), key=lambda f: f.drive_rms)
-        prepared, first = reweighed(prepared, first, ROUGH)
+    if gain > _BENT:
+        anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
+        prepared, first = reweighed(prepared, min(first, anew, key=lambda f: f.drive_rms), ROUGH)
     blocks = make_blocks(prepared, first)
+    starts = (first.shape, state.fit.shape)
 
-    def again(t: _Tried) -> _Tried:
-        fits = [first]
-        if t is not best:
-            starts = (first.shape, state.fit.shape)
-            fits = [refit(prepared, t.move.terms, s, ROUGH, _TRIED_STEPS) for s in starts]
-            if bent and not t.move.unnamed and len(t.move.added) == 1:
-                fits.append(fit(prepared, t.move.terms, forms))
-        return _Tried(t.move, scored(min(fits, key=lambda f: f.drive_rms), blocks))
+    def begun(terms: tuple[Term, ...]) -> tuple[Prepared, Scored]:
+        fits = [refit(prepared, terms, s, ROUGH, _TRIED_STEPS) for s in starts]
+        own, found = settled(prepared, min(fits, key=lambda f: f.drive_rms))
+        return own, scored(found, blocks)
 
     with side_by_side() as each:
-        tried = list(each(again, leaders))
-    without = refit(prepared, state.fit.effects, state.fit.shape, ROUGH, _TRIED_STEPS)
-    return prepared, scored(without, blocks), tried
+        changes = list(each(begun, [t.move.terms for t in leaders]))
+    again = [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
+    return begun(state.fit.effects)[1], again
 
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
@@ -289,10 +291,12 @@ def _simplify(state: _State) -> None:
     """Exchange effects for simpler ones that explain as much beside all others."""
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
+        looks = [f.look for f in state.findings if f.term.name == own[i].name]
         simpler = [
             c
             for c in library(state.prepared, state.fit, blocks)
             if not c.unnamed and numbers_of(c.term) < numbers_of(own[i])
+            if all(look.holds(c) for look in looks)
         ]
         if not simpler or is_unnamed(own[i]):
             continue
