@@ -147,7 +147,7 @@ def test_the_sentence_owns_up(found, nothing):
 
 
 def test_a_slide_has_newtons_and_metres(found):
-    page = render(replace(found, slide=True), COMMAND)
+    page = render(replace(found, slide=True, units=("N", "m")), COMMAND)
     assert "velocity, m\\u002fs" in page or "velocity, m/s" in page
     assert "torque after, N</td>" in page
     assert "position after, m</td>" in page

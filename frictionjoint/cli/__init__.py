@@ -200,12 +200,18 @@ def identify(
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
     from frictionjoint.diagnose.intervals import stated_covariance
-    from frictionjoint.files import toml_text
+    from frictionjoint.files import toml_text, toml_text_without_scale
+    from frictionjoint.identify.fit import without_scale
     from frictionjoint.identify.gate import check as check_balance
-    from frictionjoint.identify.gate import check_fit
+    from frictionjoint.identify.gate import check_fit, scale_is_determined
     from frictionjoint.identify.matching import check_logs
     from frictionjoint.identify.prepare import prepare
-    from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
+    from frictionjoint.identify.result import (
+        law_estimates,
+        law_parameters,
+        scale_note,
+        units_of,
+    )
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
     from frictionjoint.identify.starts import fit
@@ -224,18 +230,23 @@ def identify(
         check_balance(prepared)
         found = fit(prepared, forms=forms, progress=told)
         prepared, fitted = reweighed(prepared, found)
-        require_gain(fitted)
         check_fit(prepared, fitted)
+        scaled = scale_is_determined(prepared, fitted)
+        if not scaled:
+            fitted = without_scale(fitted)
+        unit, _ = units_of(fitted, body.slide)
         estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
-        write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
+        parameters = law_parameters(fitted)
+        toml = toml_text(parameters) if scaled else toml_text_without_scale(parameters, unit)
+        write_files(out.parent, {out.name: toml})
     if as_json:
         rows = {name: x.to_dict() for name, x in estimates.items()}
-        typer.echo(json.dumps({"torque_rms": fitted.rms, "parameters": rows}, indent=2))
+        result = {"unit": unit, "torque_rms": fitted.rms, "parameters": rows}
+        typer.echo(json.dumps(result, indent=2))
         return
     show_estimates(list(estimates.items()))
-    for text in said:
+    for text in (*said, *scale_note(fitted)):
         console().print(f"* {text}", soft_wrap=True, markup=False)
-    unit = "N" if body.slide else "N m"
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
 
 

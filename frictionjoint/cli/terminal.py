@@ -54,9 +54,9 @@ def warnings_afterwards() -> Iterator[None]:
 
 def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict, what to record next."""
-    from frictionjoint.report.wording import interval, sentence, units
+    from frictionjoint.report.wording import interval, sentence
 
-    unit, _ = units(report)
+    unit, _ = report.units
     table = Table("torque rms", "fitted logs", "held out", "95% interval")
     stages = (("before", report.before_torque), ("after", report.after_torque))
     for (name, rms), pair in zip(stages, report.torque_interval, strict=True):

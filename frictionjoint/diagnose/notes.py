@@ -5,7 +5,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.terms import Timing
 
@@ -20,6 +20,7 @@ def notes(found: Trace, cov: Array) -> tuple[str, ...]:
         cov: of all parameters of the final fit.
     """
     return (
+        *scale_note(found.final),
         *_rest_note(found),
         *timing_note(found.final, cov),
         *_law_note(found),
@@ -52,7 +53,7 @@ def _law_note(found: Trace) -> tuple[str, ...]:
     if not found.other:
         return ()
     own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
-    unit = "N" if found.prepared.slide else "N m"
+    unit, _ = units_of(found.final, found.prepared.slide)
     left = f"{found.final.rms:.3g} {unit} on fitted logs, {other} {found.other.rms:.3g} {unit}"
     if own != final:
         return (
@@ -70,7 +71,7 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
     rest = found.final.weight**2 <= IN_MOTION
     if not rest.any():
         return ()
-    unit = "N" if found.prepared.slide else "N m"
+    unit, _ = units_of(found.final, found.prepared.slide)
     error = float(np.sqrt(np.mean(found.final.residual[rest] ** 2)))
     return (
         f"In {rest.mean():.0%} of the samples the joint sticks or turns round, and the position "
@@ -84,7 +85,8 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
     if found.findings or found.unexplained:
         return ()
     sight = found.sight
-    size = f"{sight.torque:.2g} {'N' if found.prepared.slide else 'N m'} rms"
+    unit, _ = units_of(found.final, found.prepared.slide)
+    size = f"{sight.torque:.2g} {unit} rms"
     if not sight.too_short:
         return (f"The smallest effect that these logs could have shown is {size}.",)
     return (

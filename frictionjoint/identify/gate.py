@@ -126,10 +126,10 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     """
     if not prepared.gain_unknown:
         return True
+    if not load_shows(fitted):
+        return False
     columns = fitted.free_jacobian
     at = fitted.names.index("load")
-    if fitted.bound[at]:
-        return False
     own = int(np.count_nonzero(~fitted.bound[:at]))
     load, others = columns[:, own], np.delete(columns, own, axis=1)
     alone = load - others @ _solved(others, load)
@@ -138,6 +138,11 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
         return False
     error = _errors(alone[:, None], fitted.residual, _blocks(len(alone)))[0, 0]
     return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
+
+
+def load_shows(fitted: Fit) -> bool:
+    """Whether a drive grows with the load of the model at all; a measured torque needs not."""
+    return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
 def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:

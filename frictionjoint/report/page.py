@@ -20,7 +20,7 @@ def render(report: Report, command: str) -> str:
         "value": wording.value,
         "quantity": quantity,
     }
-    torque, position = wording.units(report)
+    torque, position = report.units
     turns = presliding.behind_turns(report)
     first, others = plots.quantities(report)
     return fill(

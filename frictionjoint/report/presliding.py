@@ -10,7 +10,6 @@ from frictionjoint.diagnose.report_data import Curve, Report
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.plots import AFTER, MEASURED, lines, stages, styled
-from frictionjoint.report.wording import units
 
 # Turning points shown, samples a window has at least, and its length over that of presliding.
 _MOST_TURNS, _LEAST_SAMPLES, _REACH = 12, 10, 6.0
@@ -37,7 +36,7 @@ def loops(report: Report) -> go.Figure:
     for name, stage, colour in stages(report):
         curves = [loop(laws[stage], 0.6 * size, NESTED), loop(laws[stage], 0.2 * size, PLAIN)]
         lines(figure, curves, colour, name)
-    torque, position = units(report)
+    torque, position = report.units
     figure.update_xaxes(title_text=f"displacement, {position}")
     figure.update_yaxes(title_text=f"torque of the law, {torque}")
     return styled(figure, 380)
@@ -79,7 +78,7 @@ def behind_turns(report: Report) -> go.Figure | None:
         marker={"color": MEASURED, "size": 5},
     )
     lines(figure, list(zip(way, law, strict=True)), AFTER, stages(report)[-1][0])
-    torque, position = units(report)
+    torque, position = report.units
     figure.update_xaxes(title_text=f"way since the turning point, {position}")
     figure.update_yaxes(title_text=f"friction, {torque}")
     return styled(figure, 380)

@@ -23,14 +23,9 @@ MEANINGS = {
 _SIDES = {"pos": "positive motion", "neg": "negative motion"}
 
 
-def units(report: Report) -> tuple[str, str]:
-    """Units of torque and position."""
-    return ("N", "m") if report.slide else ("N m", "rad")
-
-
 def sentence(report: Report) -> str:
     """The verdict in a sentence."""
-    unit, _ = units(report)
+    unit, _ = report.units
     where = "held-out" if report.after_torque.held_out is not None else "fitted"
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
