@@ -26,11 +26,11 @@ from frictionjoint.cli.logs import (
     Signals,
     Wrap,
     poses,
-    require_writable,
     split,
 )
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.laws import LAWS
@@ -107,11 +107,11 @@ def demo() -> None:
     Example: `frictionjoint demo`, then open frictionjoint-demo/report.html
     """
     from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import write_files, write_report
+    from frictionjoint.report.write import FILES, write_files, write_report
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
     out = Path("frictionjoint-demo")
-    require_writable(out, folder=True)
+    require_writable(out, (), force=False, files=FILES)
     with progress() as told:
         told("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
@@ -149,6 +149,7 @@ def close_loop_command(
     signal: Signals = None,
     wrap: Wrap = None,
     seed: Seed = 0,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Fit, find what is missing, add it, report before and after.
@@ -163,10 +164,11 @@ def close_loop_command(
     --out out --json`
     """
     from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import write_report
+    from frictionjoint.report.write import FILES, write_report
 
     with progress() as told:
-        require_writable(out, folder=True)
+        read = [*logs, *(Path(text) for text in held_out or []), model]
+        require_writable(out, read, force, FILES)
         reading = Reading.of(joint, column, signal, wrap, gain)
         fitted, kept = split(logs, held_out or ["0.25"], reading)
         report = close_loop(fitted, model, joint, kept, seed, told, law, poses(fixed))
@@ -191,6 +193,7 @@ def identify(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Fit the friction law of one joint and write its parameters.
@@ -220,7 +223,7 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as told:
-        require_writable(out, folder=False)
+        require_writable(out, [*logs, model], force)
         forms = forms_of(law)
         body = RigidBody(model, joint, poses(fixed))
         reading = Reading.of(joint, column, signal, wrap, gain)
