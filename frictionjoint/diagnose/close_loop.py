@@ -12,7 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.diagnose.notes import notes
+from frictionjoint.diagnose.notes import DIVERGES, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay, replayed_whole
 from frictionjoint.diagnose.report_data import (
@@ -120,7 +120,8 @@ def close_loop(
         friction_spec(spec, joint, found.final)
     spec.compile()
     runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final) if scaled]
-    before, after = [Rms(fit.rms, held.rms if held else None) for fit, held in runs] or _NO_REPLAY
+    before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
+    diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.gain
     torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
@@ -152,14 +153,14 @@ def close_loop(
         bandwidth_hz=fitted_on.band.balance,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=verdict(found, (torque[0], before), (torque[1], after)),
+        verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
         mjcf=model_text(spec, model),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=(*said, *notes(found, cov)),
+        notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
     )
 
 
@@ -187,6 +188,10 @@ def _replays(
 ) -> tuple[Replay, Replay | None]:
     """Of the logs fitted and of those held out."""
     return replay(fitted_on, body, f), replay(kept_back, body, f) if kept_back else None
+
+
+def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
+    return Rms(fit.stated, held.stated if held else None)
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
@@ -218,7 +223,7 @@ def _intervals(prepared: Prepared, found: Trace) -> Intervals:
 def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
     """Of the replay's rms before and after; each free run is a block of its own."""
     pair = []
-    if not runs:
+    if not runs or any(r is not None and r.diverges for run in runs for r in run):
         return None
     for fit_run, held_run in runs:
         e = np.concatenate((held_run or fit_run).errors)

@@ -11,6 +11,11 @@ from frictionjoint.identify.terms import Timing
 
 # standard errors beyond which an offset of the clocks is more than chance
 _BEYOND = 2.0
+DIVERGES = (
+    "The simulation diverges: driven by the measured torque it leaves the logged motion by more "
+    "than all its travel, so no position error is stated. Check masses, gravity and signs of the "
+    "MJCF, and the units of the logs."
+)
 
 
 def notes(found: Trace, cov: Array) -> tuple[str, ...]:

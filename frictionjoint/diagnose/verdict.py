@@ -21,18 +21,21 @@ def noise_floor(prepared: Prepared, gain: float) -> float:
     return gain * float(np.sqrt(np.mean(powers)))
 
 
-def verdict(found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms]) -> Verdict:
+def verdict(
+    found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms], diverges: bool
+) -> Verdict:
     """Explained is said only of a residual down to the instruments' noise, or as white as noise.
 
-    Nor is it said where held-out logs or the replay contradict, or where a parameter that was
-    added ran to the end of its range.
+    Nor is it said where held-out logs or the replay contradict, where the replay diverges, or where
+    a parameter that was added ran to the end of its range.
 
     Args:
         before, after: errors of the torque and of the replay.
+        diverges: whether a replay of the final model leaves the measured motion altogether.
     """
     if not found.findings and not found.unexplained:
         return "too-short-to-tell" if found.sight.too_short else "no-effect-found"
-    worse = any(a.worse_than(b) for b, a in zip(before, after, strict=True))
+    worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
     if not found.findings or found.unexplained or worse or _at_a_bound(found.final):
         return "partly-explained"
     moving = found.final.weight**2 > IN_MOTION
