@@ -162,7 +162,8 @@ CASES = {
     "no joint named": wrong("no position of shoulder", model=ARM),
     "a joint misspelt": wrong("no joint 'shouldr' in the MJCF: 'shoulder'?",
                               log=arm("shouldr", "lamp"), model=ARM),
-    "joint not in the log": wrong("no joint 'hip'", "it has", log=arm(), joint="hip"),
+    "joint not in the log": wrong("no joint 'lamp'", "elbow", log=arm("shoulder"), model=ARM,
+                                  joint="lamp"),
     "joint not in the model": wrong("no joint 'hip' in the MJCF: it has elbow", joint="hip"),
     "a pose of no joint": wrong("--fixed hip", "it has elbow", options=("--fixed", "hip=1"),
                                 python={"fixed": {"hip": 1.0}}),
@@ -280,16 +281,20 @@ def test_a_wrong_input_ends_in_one_line(
             assert word in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["torque reversed", "torque in kN m", "another joint missing"])
+@pytest.mark.parametrize(
+    "name", [n for n, c in CASES.items() if c.held_out is None and "--seed" not in c.options]
+)
 def test_identify_has_the_same_gate(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = CASES[name]
     logs, _ = files_of(case, tmp_path)
     command = ["identify", *logs, "--model", tmp_path / "model.xml", "--joint", case.joint]
-    line = line_of([*command, "--out", tmp_path / "out.toml"], capsys, monkeypatch)
+    line = line_of(
+        [*command, "--out", tmp_path / "out.toml", *case.options], capsys, monkeypatch
+    )
     for word in case.says:
-        assert word in line
+        assert word.replace(" (first part)", "") in line
     assert not (tmp_path / "out.toml").exists()
 
 
