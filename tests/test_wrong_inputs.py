@@ -290,9 +290,7 @@ def test_identify_has_the_same_gate(
     case = CASES[name]
     logs, _ = files_of(case, tmp_path)
     command = ["identify", *logs, "--model", tmp_path / "model.xml", "--joint", case.joint]
-    line = line_of(
-        [*command, "--out", tmp_path / "out.toml", *case.options], capsys, monkeypatch
-    )
+    line = line_of([*command, "--out", tmp_path / "out.toml", *case.options], capsys, monkeypatch)
     for word in case.says:
         assert word.replace(" (first part)", "") in line
     assert not (tmp_path / "out.toml").exists()
