@@ -8,7 +8,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -365,6 +365,11 @@ def test_other_public_functions_name_wrong_types_too() -> None:
         JointLog(name="log", joint="j", time=LOG.time, position=LOG.position, torque=[1.0])  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="fixed is of type list: give poses by name"):
         fj.close_loop([LOG], PENDULUM, "elbow", fixed=["shoulder"])  # type: ignore[arg-type]
+
+
+def test_a_log_made_in_python_is_in_seconds_too() -> None:
+    with pytest.raises(FrictionJointError, match="2 s between samples is too slow.*milliseconds"):
+        fj.close_loop([replace(LOG, time=1e3 * LOG.time)], PENDULUM, "elbow")
 
 
 def test_no_log_is_not_enough() -> None:

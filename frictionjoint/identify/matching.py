@@ -17,6 +17,7 @@ from frictionjoint.identify.rigid_body import ONE_DOF, RigidBody
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.speed import speed_note
+from frictionjoint.measured.validate import check_time
 
 # Change of the load, over its rms, from which on a pose matters.
 _MATTERS = 0.01
@@ -44,6 +45,7 @@ def check_logs(
     """
     everything = [*logs, *held_out]
     for log in everything:
+        check_time(log.name, log.time, lambda sample: sample)
         if log.slide != body.slide:
             kind, unit = ("slide", "m and N") if body.slide else ("hinge", "rad and N m")
             raise LogError(
