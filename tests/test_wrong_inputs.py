@@ -368,7 +368,7 @@ def test_other_public_functions_name_wrong_types_too() -> None:
 
 
 def test_a_log_made_in_python_is_in_seconds_too() -> None:
-    with pytest.raises(FrictionJointError, match="2 s between samples is too slow.*milliseconds"):
+    with pytest.raises(FrictionJointError, match=r"2 s between samples is too slow.*milliseconds"):
         fj.close_loop([replace(LOG, time=1e3 * LOG.time)], PENDULUM, "elbow")
 
 
