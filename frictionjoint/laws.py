@@ -20,7 +20,7 @@ LAWS = tuple(_CLASSES)
 
 
 def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
-    """Parameters of the law that `values` names; the integrated law without a name.
+    """Parameters of the law that `values` names; the integrated law if it names none.
 
     Raises:
         ParameterError: unknown law, or parameters that it refuses.

@@ -358,7 +358,7 @@ def following_log(tmp_path, ratio, reach, unit="rad", drive="torque_nm"):
 
 @pytest.mark.parametrize("ratio", [5e-4, 1e-3, np.pi / 180])
 def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path, ratio):
-    # held by presliding it follows its controller's target by whatever share, in step
+    # held by presliding it follows its controller's target by whatever fraction, in step
     assert len(read_log(following_log(tmp_path, ratio, 0.5), "j").time) == 500
 
 

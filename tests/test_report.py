@@ -51,7 +51,7 @@ PARTS = {
     "velocity plane": "velocity, rad\\u002fs",
     "position plane": "position, rad",
     "presliding loops": "torque of the law, N m",
-    "turning points": "way since the turning point, rad",
+    "turning points": "displacement since the turning point, rad",
     "residual": "mean, before",
     "unexplained": "What is still unexplained",
     "next": "What to record next",

@@ -50,9 +50,9 @@ app = typer.Typer(
         "1. `close-loop` fits the friction of the joint, finds what the model still lacks, adds "
         "it, and reports the error before and after on data held out.\n"
         "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
-        "beside others.\n"
+        "together with others.\n"
         "3. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
-        "again; `check` tells whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
+        "again; `check` says whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones. "
         "Bad input ends in one line and exit code 2, and writes nothing."
@@ -95,7 +95,7 @@ def options(
         typer.Option("--version", callback=_versions, is_eager=True, help="Print the versions."),
     ] = False,
 ) -> None:
-    """What every command shares; its help is the app's."""
+    """What all commands have in common; its help is the app's."""
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""What `close-loop` and `identify` share: which logs, how they are read, where results go."""
+"""What `close-loop` and `identify` have in common: which logs, and how they are read."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,7 +40,7 @@ Gain = Annotated[
     typer.Option(
         "--gain",
         metavar="NUMBER",
-        help="A known motor constant, N m per A or per V. Without it the load tells it.",
+        help="Motor constant, N m per A or per V. Default: estimated from the load.",
     ),
 ]
 Fixed = Annotated[

@@ -98,7 +98,7 @@ def check(
     mjcf: Carrying,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Tell what friction an MJCF carries and whether its time step suits it.
+    """Say what friction an MJCF carries and whether its time step suits it.
 
     Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
     """
@@ -155,7 +155,7 @@ def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]"
     for joint in joints:
         if not joint.name:
             raise FrictionJointError(
-                f"--all: a joint of body {joint.parent.name or 'without a name'!r} has no name: "
+                f"--all: a joint of body {joint.parent.name or 'unnamed'!r} has no name: "
                 "name it in the model, or name the joints with --joint"
             )
     if not joints:

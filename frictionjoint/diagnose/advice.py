@@ -1,11 +1,11 @@
-"""What to record next: the motion that would tell what these logs leave open."""
+"""What to record next: the motion that would settle what these logs leave open."""
 
 from collections.abc import Iterable, Mapping
 
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
 
-# A parameter whose standard error exceeds this share of it counts as not determined.
+# A parameter whose standard error exceeds this fraction of it counts as not determined.
 _LOOSE = 0.5
 _BREAKAWAY = "constant velocities from creeping to fast, both ways"
 _PRESLIDING = "slow reversals that turn round before the joint slides"
@@ -14,13 +14,13 @@ _DETERMINED_BY = {
     _BREAKAWAY: ("Fs_pos", "Vs_pos", "delta_pos", "sigma2_pos"),
     _PRESLIDING: ("stiffness",),
 }
-_PARTED_BY = {
+_SHOWN_BY = {
     "position": "the whole range at two slow speeds, both ways",
     "velocity": "constant velocities over the whole range of speed, both ways",
     "acceleration": "one path at two speeds: what follows acceleration grows fourfold at twice one",
     "load": "one motion with two payloads",
     "torque": "one motion at growing payloads, up to the largest torque of the drive",
-    "time": "one motion repeated for long, with temperature_c beside it",
+    "time": "one motion repeated for long, with temperature_c logged too",
     "temperature_c": "one motion with the joint cold and warm",
 }
 
@@ -35,15 +35,16 @@ def what_to_record(
 
     Args:
         ties: an added effect and the name of another that explains as much.
-        unexplained: quantities the residual still depends on, with their shares.
+        unexplained: quantities the residual still depends on, with the fractions they explain.
         law: the final estimates by name.
         held_out: whether a log was kept from fit and choice.
     """
     found = [
-        f"To tell {effect.name} from {other}: {effect.separating_motion}." for effect, other in ties
+        f"To distinguish {effect.name} from {other}: {effect.separating_motion}."
+        for effect, other in ties
     ]
     for variable, _ in unexplained:
-        motion = _PARTED_BY.get(variable, "this joint alone with the others held, then the others")
+        motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")
         found.append(f"To find what acts through {quantity(variable)}: {motion}.")
     for motion, names in loose_parameters(law):
         symbols = ", ".join(name.removesuffix("_pos") for name in names)

@@ -82,7 +82,7 @@ def close_loop(
         model: path or text of the MJCF the user believes in. joint: its name.
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
-        progress: told what is being done.
+        progress: called with what is being done.
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).

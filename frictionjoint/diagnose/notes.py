@@ -1,4 +1,4 @@
-"""What a reader must know of a result beside its figures, a sentence or two each."""
+"""What a reader must know of a result besides its figures, in a sentence or two each."""
 
 import numpy as np
 

@@ -239,7 +239,7 @@ def _step_among_others(
 ) -> None:
     """One semi-implicit step of our joint alone, the others on their measured motion.
 
-    Inverse dynamics with our acceleration at zero tells the torque that everything else takes;
+    Inverse dynamics with our acceleration at zero gives the torque that everything else takes;
     the rest accelerates the joint.
     """
     for position, other, q, v, a in others:

@@ -13,7 +13,7 @@ from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR
 
-# share of a torque that a double does not hold
+# fraction of a torque that a double does not resolve
 _NOTHING = 1e-17
 
 

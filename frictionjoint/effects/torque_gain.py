@@ -1,4 +1,4 @@
-"""torque-gain: a motor constant that is off, seen as a share of the known load."""
+"""torque-gain: a wrong motor constant, seen as a fraction of the known load."""
 
 from numba import njit
 

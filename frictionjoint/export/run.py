@@ -80,7 +80,7 @@ def export(
     """The friction that an MJCF carries, in the terms of a target.
 
     Args:
-        path: of the MJCF. out: of the file to write, for its name and its way to the model.
+        path: of the MJCF. out: of the file to write, for its name and its path to the model.
         speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
             20 times the Stribeck velocity.
         log: whose motion stands in for the stated one, with `columns` ours -> the log's.

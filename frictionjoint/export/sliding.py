@@ -23,7 +23,7 @@ _PER_SIDE = 5
 _OF_SPEED = ("back-emf", "nonlinear-viscous")
 # a polynomial is worth its terms where it misses so much less than a line
 _WORTH = 0.9
-# share of the torque that a term is not worth being written for
+# fraction of the torque below which a term is not written
 _NOTHING = 1e-9
 
 

@@ -35,7 +35,7 @@ class Fit:
     """A fitted model.
 
     Attributes:
-        shape: of the law; terms: beside it. drive: what the logs hold of the motor.
+        shape: of the law. terms: added to it. drive: what the logs hold of the motor.
         beta: linear coefficients, one a column, in the drive's units (see `gain`).
         gain: torque per unit of drive; 1 where the torque is measured.
         in_drive_units: whether all that is in N m is in units of the drive instead, since the logs
@@ -89,7 +89,7 @@ class Fit:
 
     @property
     def free_jacobian(self) -> Array:
-        """Columns of the parameters that can still move either way, shape (n, free)."""
+        """Columns of the parameters that can still move in both directions, shape (n, free)."""
         return self.jacobian[:, ~self.bound]
 
     @property
@@ -201,7 +201,7 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges; a frequency in time no higher than the balance can still tell."""
+        """Physical ranges; a frequency in time no higher than the band of the balance shows."""
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             top = HEARD * self.prepared.band.balance

@@ -43,7 +43,7 @@ _TOO_LARGE, _ALIKE = 10.0, 2.0
 _STANDS_OUT = 1.0
 # Samples that the balance is solved on, and blocks of them that count as independent.
 _SAMPLES, _BLOCKS = 6000, 30
-# Speed over the top speed below which friction is on its way from one side to the other.
+# Speed over the top speed below which friction is changing its side.
 _TURNS = 0.02
 # Displacements over the travel at which the elastic-plastic elements of friction slip.
 _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
@@ -120,9 +120,9 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     """Whether friction is known in N m (N), and not only in amperes or volts.
 
-    Where the torque was not measured, the load of the model tells what torque a current makes. It
-    does so where the torque of the load, beyond what any other parameter could stand in for,
-    stands out of what the fit leaves: what is left may be correlated with the load.
+    Where the torque was not measured, the load of the model determines what torque a current
+    makes. It does so where the torque of the load, beyond what any other parameter could account
+    for, exceeds what the fit leaves: what is left may be correlated with the load.
     """
     if not prepared.gain_unknown:
         return True
@@ -202,7 +202,7 @@ def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
-    """The factor that a torque is too small by, where the logs tell it."""
+    """The factor that a torque is too small by, where the logs show it."""
     if prepared.gain_unknown:
         return ""
     X = np.column_stack([b.load, b.one, b.side, b.v])

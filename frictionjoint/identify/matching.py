@@ -23,7 +23,7 @@ from frictionjoint.measured.validate import check_time
 _MATTERS = 0.01
 # Samples of a log, arrangements of the other joints, and poses of each, that are tried.
 _SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
-# Travel tried where the model has no limits, either way: rad, m.
+# Travel tried in each direction where the model has no limits: rad, m.
 _TURN, _SHIFT = np.pi, 0.3
 # Travel in a log over the model's range of the joint, from which on it is another unit or joint.
 _BEYOND = 2.0

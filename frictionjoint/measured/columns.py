@@ -99,7 +99,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
-    # what is measured once serves all joints; motion and drive without a name are nobody's
+    # what is measured once serves all joints; motion and drive of no joint's name belong to none
     shared = "temperature_c"
     if shared in table:
         chosen.setdefault(shared, table[shared])

@@ -13,7 +13,7 @@ from frictionjoint.report.html import fill, plot
 
 
 def render(report: Report, command: str) -> str:
-    """The page as text; `command` is shown as the way to make it again."""
+    """The page as text; `command` is shown for making it again."""
     filters = {
         "figures": wording.three,
         "interval": wording.interval,

@@ -40,7 +40,7 @@ def sentence(report: Report) -> str:
             )
         return (
             f"No effect was found: {alone}{_times_noise(report, after)}, and neither a known "
-            "effect nor a measured quantity takes a justified share of it."
+            "effect nor a measured quantity accounts for a significant part of it."
         )
     left = ", ".join(quantity(v) for v, _ in report.unexplained)
     rest = f" What is left depends on {left}." if left else ""

@@ -133,7 +133,7 @@ def install(
         if largest > LARGEST:
             raise ModelError(
                 f"joint {name!r} has a friction number of {largest:g}: an MJCF loses small "
-                f"numbers beside it, stay below {LARGEST:g}"
+                f"numbers next to it, stay below {LARGEST:g}"
             )
     for name, parameters in friction.items():
         block = made[name]
