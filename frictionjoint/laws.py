@@ -57,7 +57,7 @@ def require_parameters(parameters: Any, where: str) -> None:
         mend = "give its .parameters, and its .effects as the effects of the joint"
     else:
         mend = "make them with FrictionParameters(...)"
-    raise TypeError(f"{where}: {kind_of(parameters)} is no friction parameters: {mend}")
+    raise TypeError(f"{where}: {kind_of(parameters)} is not a set of friction parameters: {mend}")
 
 
 def kind_of(value: Any) -> str:

@@ -80,7 +80,7 @@ def require_compiles(path: Path) -> None:
             mujoco.MjModel.from_xml_path(str(path))
         except ValueError as error:
             reason = " ".join(str(error).split())
-            raise ModelError(f"the model would not load where it was to lie: {reason}") from None
+            raise ModelError(f"the model would not load from its folder: {reason}") from None
 
 
 def _with_comments() -> ElementTree.TreeBuilder:

@@ -80,7 +80,7 @@ def test_bom_crlf_quotes_blank_lines_and_semicolons_are_no_errors(tmp_path: Path
         (1, "time_s,angle,velocity_rad_s,torque_nm", ["position_rad", "angle", "torque_nm"]),
         (1, "t,position_rad,velocity_rad_s,torque_nm", ["no column 'time_s'", "it has t,"]),
         (1, "time_s,position_rad,velocity_rad_s,effort", ["torque_nm", "voltage_v", "effort"]),
-        (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' stands twice"]),
+        (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' appears twice"]),
         (1, "time_s,position_rad,force_n,torque_nm", ["force_n does not go with position_rad"]),
     ],
 )

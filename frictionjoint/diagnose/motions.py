@@ -160,10 +160,10 @@ def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Mo
         yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), 1.0 / f)
     speeds = [part * limits.speed for part in _SPEEDS]
     for speed in speeds:
-        name = f"both ways at a constant {speed:.2g} {unit}/s"
+        name = f"in both directions at a constant {speed:.2g} {unit}/s"
         yield motion(name, _sweeps(t, [speed], limits), 4.0 * limits.reach / speed)
     slow = motion(
-        f"both ways at {', '.join(f'{x:.2g}' for x in speeds)} {unit}/s in turn",
+        f"in both directions at {', '.join(f'{x:.2g}' for x in speeds)} {unit}/s in turn",
         _sweeps(t, speeds, limits),
         sum(4.0 * limits.reach / x for x in speeds),
     )

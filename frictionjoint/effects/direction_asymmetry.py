@@ -29,6 +29,7 @@ def reached_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="direction-asymmetry",
+    title="friction that differs with direction",
     effect_id=5,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),

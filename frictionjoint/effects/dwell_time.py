@@ -38,6 +38,7 @@ def _shapes(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="dwell-time",
+    title="stiction that grows at rest",
     effect_id=18,
     coefficients=("level",),
     units=("T",),

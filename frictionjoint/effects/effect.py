@@ -27,6 +27,7 @@ class Effect:
     """One effect beyond the friction law.
 
     Attributes:
+        title: what a person calls it; the name where it is empty.
         name: canonical name; two forms of one effect have the same and differ in `form`.
         effect_id: number of its kernel.
         coefficients: names of the linear coefficients; units: one unit a coefficient, with
@@ -85,6 +86,7 @@ class Effect:
     geared: bool = False
     is_inertia: bool = False
     of_inertia: bool = False
+    title: str = ""
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
 
     @property

@@ -65,6 +65,7 @@ def _resonances(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="joint-elasticity",
+    title="elastic gear or shaft",
     effect_id=20,
     coefficients=("link_inertia",),
     units=("T s^2/x",),

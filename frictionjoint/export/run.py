@@ -1,4 +1,4 @@
-"""One export: the text for a target, what it has no words for, and what that costs in numbers."""
+"""One export: the text for a target, what it cannot express, and what that costs in numbers."""
 
 import os
 import xml.etree.ElementTree as ET
@@ -43,7 +43,7 @@ class Exported:
     """An export.
 
     Attributes:
-        text: of the file. lost: what the target has nothing for, a sentence each.
+        text: of the file. lost: what the target cannot express, a sentence each.
         losses: in numbers, a joint each; none where law and effects go along.
     """
 

@@ -1,4 +1,4 @@
-"""Steady sliding: friction as a function of speed, which is all that most programs know of it.
+"""Steady sliding: friction as a function of speed, which is all that most programs offer.
 
 A plain joint has a Coulomb torque, a damping that may be a polynomial of the speed, and a constant
 torque; a friction that differs between the directions is the mean of both and half the difference

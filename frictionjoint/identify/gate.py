@@ -31,9 +31,9 @@ from frictionjoint.identify.smooth import elastic_plastic
 MOST_LEFT = 0.95
 # Standard errors from which on a sign is wrong; good logs are on the right side of zero.
 SURE = 5.0
-# Part of the drive that a balance of free signs may leave for its signs to mean something, and the
-# part that the right signs must leave for another one to be considered.
-_TOLD, _RIGHT = 0.8, 0.3
+# Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
+# the fraction that the right signs must leave for another one to be considered.
+_MEANINGFUL, _RIGHT = 0.8, 0.3
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
 # what inertia say of it may be apart. One of them alone is small in many a model, without the
 # gripper of a wrist or the inertia of its motor.
@@ -152,7 +152,7 @@ def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
         logs += [(s.name, balance.of_log(i)) for i, s in enumerate(prepared.segments)]
     for name, part in logs:
         power, error, free = _friction_power(part)
-        wrong = power < -SURE * error and free < _TOLD
+        wrong = power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
             position, drive = _columns(prepared)
             raise LogError(

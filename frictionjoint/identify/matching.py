@@ -1,4 +1,4 @@
-"""Whether logs and model speak of the same joints, and whether every pose that matters is known.
+"""Whether logs and model have the same joints, and whether every pose that matters is known.
 
 A joint that no log measures stands still in the balance of torques. Where its pose changes the
 torque of the joint under study, that pose must be given: a guess would pass for friction.
