@@ -1,4 +1,4 @@
-"""Types of arrays that signatures share."""
+"""Types of arrays in signatures."""
 
 from typing import Protocol
 

@@ -18,7 +18,7 @@ class ParameterError(FrictionJointError):
 
 
 class ModelError(FrictionJointError):
-    """A MuJoCo model cannot carry the friction asked of it."""
+    """A MuJoCo model cannot carry the friction given to it."""
 
 
 class LogError(FrictionJointError):

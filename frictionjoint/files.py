@@ -38,8 +38,13 @@ def joint_friction(content: Mapping[str, Any]) -> JointFriction:
     """Friction of one joint from what a parameter file holds.
 
     Raises:
-        ParameterError: something that no law or effect takes.
+        ParameterError: something that no law or effect takes, or friction that is not in N m (N).
     """
+    if "unit" in content:
+        raise ParameterError(
+            f"its friction is in {content['unit']}, since its logs do not determine the torque of "
+            "the motor: identify it again with --gain"
+        )
     law = {key: value for key, value in content.items() if key != "effects"}
     effects = content.get("effects", [])
     if not isinstance(effects, list):
@@ -77,6 +82,22 @@ def _number(effect: str, key: str, value: Any) -> float:
 def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:
     """Inverse of `read_parameters`, exact to the last bit."""
     return tomlkit.dumps(toml_document(parameters, effects))
+
+
+def toml_text_without_scale(parameters: Friction, unit: str) -> str:
+    """Friction that is known in amperes or volts only; `read_parameters` refuses it.
+
+    Args:
+        unit: A or V.
+    """
+    document = tomlkit.document()
+    document.add(
+        tomlkit.comment(f"Joint friction in {unit}: its logs do not determine N m/{unit}.")
+    )
+    document.add("unit", unit)
+    for key, value in parameters.to_dict().items():
+        document.add(key, value)
+    return tomlkit.dumps(document)
 
 
 def toml_document(

@@ -20,7 +20,7 @@ LAWS = tuple(_CLASSES)
 
 
 def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
-    """Parameters of the law that `values` names; the integrated law without a name.
+    """Parameters of the law that `values` names; the integrated law if it names none.
 
     Raises:
         ParameterError: unknown law, or parameters that it refuses.
@@ -57,7 +57,7 @@ def require_parameters(parameters: Any, where: str) -> None:
         mend = "give its .parameters, and its .effects as the effects of the joint"
     else:
         mend = "make them with FrictionParameters(...)"
-    raise TypeError(f"{where}: {kind_of(parameters)} is no friction parameters: {mend}")
+    raise TypeError(f"{where}: {kind_of(parameters)} is not a set of friction parameters: {mend}")
 
 
 def kind_of(value: Any) -> str:

@@ -21,8 +21,8 @@ def read_spec(model: str | Path) -> mujoco.MjSpec:
     """A spec of an MJCF or URDF, that compiles.
 
     Args:
-        model: path of the file, or an MJCF's text. A URDF's meshes are looked for beside it and in
-            the folders above, see `urdf.with_found_meshes`.
+        model: path of the file, or an MJCF's text. A URDF's meshes are looked for in its folder and
+            in those above, see `urdf.with_found_meshes`.
     Raises:
         ModelError: there is no such file, or MuJoCo cannot compile it.
     """

@@ -80,7 +80,7 @@ def require_compiles(path: Path) -> None:
             mujoco.MjModel.from_xml_path(str(path))
         except ValueError as error:
             reason = " ".join(str(error).split())
-            raise ModelError(f"the model would not load where it was to lie: {reason}") from None
+            raise ModelError(f"the model would not load from its folder: {reason}") from None
 
 
 def _with_comments() -> ElementTree.TreeBuilder:
@@ -101,7 +101,7 @@ def sources(model: Path, main: Path | None = None) -> Iterator[Path]:
     try:
         root = ElementTree.parse(model).getroot()
     except (OSError, ElementTree.ParseError, ValueError):
-        return  # an MJCF's text, or an error that MuJoCo tells better
+        return  # an MJCF's text, or an error that MuJoCo explains better
     for element in root.iter():
         name = element.get("file")
         if name and element.tag in ("model", "include"):
@@ -167,5 +167,5 @@ def _require_same(before: mujoco.MjModel, after: mujoco.MjModel, name: str) -> N
         if old.shape != new.shape or not np.allclose(old, new, rtol=_DIGITS, atol=_DIGITS):
             raise ModelError(
                 f"{name}: files of models that it attaches have the same name and MuJoCo's text "
-                f"does not tell which is meant ({key} differs): give them different names"
+                f"does not say which is meant ({key} differs): give them different names"
             )

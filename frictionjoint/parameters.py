@@ -156,7 +156,7 @@ class FrictionParameters:
         values = [float(x) for x in block]
         n = int(values[15]) if len(values) > 15 and math.isfinite(values[15]) else -1
         if n < 1 or len(values) != 16 + 3 * n:
-            raise ParameterError("the friction block is damaged: install the friction anew")
+            raise ParameterError("the friction block is damaged: install the friction again")
         names = [f"{x}_{s}" for s in ("pos", "neg") for x in ("Fs", "Fc", "Vs", "delta", "sigma2")]
         return cls(
             **dict(zip(names, values[5:15], strict=True)),

@@ -24,7 +24,7 @@ _PER_SIDE = len(_LEVELS)
 
 @dataclass(frozen=True, kw_only=True)
 class _Rival:
-    """What the rivals share: reading, writing and the block of numbers.
+    """What the rivals have in common: reading, writing and the block of numbers.
 
     A block is the law's number, sigma1, the levels of both directions, the law's own numbers.
     """

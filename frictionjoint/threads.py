@@ -2,7 +2,7 @@
 
 The matrices of a fit are tall and narrow: the threads of a BLAS library wait for each other longer
 than they work. Measured on two cores: a loop of 45 s takes 36 s on one thread, and half the
-processor time, which trials side by side have to share.
+processor time, which parallel trials compete for.
 """
 
 import functools

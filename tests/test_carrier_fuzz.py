@@ -125,6 +125,6 @@ def test_a_block_of_anything(file: Path, values: list[float], magic: bool) -> No
 
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(at=st.integers(0, len(TEXT)), length=st.integers(0, 20), piece=st.text(max_size=5))
-def test_a_file_torn_somewhere(file: Path, at: int, length: int, piece: str) -> None:
-    torn = (TEXT[:at] + piece + TEXT[at + length :]).encode("utf-8", "surrogatepass")
-    never_anything_else(file, torn)
+def test_a_file_corrupt_somewhere(file: Path, at: int, length: int, piece: str) -> None:
+    corrupt = (TEXT[:at] + piece + TEXT[at + length :]).encode("utf-8", "surrogatepass")
+    never_anything_else(file, corrupt)

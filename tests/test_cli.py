@@ -80,7 +80,7 @@ BAD_LOGS = {
     "degrees": (scaled(1, 1e5), "position_rad"),
     "empty": ("", "empty"),
     "three rows": ("\n".join([HEADER, *ROWS[:3]]), "3"),
-    "torn row": ("\n".join([HEADER, *ROWS[:900], "1.0,2.0"]), "row 902"),
+    "a row cut short": ("\n".join([HEADER, *ROWS[:900], "1.0,2.0"]), "row 902"),
 }
 
 

@@ -61,7 +61,7 @@ def log(name: str, q: np.ndarray, drive: np.ndarray, noise: float = 0.02, **more
 
 
 def stages(q: np.ndarray, level: float, reach: float) -> np.ndarray:
-    """Torque of one elastic-plastic element, written anew."""
+    """Torque of one elastic-plastic element, written again."""
     out, now = np.zeros(len(q)), 0.0
     for i in range(1, len(q)):
         now = max(-level, min(level, now + level / reach * (q[i] - q[i - 1])))

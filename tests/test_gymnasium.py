@@ -17,7 +17,7 @@ STEPS = 60
 
 
 def action(k: int) -> np.ndarray:
-    """Commands that break the joint away both ways: 51 N m need 51 mrad."""
+    """Commands that break the joint away in both directions: 51 N m need 51 mrad."""
     return np.array([0.09 * np.sin(0.25 * k) + 0.02 * np.sin(1.7 * k)])
 
 

@@ -80,7 +80,7 @@ def test_bom_crlf_quotes_blank_lines_and_semicolons_are_no_errors(tmp_path: Path
         (1, "time_s,angle,velocity_rad_s,torque_nm", ["position_rad", "angle", "torque_nm"]),
         (1, "t,position_rad,velocity_rad_s,torque_nm", ["no column 'time_s'", "it has t,"]),
         (1, "time_s,position_rad,velocity_rad_s,effort", ["torque_nm", "voltage_v", "effort"]),
-        (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' stands twice"]),
+        (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' appears twice"]),
         (1, "time_s,position_rad,force_n,torque_nm", ["force_n does not go with position_rad"]),
     ],
 )
@@ -358,7 +358,7 @@ def following_log(tmp_path, ratio, reach, unit="rad", drive="torque_nm"):
 
 @pytest.mark.parametrize("ratio", [5e-4, 1e-3, np.pi / 180])
 def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path, ratio):
-    # held by presliding it follows its controller's target by whatever share, in step
+    # held by presliding it follows its controller's target by whatever fraction, in step
     assert len(read_log(following_log(tmp_path, ratio, 0.5), "j").time) == 500
 
 

@@ -134,7 +134,7 @@ WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "packed.mat", "parqu
     st.binary(max_size=8),
     st.booleans(),
 )
-def test_a_good_binary_log_torn_somewhere(
+def test_a_good_binary_log_corrupt_somewhere(
     suffix: str, at: int, length: int, piece: bytes, cut: bool
 ) -> None:
     content = WHOLE[suffix]

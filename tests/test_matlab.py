@@ -1,4 +1,4 @@
-"""MATLAB 5 files: what scipy writes is read to the last bit; torn ones end in an error."""
+"""MATLAB 5 files: what scipy writes is read to the last bit; corrupt ones end in an error."""
 
 import struct
 from pathlib import Path
@@ -68,7 +68,7 @@ def test_a_data_type_without_a_number_is_an_error(tmp_path: Path) -> None:
     for code in (0, 8, 15, 20, 0xFFFF):
         content[at : at + 2] = struct.pack("<H", code)
         (tmp_path / "log.mat").write_bytes(content)
-        with pytest.raises(LogError, match=r"log.mat: .*torn"):
+        with pytest.raises(LogError, match=r"log.mat: .*corrupt"):
             mat_columns(tmp_path / "log.mat", ["time_s"])
 
 

@@ -1,4 +1,4 @@
-"""The library of motors, and BAM's files both ways."""
+"""The library of motors, and BAM's files read and written."""
 
 import json
 import math

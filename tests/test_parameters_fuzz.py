@@ -115,7 +115,7 @@ TEXT = toml_text(GOOD, EFFECTS).encode()
 
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(at=st.integers(0, len(TEXT)), length=st.integers(0, 12), piece=st.binary(max_size=6))
-def test_a_good_file_torn_somewhere(file: Path, at: int, length: int, piece: bytes) -> None:
+def test_a_good_file_corrupt_somewhere(file: Path, at: int, length: int, piece: bytes) -> None:
     never_anything_else(file, TEXT[:at] + piece + TEXT[at + length :])
 
 

@@ -51,7 +51,7 @@ PARTS = {
     "velocity plane": "velocity, rad\\u002fs",
     "position plane": "position, rad",
     "presliding loops": "torque of the law, N m",
-    "turning points": "way since the turning point, rad",
+    "turning points": "displacement since the turning point, rad",
     "residual": "mean, before",
     "unexplained": "What is still unexplained",
     "next": "What to record next",
@@ -147,7 +147,7 @@ def test_the_sentence_owns_up(found, nothing):
 
 
 def test_a_slide_has_newtons_and_metres(found):
-    page = render(replace(found, slide=True), COMMAND)
+    page = render(replace(found, slide=True, units=("N", "m")), COMMAND)
     assert "velocity, m\\u002fs" in page or "velocity, m/s" in page
     assert "torque after, N</td>" in page
     assert "position after, m</td>" in page

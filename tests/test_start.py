@@ -40,7 +40,7 @@ PLANT = PlantSpec(
 
 @pytest.fixture(scope="module")
 def cut(tmp_path_factory):
-    """Logs of the plant, the first of them begun anew in the middle of a stay at rest."""
+    """Logs of the plant, the first of them begun again in the middle of a stay at rest."""
     folder = tmp_path_factory.mktemp("cut")
     paths = write(simulate(PLANT), folder)
     whole, sines = (read_log(path, "joint") for path in paths)
@@ -114,7 +114,7 @@ RESONANCE, DAMPING = 6.0, 0.03
 
 @pytest.fixture(scope="module")
 def swinging(tmp_path_factory):
-    """Logs of an elastic joint, the first begun anew while the link swings after a step."""
+    """Logs of an elastic joint, the first begun again while the link swings after a step."""
     folder = tmp_path_factory.mktemp("swinging")
     w = 2.0 * np.pi * RESONANCE
     stiffness = PLANT.inertia * w * w

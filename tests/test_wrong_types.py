@@ -59,10 +59,10 @@ class Environment:
         (lambda: fj.friction_torque(FRICTION, [0], {}), "position is no array of numbers"),
         (lambda: fj.FrictionParameters.from_dict("j.toml"), "read_parameters"),
         (lambda: fj.FrictionParameters.from_dict(toml_text(FRICTION)), "read_parameters"),
-        (lambda: fj.close_loop("a.csv", "arm.xml", "j"), r"give a list of logs"),
+        (lambda: fj.close_loop("a.csv", "arm.xml", "j"), "logs is one log: give a list"),
         (
             lambda: fj.close_loop(["a.csv"], MODEL, "j"),
-            "a path or an MJCF's text, not from MjModel",
+            "model is of type MjModel: give the path of an MJCF, or its text",
         ),
     ],
 )

@@ -26,11 +26,11 @@ from frictionjoint.cli.logs import (
     Signals,
     Wrap,
     poses,
-    require_writable,
     split,
 )
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.laws import LAWS
@@ -50,9 +50,9 @@ app = typer.Typer(
         "1. `close-loop` fits the friction of the joint, finds what the model still lacks, adds "
         "it, and reports the error before and after on data held out.\n"
         "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
-        "beside others.\n"
+        "together with others.\n"
         "3. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
-        "again; `check` tells whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
+        "again; `check` says whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones. "
         "Bad input ends in one line and exit code 2, and writes nothing."
@@ -95,7 +95,7 @@ def options(
         typer.Option("--version", callback=_versions, is_eager=True, help="Print the versions."),
     ] = False,
 ) -> None:
-    """What every command shares; its help is the app's."""
+    """What all commands have in common; its help is the app's."""
 
 
 @app.command()
@@ -107,11 +107,11 @@ def demo() -> None:
     Example: `frictionjoint demo`, then open frictionjoint-demo/report.html
     """
     from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import write_files, write_report
+    from frictionjoint.report.write import FILES, write_files, write_report
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
     out = Path("frictionjoint-demo")
-    require_writable(out, folder=True)
+    require_writable(out, (), force=False, files=FILES)
     with progress() as told:
         told("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
@@ -149,6 +149,7 @@ def close_loop_command(
     signal: Signals = None,
     wrap: Wrap = None,
     seed: Seed = 0,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Fit, find what is missing, add it, report before and after.
@@ -163,10 +164,11 @@ def close_loop_command(
     --out out --json`
     """
     from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import write_report
+    from frictionjoint.report.write import FILES, write_report
 
     with progress() as told:
-        require_writable(out, folder=True)
+        read = [*logs, *(Path(text) for text in held_out or []), model]
+        require_writable(out, read, force, FILES)
         reading = Reading.of(joint, column, signal, wrap, gain)
         fitted, kept = split(logs, held_out or ["0.25"], reading)
         report = close_loop(fitted, model, joint, kept, seed, told, law, poses(fixed))
@@ -191,6 +193,7 @@ def identify(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Fit the friction law of one joint and write its parameters.
@@ -200,12 +203,18 @@ def identify(
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
     from frictionjoint.diagnose.intervals import stated_covariance
-    from frictionjoint.files import toml_text
+    from frictionjoint.files import toml_text, toml_text_without_scale
+    from frictionjoint.identify.fit import without_scale
     from frictionjoint.identify.gate import check as check_balance
-    from frictionjoint.identify.gate import check_fit
+    from frictionjoint.identify.gate import check_fit, scale_is_determined
     from frictionjoint.identify.matching import check_logs
     from frictionjoint.identify.prepare import prepare
-    from frictionjoint.identify.result import law_estimates, law_parameters, require_gain
+    from frictionjoint.identify.result import (
+        law_estimates,
+        law_parameters,
+        scale_note,
+        units_of,
+    )
     from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
     from frictionjoint.identify.starts import fit
@@ -214,7 +223,7 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as told:
-        require_writable(out, folder=False)
+        require_writable(out, [*logs, model], force)
         forms = forms_of(law)
         body = RigidBody(model, joint, poses(fixed))
         reading = Reading.of(joint, column, signal, wrap, gain)
@@ -224,18 +233,23 @@ def identify(
         check_balance(prepared)
         found = fit(prepared, forms=forms, progress=told)
         prepared, fitted = reweighed(prepared, found)
-        require_gain(fitted)
         check_fit(prepared, fitted)
+        scaled = scale_is_determined(prepared, fitted)
+        if not scaled:
+            fitted = without_scale(fitted)
+        unit, _ = units_of(fitted, body.slide)
         estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
-        write_files(out.parent, {out.name: toml_text(law_parameters(fitted))})
+        parameters = law_parameters(fitted)
+        toml = toml_text(parameters) if scaled else toml_text_without_scale(parameters, unit)
+        write_files(out.parent, {out.name: toml})
     if as_json:
         rows = {name: x.to_dict() for name, x in estimates.items()}
-        typer.echo(json.dumps({"torque_rms": fitted.rms, "parameters": rows}, indent=2))
+        result = {"unit": unit, "torque_rms": fitted.rms, "parameters": rows}
+        typer.echo(json.dumps(result, indent=2))
         return
     show_estimates(list(estimates.items()))
-    for text in said:
+    for text in (*said, *scale_note(fitted)):
         console().print(f"* {text}", soft_wrap=True, markup=False)
-    unit = "N" if body.slide else "N m"
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
 
 

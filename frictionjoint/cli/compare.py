@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
@@ -20,6 +21,7 @@ def compare(
         Path | None,
         typer.Option("--out", metavar="FILE", help="Drawing: .html, .png or .svg."),
     ] = None,
+    force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
     """Set laws and parameters side by side: breakaway, presliding, sliding.
@@ -39,6 +41,8 @@ def compare(
 
     if out is not None and out.suffix.lower() not in KINDS:
         raise ParameterError(f"--out {out}: end it in {', '.join(KINDS)}")
+    if out is not None:
+        require_writable(out, parameters, force)
     with progress() as told:
         read = {}
         for i, path in enumerate(parameters):

@@ -13,8 +13,8 @@ data = typer.Typer(
     help=(
         "Public measured logs to try the commands on.\n\n"
         "Fetched from their authors' repositories, hashes checked; nothing is shipped with the "
-        "package. `FRICTIONJOINT_DATA` may name a folder that holds copies: then the network is "
-        "not used.\n\n"
+        "package. `FRICTIONJOINT_DATA` may name a folder that holds the files: "
+        "then the network is not used.\n\n"
         "Examples: `frictionjoint data list`, `frictionjoint data get xl330`"
     ),
 )
@@ -56,7 +56,7 @@ def get_command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="As `data list` has it.")],
     as_json: Json = False,
 ) -> None:
-    """Bring a data set here and tell where its logs lie.
+    """Fetch a data set and print where its logs are.
 
     Example: `frictionjoint data get emps`
     """

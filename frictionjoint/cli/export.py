@@ -8,6 +8,7 @@ import typer
 from rich.table import Table
 
 from frictionjoint.cli.logs import columns_of
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
@@ -43,6 +44,7 @@ def export(
         bool,
         typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, an actuator a joint."),
     ] = False,
+    force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print what is lost as JSON.")] = False,
 ) -> None:
     """Write the friction of a model in the terms of another program, and say what is lost.
@@ -67,6 +69,7 @@ def export(
         raise ParameterError("--speeds and --log: give one of them")
     target = Target(to)
     file = output_file(out, target)
+    require_writable(file, [model, *([log] if log else [])], force)
     with progress() as told:
         told(f"reading {model.name}")
         done = run(model, target, file, _range(speeds), log, columns_of(column), lugre, told)

@@ -1,13 +1,12 @@
-"""What `close-loop` and `identify` share: which logs, how they are read, where results go."""
+"""What `close-loop` and `identify` have in common: which logs, and how they are read."""
 
-import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from frictionjoint.errors import FrictionJointError, LogError, ModelError
+from frictionjoint.errors import LogError, ModelError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.measured.log import JointLog
@@ -41,7 +40,7 @@ Gain = Annotated[
     typer.Option(
         "--gain",
         metavar="NUMBER",
-        help="A known motor constant, N m per A or per V. Without it the load tells it.",
+        help="Motor constant, N m per A or per V. Default: estimated from the load.",
     ),
 ]
 Fixed = Annotated[
@@ -153,28 +152,6 @@ def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:
             raise ModelError(f"--fixed {name} is given twice: keep one")
         found[name] = numbers if len(numbers) > 1 else numbers[0]
     return found
-
-
-def require_writable(out: Path, folder: bool) -> None:
-    """See that a result can be written, before the work; nothing is left behind.
-
-    Args:
-        folder: whether `out` is to be a folder, and not a file in one.
-    Raises:
-        FrictionJointError: it cannot.
-    """
-    if out.exists() and out.is_dir() != folder:
-        mend = "a file has this name, give a folder" if folder else "a folder has this name"
-        raise FrictionJointError(f"--out {out}: {mend}")
-    place = out.absolute() if folder else out.absolute().parent
-    while not place.exists():
-        place = place.parent
-    try:
-        with tempfile.TemporaryDirectory(prefix=".frictionjoint-", dir=place):
-            pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise FrictionJointError(f"--out {out}: cannot be written: {reason}") from None
 
 
 def _is_number(text: str) -> bool:

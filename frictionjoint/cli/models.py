@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError
 
@@ -16,9 +17,6 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from frictionjoint.simulate.carrier import JointFriction
 
 Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
-Force = Annotated[
-    bool, typer.Option("--force", help="Let --out overwrite the model that it is made from.")
-]
 Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that carries friction.")]
 
 
@@ -57,11 +55,15 @@ def install(
 
     `frictionjoint install arm.urdf --all gear.toml --clear-native --out arm_friction.xml`
     """
+    from frictionjoint.files import read_parameters
     from frictionjoint.model_files import read_spec
     from frictionjoint.simulate.carrier import install as install_in_spec
 
     with warnings_afterwards():
-        carried = _parameters(joint or [])
+        named = _files(joint or [])
+        tables = [*named.values(), *([every] if every else [])]
+        require_writable(out, [mjcf, *tables], force)
+        carried = {name: read_parameters(path) for name, path in named.items()}
         spec = read_spec(mjcf)
         if every:
             carried = _all_joints(spec, every) | carried
@@ -70,7 +72,7 @@ def install(
         friction = {name: x.parameters for name, x in carried.items()}
         effects = {name: x.effects for name, x in carried.items()}
         install_in_spec(spec, friction, effects, clear_native)
-        _write(spec, mjcf, out, force)
+        _write(spec, mjcf, out)
     typer.echo(f"Wrote {out} with friction in {', '.join(friction)}.")
 
 
@@ -85,9 +87,10 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
     from frictionjoint.simulate.uninstall import uninstall as uninstall_from_spec
 
     with warnings_afterwards():
+        require_writable(out, [mjcf], force)
         spec = read_spec(mjcf)
         joints = uninstall_from_spec(spec)
-        _write(spec, mjcf, out, force)
+        _write(spec, mjcf, out)
     typer.echo(f"Wrote {out} without the friction of {', '.join(joints)}.")
 
 
@@ -95,7 +98,7 @@ def check(
     mjcf: Carrying,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Tell what friction an MJCF carries and whether its time step suits it.
+    """Say what friction an MJCF carries and whether its time step suits it.
 
     Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
     """
@@ -129,19 +132,17 @@ def view(mjcf: Carrying) -> None:
     open_viewer(mjcf)
 
 
-def _parameters(joints: list[str]) -> "dict[str, JointFriction]":
-    """What NAME=TOML options say."""
-    from frictionjoint.files import read_parameters
-
-    carried: dict[str, JointFriction] = {}
+def _files(joints: list[str]) -> dict[str, Path]:
+    """Parameter files by joint, from options NAME=TOML."""
+    found: dict[str, Path] = {}
     for text in joints:
         name, equals, path = text.partition("=")
         if not equals:
             raise ParameterError(f"--joint {text}: write NAME=params.toml")
-        if name in carried:
+        if name in found:
             raise ParameterError(f"--joint {name} is given twice: keep one")
-        carried[name] = read_parameters(Path(path))
-    return carried
+        found[name] = Path(path)
+    return found
 
 
 def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]":
@@ -154,7 +155,7 @@ def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]"
     for joint in joints:
         if not joint.name:
             raise FrictionJointError(
-                f"--all: a joint of body {joint.parent.name or 'without a name'!r} has no name: "
+                f"--all: a joint of body {joint.parent.name or 'unnamed'!r} has no name: "
                 "name it in the model, or name the joints with --joint"
             )
     if not joints:
@@ -162,14 +163,10 @@ def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]"
     return {joint.name: found for joint in joints}
 
 
-def _write(spec: "mujoco.MjSpec", source: Path, out: Path, force: bool) -> None:
+def _write(spec: "mujoco.MjSpec", source: Path, out: Path) -> None:
     """Write a model where its asset files are found, and see to it that it loads there."""
-    from frictionjoint.model_text import model_text, placed, require_compiles, sources
+    from frictionjoint.model_text import model_text, placed, require_compiles
     from frictionjoint.report.write import write_files
 
-    if not force and out.exists() and any(out.samefile(part) for part in sources(source)):
-        raise FrictionJointError(
-            f"{out} is the model itself or a part of it: give another --out, or --force"
-        )
     text = placed(model_text(spec, source), out.parent)
     write_files(out.parent, {out.name: text}, {out.name: require_compiles})

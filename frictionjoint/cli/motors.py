@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console
 
 motors = typer.Typer(
@@ -78,6 +79,7 @@ def get_command(
     from frictionjoint.motors.library import get_motor
     from frictionjoint.report.write import write_files
 
+    require_writable(out, (), force=False)
     motor = get_motor(name)
     friction = motor.friction
     write_files(out.parent, {out.name: toml_text(friction.parameters, friction.effects)})
@@ -88,7 +90,7 @@ def get_command(
 
 
 @motors.command("from-bam")
-def from_bam_command(bam: Bam, out: Out) -> None:
+def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
     """Write our parameter file from one of BAM, models M1 to M6.
 
     Example: `frictionjoint motors from-bam bam/params/xl330/m4.json --out xl330.toml`
@@ -97,6 +99,7 @@ def from_bam_command(bam: Bam, out: Out) -> None:
     from frictionjoint.motors.bam import from_bam, read_bam
     from frictionjoint.report.write import write_files
 
+    require_writable(out, [bam], force)
     friction, said = from_bam(read_bam(bam))
     write_files(out.parent, {out.name: toml_text(friction.parameters, friction.effects)})
     typer.echo(f"Wrote {out}")
@@ -118,6 +121,7 @@ def to_bam_command(
         str | None,
         typer.Option("--model", metavar="M", help="m1 to m6. Default: the least that suffices."),
     ] = None,
+    force: Force = False,
 ) -> None:
     """Write a parameter file of BAM from one of ours.
 
@@ -127,6 +131,7 @@ def to_bam_command(
     from frictionjoint.motors.bam import read_bam, to_bam
     from frictionjoint.report.write import write_files
 
+    require_writable(out, [parameters, like], force)
     made, said = to_bam(read_parameters(parameters), read_bam(like), model)
     write_files(out.parent, {out.name: made.to_json()})
     typer.echo(f"Wrote {out}, model {made.model} of {made.actuator}")

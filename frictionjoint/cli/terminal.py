@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from frictionjoint.diagnose.report_data import Report
     from frictionjoint.identify.result import Estimate
 
-# "fit: start 3 of 12": work that tells how much is left gets a bar
+# "fit: start 3 of 12": work that says how much is left gets a bar
 _COUNTED = re.compile(r"(\d+) of (\d+)")
 _PIPED_WIDTH = 120
 
@@ -27,7 +27,7 @@ def console() -> Console:
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr that tells what is being done and what is left of it."""
+    """A line on stderr that says what is being done and what is left of it."""
     err = Console(stderr=True)
     bar = BarColumn(bar_width=24)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), bar, TimeElapsedColumn())
@@ -44,7 +44,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 @contextlib.contextmanager
 def warnings_afterwards() -> Iterator[None]:
-    """Warnings of the block are told when it has succeeded, each once: an error is a line alone."""
+    """Show warnings of the block when it has succeeded, each once: an error is a line alone."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         yield
@@ -54,9 +54,9 @@ def warnings_afterwards() -> Iterator[None]:
 
 def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict, what to record next."""
-    from frictionjoint.report.wording import interval, sentence, units
+    from frictionjoint.report.wording import interval, sentence
 
-    unit, _ = units(report)
+    unit, _ = report.units
     table = Table("torque rms", "fitted logs", "held out", "95% interval")
     stages = (("before", report.before_torque), ("after", report.after_torque))
     for (name, rms), pair in zip(stages, report.torque_interval, strict=True):

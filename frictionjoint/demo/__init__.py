@@ -1,1 +1,1 @@
-"""The shipped log with an undeclared effect; see README.md beside it."""
+"""The shipped log with an undeclared effect; see README.md in this folder."""

@@ -1,26 +1,26 @@
-"""What to record next: the motion that would tell what these logs leave open."""
+"""What to record next: the motion that would settle what these logs leave open."""
 
 from collections.abc import Iterable, Mapping
 
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
 
-# A parameter whose standard error exceeds this share of it counts as not determined.
+# A parameter whose standard error exceeds this fraction of it counts as not determined.
 _LOOSE = 0.5
-_BREAKAWAY = "constant velocities from creeping to fast, both ways"
-_PRESLIDING = "slow reversals that turn round before the joint slides"
+_BREAKAWAY = "constant velocities from creeping to fast, in both directions"
+_PRESLIDING = "slow motion that reverses before the joint slides"
 # Which motion determines which parameters of the law.
 _DETERMINED_BY = {
     _BREAKAWAY: ("Fs_pos", "Vs_pos", "delta_pos", "sigma2_pos"),
     _PRESLIDING: ("stiffness",),
 }
-_PARTED_BY = {
-    "position": "the whole range at two slow speeds, both ways",
-    "velocity": "constant velocities over the whole range of speed, both ways",
-    "acceleration": "one path at two speeds: what follows acceleration grows fourfold at twice one",
+_SHOWN_BY = {
+    "position": "the whole range at two slow speeds, in both directions",
+    "velocity": "constant velocities over the whole range of speed, in both directions",
+    "acceleration": "one path at a speed and at twice that: accelerations are four times as large",
     "load": "one motion with two payloads",
     "torque": "one motion at growing payloads, up to the largest torque of the drive",
-    "time": "one motion repeated for long, with temperature_c beside it",
+    "time": "one motion repeated for long, with temperature_c logged too",
     "temperature_c": "one motion with the joint cold and warm",
 }
 
@@ -35,16 +35,17 @@ def what_to_record(
 
     Args:
         ties: an added effect and the name of another that explains as much.
-        unexplained: quantities the residual still depends on, with their shares.
+        unexplained: quantities the residual still depends on, with the fractions they explain.
         law: the final estimates by name.
         held_out: whether a log was kept from fit and choice.
     """
     found = [
-        f"To tell {effect.name} from {other}: {effect.separating_motion}." for effect, other in ties
+        f"To distinguish {effect.name} from {other}: {effect.separating_motion}."
+        for effect, other in ties
     ]
     for variable, _ in unexplained:
-        motion = _PARTED_BY.get(variable, "this joint alone with the others held, then the others")
-        found.append(f"To find what acts through {quantity(variable)}: {motion}.")
+        motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")
+        found.append(f"To find what depends on {quantity(variable)}: {motion}.")
     for motion, names in loose_parameters(law):
         symbols = ", ".join(name.removesuffix("_pos") for name in names)
         found.append(f"To determine {symbols}: {motion}.")
@@ -54,7 +55,7 @@ def what_to_record(
 
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:
-    """Numbers of the law that the logs hardly determine, by the motion that would."""
+    """Parameters of the law that the logs hardly determine, by the motion that would."""
     found = []
     for motion, names in _DETERMINED_BY.items():
         loose = tuple(name for name in names if name in law and _is_loose(law[name]))
@@ -64,7 +65,7 @@ def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, 
 
 
 def quantity(variable: str) -> str:
-    """A measured quantity for people."""
+    """A measured quantity as a reader knows it."""
     joint, dot, name = variable.rpartition(".")
     return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")
 

@@ -12,7 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.diagnose.notes import notes
+from frictionjoint.diagnose.notes import DIVERGES, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay, replayed_whole
 from frictionjoint.diagnose.report_data import (
@@ -32,15 +32,15 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import check, check_fit
+from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.result import (
     law_estimates,
     law_parameters,
-    require_gain,
     term_estimates,
+    units_of,
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
@@ -57,6 +57,8 @@ from frictionjoint.threads import one_thread
 
 # length of the blocks of an rms's interval, s
 _BLOCK_S = 0.5
+# where no torque is known, nothing can be replayed: before and after
+_NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
 
 LogLike = JointLog | str | Path
@@ -80,7 +82,7 @@ def close_loop(
         model: path or text of the MJCF the user believes in. joint: its name.
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
-        progress: told what is being done.
+        progress: called with what is being done.
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
@@ -99,19 +101,27 @@ def close_loop(
     fitted_on = prepare(list(logs), body)
     check(fitted_on)
     kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
-    found = trace(fitted_on, seed, progress, law, lambda f: replayed_whole(fitted_on, body, f))
-    for fitted in (found.base, found.final):
-        require_gain(fitted)
+
+    def replayed(fitted: Fit) -> float | None:
+        known = scale_is_determined(fitted_on, fitted)
+        return replayed_whole(fitted_on, body, fitted) if known else None
+
+    found = trace(fitted_on, seed, progress, law, replayed)
+    scaled = load_shows(found.base) and scale_is_determined(found.prepared, found.final)
+    if not scaled:
+        found = found.without_scale()
     check_fit(found.prepared, found.final)
     moving = found.prepared
     left = errors_of(moving, found.final)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     progress("replay")
     spec = body.spec()
-    friction_spec(spec, joint, found.final)
+    if scaled:
+        friction_spec(spec, joint, found.final)
     spec.compile()
-    runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final)]
-    before, after = (Rms(fit.rms, held.rms if held else None) for fit, held in runs)
+    runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final) if scaled]
+    before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
+    diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.gain
     torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
@@ -121,10 +131,14 @@ def close_loop(
     final = law_estimates(found.final, cov, body.slide)
     open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
     progress("what to record next")
-    computed = computed_proposals(Planner(moving, found.final, body), _rivals(found), cov, final)
+    computed: Sequence[str] = ()
+    if scaled:  # else no motion says which torque it asks of the drive
+        planner = Planner(moving, found.final, body)
+        computed = computed_proposals(planner, _rivals(found), cov, final)
     return Report(
         joint=joint,
         slide=body.slide,
+        units=units_of(found.final, body.slide),
         logs=tuple(entries),
         base=law_estimates(found.base, stated_covariance(moving, found.base), body.slide),
         final=final,
@@ -139,14 +153,14 @@ def close_loop(
         bandwidth_hz=fitted_on.band.balance,
         noise_floor=floor,
         unexplained=unexplained,
-        verdict=verdict(found, (torque[0], before), (torque[1], after)),
+        verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
         mjcf=model_text(spec, model),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
-        notes=(*said, *notes(found, cov)),
+        notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
     )
 
 
@@ -174,6 +188,10 @@ def _replays(
 ) -> tuple[Replay, Replay | None]:
     """Of the logs fitted and of those held out."""
     return replay(fitted_on, body, f), replay(kept_back, body, f) if kept_back else None
+
+
+def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
+    return Rms(fit.stated, held.stated if held else None)
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
@@ -205,6 +223,8 @@ def _intervals(prepared: Prepared, found: Trace) -> Intervals:
 def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
     """Of the replay's rms before and after; each free run is a block of its own."""
     pair = []
+    if not runs or any(r is not None and r.diverges for run in runs for r in run):
+        return None
     for fit_run, held_run in runs:
         e = np.concatenate((held_run or fit_run).errors)
         known = np.isfinite(e)

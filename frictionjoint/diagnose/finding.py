@@ -1,13 +1,13 @@
 """What the search found: effects with their evidence, and what these logs could have shown."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.moves import Look, Looked
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import Term
 
@@ -89,6 +89,17 @@ class Trace:
     last_look: Look
     other: Fit | None
     sight: Sight
+
+    def without_scale(self) -> "Trace":
+        """The same in units of the drive, where the logs do not determine the gain."""
+        return replace(
+            self,
+            base=without_scale(self.base),
+            findings=tuple(replace(f, fit=without_scale(f.fit)) for f in self.findings),
+            final=without_scale(self.final),
+            other=self.other and without_scale(self.other),
+            sight=replace(self.sight, torque=self.sight.torque / self.final.gain),
+        )
 
 
 def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:

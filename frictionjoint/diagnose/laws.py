@@ -1,4 +1,4 @@
-"""Which friction law the logs ask for: the integrated one, or a rival that fits clearly better."""
+"""Which friction law the logs support: the integrated one, or a rival that fits clearly better."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What these logs can speak of: the catalogue's effects, waves in position, unnamed dependences."""
+"""Candidates that these logs can test: effects, waves in position, unnamed dependences."""
 
 from dataclasses import dataclass
 from functools import partial

@@ -27,7 +27,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 
 # of the speeds and accelerations seen: single samples are noise
 _USUAL = 0.99
-# the payloads tried add these shares of what the joint carries
+# the payloads tried add these fractions of what the joint carries
 _PAYLOADS = (0.5, 1.0)
 _LONGEST, _WARMING = 80.0, 320.0
 # s between samples, and samples in the shortest period
@@ -38,7 +38,7 @@ _RESTS = (0.1, 1.0, 10.0)
 _EASE = 1.0
 _GRID = 257
 _SLOW, _GROWTH = 0.25, 20.0
-# share of the inertia from the centre of mass's distance below which a body counts as balanced
+# fraction of the inertia from the centre of mass's distance below which a body counts as balanced
 _BALANCED = 0.05
 
 
@@ -71,8 +71,8 @@ class Motion:
         name: for people, with its figures.
         dt: s. position: shape (n,), rad (m), from rest in the middle of the range.
         once: s until it has done all that its name says.
-        payload: share of what the joint carries that is added to it.
-        temperature: deg C of the joint, None where no log tells it.
+        payload: fraction of what the joint carries that is added to it.
+        temperature: deg C of the joint, None where no log holds it.
         beyond: see `Limits`.
     """
 
@@ -160,10 +160,10 @@ def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Mo
         yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), 1.0 / f)
     speeds = [part * limits.speed for part in _SPEEDS]
     for speed in speeds:
-        name = f"both ways at a constant {speed:.2g} {unit}/s"
+        name = f"in both directions at a constant {speed:.2g} {unit}/s"
         yield motion(name, _sweeps(t, [speed], limits), 4.0 * limits.reach / speed)
     slow = motion(
-        f"both ways at {', '.join(f'{x:.2g}' for x in speeds)} {unit}/s in turn",
+        f"in both directions at {', '.join(f'{x:.2g}' for x in speeds)} {unit}/s in turn",
         _sweeps(t, speeds, limits),
         sum(4.0 * limits.reach / x for x in speeds),
     )
@@ -302,7 +302,7 @@ class Carried:
         """LOAD, GEAR, GX and GY along a motion, shape (n, N_SIGNALS), with Q, V and A in it.
 
         Args:
-            payload: share of what the joint carries that is added to it.
+            payload: fraction of what the joint carries that is added to it.
         """
         q, v, a = (signals[:, k] for k in (Q, V, A))
 

@@ -34,7 +34,7 @@ class Move(NamedTuple):
 
     @property
     def unnamed(self) -> bool:
-        """Whether something without a name comes in."""
+        """Whether an unnamed dependence comes in."""
         return any(c.unnamed for c in self.added)
 
 

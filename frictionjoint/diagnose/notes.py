@@ -1,25 +1,31 @@
-"""What a reader must know of a result beside its figures, a sentence or two each."""
+"""What a reader must know of a result besides its figures, in a sentence or two each."""
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.terms import Timing
 
 # standard errors beyond which an offset of the clocks is more than chance
 _BEYOND = 2.0
+DIVERGES = (
+    "The simulation diverges: driven by the measured torque it leaves the logged motion by more "
+    "than all its travel, so no position error is stated. Check masses, gravity and signs of the "
+    "MJCF, and the units of the logs."
+)
 
 
 def notes(found: Trace, cov: Array) -> tuple[str, ...]:
-    """All that there is to say.
+    """All notes on a result.
 
     Args:
         cov: of all parameters of the final fit.
     """
     return (
+        *scale_note(found.final),
         *_rest_note(found),
         *timing_note(found.final, cov),
         *_law_note(found),
@@ -28,7 +34,7 @@ def notes(found: Trace, cov: Array) -> tuple[str, ...]:
 
 
 def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
-    """What the fit made of the clocks of its channels.
+    """Offset between the clocks of torque and position, where it is significant.
 
     A delay T within a sample turns an inertia J into a viscosity, J w^2 T at the frequency w.
     """
@@ -42,17 +48,17 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
     leads = "torque" if delay > 0.0 else "position"
     return (
         f"Position and torque are offset by {1e3 * abs(delay):.2g} +- {1e3 * error:.1g} ms "
-        f"({leads} leads): less than a sample, as where a controller holds its torque from one "
-        "tick to the next. The fit allows for it.",
+        f"({leads} leads), less than a sample, e.g. because a controller holds its torque between "
+        "ticks. The fit accounts for it.",
     )
 
 
 def _law_note(found: Trace) -> tuple[str, ...]:
-    """Which friction law is better and what that means, where it is not the one of the base fit."""
+    """Which friction law fits better, where it is not the one of the base fit."""
     if not found.other:
         return ()
     own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
-    unit = "N" if found.prepared.slide else "N m"
+    unit, _ = units_of(found.final, found.prepared.slide)
     left = f"{found.final.rms:.3g} {unit} on fitted logs, {other} {found.other.rms:.3g} {unit}"
     if own != final:
         return (
@@ -60,34 +66,35 @@ def _law_note(found: Trace) -> tuple[str, ...]:
             f"{left}. --law {own} keeps {own}.",
         )
     return (
-        f"The effects were looked for with the law {other} and then added to {final}, which "
-        f"leaves {left}. --law {other} reports and simulates that law.",
+        f"The effects were found with the law {other} and then added to {final}, which leaves "
+        f"{left}. --law {other} reports and simulates that law.",
     )
 
 
 def _rest_note(found: Trace) -> tuple[str, ...]:
-    """What is left where the position does not determine the torque."""
+    """Error of the samples whose torque the position does not determine."""
     rest = found.final.weight**2 <= IN_MOTION
     if not rest.any():
         return ()
-    unit = "N" if found.prepared.slide else "N m"
+    unit, _ = units_of(found.final, found.prepared.slide)
     error = float(np.sqrt(np.mean(found.final.residual[rest] ** 2)))
     return (
-        f"In {rest.mean():.0%} of the samples the joint sticks or turns round, and the position "
-        f"hardly determines the torque. They count little in the fit, and their error, {error:.3g} "
-        f"{unit} rms, is not in the torque errors, which are of the motion.",
+        f"In {rest.mean():.0%} of the samples the joint sticks or reverses, where the position "
+        f"hardly determines the torque. They count little in the fit; their error, {error:.3g} "
+        f"{unit} rms, is not part of the torque errors above, which are those of the motion.",
     )
 
 
 def _sight_note(found: Trace) -> tuple[str, ...]:
-    """What the logs could have shown, where nothing was found."""
+    """The smallest visible effect, where nothing was found."""
     if found.findings or found.unexplained:
         return ()
     sight = found.sight
-    size = f"{sight.torque:.2g} {'N' if found.prepared.slide else 'N m'} rms"
+    unit, _ = units_of(found.final, found.prepared.slide)
+    size = f"{sight.torque:.2g} {unit} rms"
     if not sight.too_short:
-        return (f"The smallest effect that these logs could have shown is {size}.",)
+        return (f"The smallest effect that these logs would have shown is {size}.",)
     return (
-        f"These {sight.duration:.3g} s are too short to tell: the smallest effect that they could "
-        f"have shown is {size}. About {sight.needed:.2g} s of such motion would do.",
+        f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
+        f"shown is {size}. About {sight.needed:.2g} s of such motion are needed.",
     )

@@ -38,13 +38,13 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm, Term
 
-# what counts as parted: standard deviations, and a share that no refit makes up for
+# what counts as distinguished: standard deviations, and a fraction that no refit makes up for
 LEVEL, UNLIKE = 3.0, 0.04
-# share below which nothing is left
+# fraction below which nothing is left
 _NOTHING = 1e-4
 _DURATIONS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
 _FOR_PARAMETERS = 40.0
-# a standard error worth a record: at most this share of what it was
+# a standard error worth a record: at most this fraction of what it was
 _SHARPER = 0.7
 
 
@@ -54,7 +54,7 @@ class Proposal:
 
     Attributes:
         motion: cut to the duration proposed.
-        expected: with the record beside the logs, with the first effect true and with the second.
+        expected: with the record added to the logs, with the first effect true and with the second.
         now: in the logs alone.
     """
 
@@ -75,7 +75,7 @@ class Proposal:
 
 
 class Planner:
-    """The logs and what was fitted to them, asked what to record next.
+    """The logs and what was fitted to them, for deciding what to record next.
 
     Args:
         prepared: the logs the fit is of. fitted: with all effects found.
@@ -94,10 +94,10 @@ class Planner:
         self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
 
     def parting(self, i: int, other: Term) -> Proposal | None:
-        """The shortest record expected to tell term i of the fit from another term.
+        """The shortest record expected to distinguish term i of the fit from another term.
 
         Inside what the logs show where that is enough. Where nothing is, the one that comes
-        nearest (`Proposal.parts` tells); None where the joint never moved.
+        nearest (see `Proposal.parts`); None where the joint never moved.
         """
         J, own = self.fitted.jacobian, self._own(i)
         term = self.fitted.terms[i]
@@ -227,7 +227,8 @@ def computed_proposals(
     """One sentence for each tie, and for each group of parameters that is loosely determined.
 
     Args:
-        ties: the number of a term of the fit, and an effect that the logs cannot tell from it.
+        ties: the number of a term of the fit, and an effect that the logs cannot distinguish
+            from it.
         cov: of all parameters of the fit. law: its numbers.
     """
     sentences = [to_part(planner, i, other) for i, other in ties]
@@ -237,7 +238,7 @@ def computed_proposals(
 
 
 def to_part(planner: Planner, i: int, other: EffectTerm) -> str | None:
-    """What to record to tell term i of the fit from another effect, in one sentence.
+    """What to record to distinguish term i of the fit from another effect, in one sentence.
 
     None where the other effect holds this one as a special case, which no record can rule out.
     """
@@ -247,15 +248,15 @@ def to_part(planner: Planner, i: int, other: EffectTerm) -> str | None:
         return None
     names = f"{term.name} from {other.name}"
     if found is None or not found.parts:
-        said = "" if found is None else f" (at best {_strength(found.expected)})"
+        said = "" if found is None else f": at best they differ by {_strength(found.expected)}"
         words = [t.effect.separating_motion for t in (term, other) if isinstance(t, EffectTerm)]
         return (
-            f"No motion tried, up to twice the speed of these logs, is expected to tell {names}"
+            f"No motion tried, up to twice the speed of these logs, should distinguish {names}"
             f"{said}. What would: {'; or '.join(dict.fromkeys(words))}."
         )
     return (
-        f"Computed, to tell {names}: {described(found.motion, planner)}. Expected difference: "
-        f"{_strength(found.expected)}; in these logs {_strength(found.now)}."
+        f"Computed, to distinguish {names}: {described(found.motion, planner)}. The two should "
+        f"then differ by {_strength(found.expected)}; in these logs by {_strength(found.now)}."
     )
 
 
@@ -289,11 +290,11 @@ def described(motion: Motion, planner: Planner) -> str:
     if motion.payload:
         payload = payload_of(motion, planner.body)
         # the loop takes one MJCF for all logs
-        load = f"with a further {payload} (in the MJCF of a run of its own: what is true stays)"
+        load = f"with a further {payload} (which the MJCF of that run must hold)"
     text += f"{load}, for {motion.duration:.0f} s"
     return text + (f" (beyond what was logged: {motion.beyond})" if motion.beyond else "")
 
 
 def _strength(both: tuple[Separation, Separation]) -> str:
     share, deviations = min(x.share for x in both), min(x.deviations for x in both)
-    return f"{share:.1%} of the one that the other cannot copy, {deviations:.1f} sigma"
+    return f"{share:.1%} of the effect ({deviations:.1f} standard deviations)"

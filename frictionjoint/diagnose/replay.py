@@ -32,9 +32,15 @@ _LONGEST_STEP = 1e-3
 
 @dataclass(frozen=True)
 class Replay:
-    """Position error of the free runs, m or rad, one array a log, NaN where nothing was run."""
+    """Free runs of a model.
+
+    Attributes:
+        errors: position error, m or rad, one array a log, NaN where nothing was run.
+        travel: largest travel measured in a log, m or rad.
+    """
 
     errors: tuple[Array, ...]
+    travel: float
 
     @property
     def rms(self) -> float | None:
@@ -42,6 +48,16 @@ class Replay:
         e = np.concatenate(self.errors) if self.errors else np.zeros(0)
         e = e[np.isfinite(e)]
         return float(np.sqrt(np.mean(e**2))) if e.size else None
+
+    @property
+    def diverges(self) -> bool:
+        """Whether the runs leave the measured motion by more than all its travel."""
+        return self.rms is not None and self.rms > self.travel
+
+    @property
+    def stated(self) -> float | None:
+        """The rms as it is reported; None where the runs diverge, for then it means nothing."""
+        return None if self.diverges else self.rms
 
 
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
@@ -124,7 +140,8 @@ def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
     model.opt.disableflags |= int(off)
     motor = motor_of(fitted)
     with attach(model):
-        return Replay(tuple(_one_log(model, body, s, motor) for s in prepared.segments))
+        errors = tuple(_one_log(model, body, s, motor) for s in prepared.segments)
+    return Replay(errors, max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments))
 
 
 def _one_log(
@@ -222,7 +239,7 @@ def _step_among_others(
 ) -> None:
     """One semi-implicit step of our joint alone, the others on their measured motion.
 
-    Inverse dynamics with our acceleration at zero tells the torque that everything else takes;
+    Inverse dynamics with our acceleration at zero gives the torque that everything else takes;
     the rest accelerates the joint.
     """
     for position, other, q, v, a in others:

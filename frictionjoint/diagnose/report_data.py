@@ -140,11 +140,14 @@ class Report:
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
     page. Intervals are of the rms before and after, at 95%, on held-out logs where there are any.
-    Torques in N m, positions in rad (N and m for a slide).
+    `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
+    not determine the torque that a current or a voltage makes, torques are in A or V, there is no
+    replay and the model carries no friction.
     """
 
     joint: str
     slide: bool
+    units: tuple[str, str]
     logs: tuple[LogEntry, ...]
     base: dict[str, Estimate]
     final: dict[str, Estimate]
@@ -178,6 +181,7 @@ class Report:
         return {
             "schema": SCHEMA,
             "joint": self.joint,
+            "units": {"torque": self.units[0], "position": self.units[1]},
             "logs": [log.to_dict() for log in self.logs],
             "base": {
                 "law": self.laws[0].law,

@@ -1,4 +1,4 @@
-"""How well a further record would part two effects, and how sharply it would tell parameters.
+"""How well a further record would distinguish two effects and determine parameters.
 
 Of two rival models each is taken for the truth in turn; what it predicts on the logs and on the
 further record is fitted by the other one, with the law and everything else in the model refitted
@@ -119,7 +119,7 @@ class Separation:
 
     Attributes:
         deviations: difference of the two models' squared errors over its standard deviation.
-        share: of what the true effect explains, that the other one cannot copy.
+        share: of what the true effect explains, that the other one cannot account for.
     """
 
     deviations: float
@@ -158,7 +158,7 @@ def _left(sums: Moments, target: int, on: NDArray[np.int64]) -> tuple[float, flo
 
 
 def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
-    """Covariance of a fit's parameters with a further record beside the logs, shape (p, p).
+    """Covariance of a fit's parameters with a further record added to the logs, shape (p, p).
 
     Args:
         covariance: of the parameters from the logs; what it is infinite for stays unknown unless

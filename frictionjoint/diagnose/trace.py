@@ -45,9 +45,9 @@ DISCREPANCY = 0.01
 _BENT = 0.3
 # models within chance and this fraction of the best one's gain are a tie
 _TIE = 0.1
-# a dependence without a name stands in only where no effect explains as large a part of it
+# an unnamed dependence is taken only where no effect explains as large a part of it
 _ENOUGH = 0.9
-# of a pair over its better half: what one of two effects must explain beside the other
+# of a pair over its better half: what one of two effects must explain besides the other
 _PAIR = 0.3
 # leaders that are compared once more, by their gain over the best one's
 _LEADERS = 0.7
@@ -91,7 +91,7 @@ def trace(
 
     Args:
         seed: of flips and resampling; equal seeds give equal results.
-        progress: told what is being done.
+        progress: called with what is being done.
         law: name of the friction law; None for the integrated law, or in the result another one
             where that is clearly better.
         replayed: error of the motion simulated with a fit on these logs, rad (m). What makes it
@@ -327,7 +327,7 @@ def _without(state: _State, term: Term) -> Fit:
 
 
 def _other_law(state: _State, laws: Laws) -> bool:
-    """Take another law where that is clearly better beside the effects found."""
+    """Take another law where that is clearly better together with the effects found."""
     prepared, found = laws.better(state.prepared, state.fit)
     changed = found is not state.fit
     state.prepared, state.fit = prepared, found

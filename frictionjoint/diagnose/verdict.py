@@ -1,4 +1,4 @@
-"""What a result amounts to: explained, in part, nothing found, or too short to tell."""
+"""The verdict: explained, partly explained, no effect found, or too short to tell."""
 
 import numpy as np
 
@@ -9,30 +9,33 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
 from frictionjoint.identify.start import IN_MOTION
 
-# up to this multiple of what the instruments leave a residual counts as noise
+# a residual up to this multiple of the instrument noise counts as noise
 _AT_THE_FLOOR = 1.5
 # times the correlation of filtered white noise up to which a residual is as white
 _WHITE = 3.0
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
-    """What the instruments alone leave of a perfect model behind the balance's filter, N m."""
+    """Residual of a perfect model due to instrument noise in the band of the balance, N m."""
     powers = [sum(s.noise.left(s.bandwidth_hz, BALANCE_ORDER)) for s in prepared.segments]
     return gain * float(np.sqrt(np.mean(powers)))
 
 
-def verdict(found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms]) -> Verdict:
-    """Explained is said only of a residual down to the instruments' noise, or as white as noise.
+def verdict(
+    found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms], diverges: bool
+) -> Verdict:
+    """`explained` needs a residual at the level of the instrument noise, or as white as noise.
 
-    Nor is it said where held-out logs or the replay contradict, or where a parameter that was
-    added ran to the end of its range.
+    It is not given where held-out logs or the replay contradict, where the replay diverges, or
+    where a parameter that was added reached the end of its range.
 
     Args:
         before, after: errors of the torque and of the replay.
+        diverges: whether a replay of the final model leaves the measured motion altogether.
     """
     if not found.findings and not found.unexplained:
         return "too-short-to-tell" if found.sight.too_short else "no-effect-found"
-    worse = any(a.worse_than(b) for b, a in zip(before, after, strict=True))
+    worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
     if not found.findings or found.unexplained or worse or _at_a_bound(found.final):
         return "partly-explained"
     moving = found.final.weight**2 > IN_MOTION
@@ -43,13 +46,13 @@ def verdict(found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms]) -> Ve
 
 
 def _at_a_bound(fitted: Fit) -> bool:
-    """Whether a parameter of an effect has run to the end of its range."""
+    """Whether a parameter of an effect has reached the end of its range."""
     own = (fitted.layout.of_term(i) for i in range(len(fitted.effects)))
     return any(bool(fitted.bound[at].any()) for at in own)
 
 
 def _is_white(fitted: Fit, prepared: Prepared) -> bool:
-    """Whether a residual is correlated hardly longer than filtered white noise is."""
+    """Whether the correlation time of a residual is near that of filtered white noise."""
     e = fitted.residual * fitted.weight
     for i, s in enumerate(prepared.segments):
         filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))

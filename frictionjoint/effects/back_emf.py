@@ -15,6 +15,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="back-emf",
+    title="back-EMF",
     effect_id=10,
     coefficients=("kt2_over_R",),
     units=("T s/x",),

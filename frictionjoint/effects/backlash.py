@@ -66,6 +66,7 @@ def _gaps(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="backlash",
+    title="play between gear teeth",
     effect_id=19,
     coefficients=("share",),
     units=("1",),
@@ -74,7 +75,7 @@ EFFECT = Effect(
     source="Nordin and Gutman (2002), dead-zone model",
     signature="no torque for some milliseconds after the transmitted torque changes sign, then "
     "an impact",
-    separating_motion="slow motion through positions where gravity changes sign, both ways",
+    separating_motion="slow motion in both directions through positions where gravity changes sign",
     shape=("gap_times_inertia", "flank_resonance", "damping_ratio"),
     shape_units=("T s^2", "Hz", "1"),
     shapes=_gaps,

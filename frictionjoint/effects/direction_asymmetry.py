@@ -29,10 +29,11 @@ def reached_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="direction-asymmetry",
+    title="friction that differs with direction",
     effect_id=5,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
-    cause="gear tooth flanks, seals and preload that act differently each way",
+    cause="gear tooth flanks, seals and preload that act differently in the two directions",
     form="dF |Fh/Fc| + dsigma2 |v|, half the difference between the directions",
     source="Ganseman et al. (1997), own parameters for each direction",
     signature="even in velocity, zero at rest before breakaway, grows with speed",

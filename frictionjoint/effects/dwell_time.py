@@ -13,7 +13,7 @@ from frictionjoint.effects.signals import DT, H, Q, V
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c times the share r of the contact that has aged, reached over `reach` of motion.
+    """c times the fraction r of the contact that has aged, reached over `reach` of motion.
 
     dr/dt = (1 - r)/tau - |v| r/slip: rest ages the contact, sliding renews it.
     X[x] r, X[x+1] torque per unit of c, X[x+2] last position.
@@ -38,6 +38,7 @@ def _shapes(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="dwell-time",
+    title="stiction that grows at rest",
     effect_id=18,
     coefficients=("level",),
     units=("T",),

@@ -27,7 +27,8 @@ class Effect:
     """One effect beyond the friction law.
 
     Attributes:
-        name: canonical name; two forms of one effect share it and differ in `form`.
+        title: what a person calls it; the name where it is empty.
+        name: canonical name; two forms of one effect have the same and differ in `form`.
         effect_id: number of its kernel.
         coefficients: names of the linear coefficients; units: one unit a coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
@@ -54,7 +55,7 @@ class Effect:
         of_inertia: bounds are in units of the joint's inertia.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
-        separating_motion: what to record when it cannot be told from its nearest neighbours.
+        separating_motion: what to record to distinguish it from its nearest neighbours.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Effect:
     geared: bool = False
     is_inertia: bool = False
     of_inertia: bool = False
+    title: str = ""
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
 
     @property

@@ -35,13 +35,14 @@ def _positions(end: Callable[[Array], float], signals: Array) -> list[Shape]:
 
 UPPER = Effect(
     name="end-stop",
+    title="end stop",
     effect_id=16,
     coefficients=("stiffness",),
     units=("T/x",),
     cause="bumper, cable at its end, hard stop",
     form="k (q - qmax)+",
     source="unilateral linear spring",
-    signature="nothing but near one end of the range",
+    signature="acts near one end of the range only",
     separating_motion="approach the end slowly and dwell before it",
     shape=("position",),
     shape_units=("x",),

@@ -43,6 +43,7 @@ def _lags(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="frictional-lag",
+    title="lag of the lubricant film",
     effect_id=17,
     coefficients=("level",),
     units=("T",),

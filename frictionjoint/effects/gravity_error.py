@@ -1,4 +1,4 @@
-"""gravity-error: a payload or an offset mass the MJCF does not know."""
+"""gravity-error: a payload or an offset mass that the MJCF lacks."""
 
 from numba import njit
 
@@ -15,6 +15,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="gravity-error",
+    title="payload or wrong mass",
     effect_id=2,
     coefficients=("moment_x", "moment_y"),
     units=("kg m", "kg m"),

@@ -1,4 +1,4 @@
-"""inertia-error: inertia the MJCF does not know."""
+"""inertia-error: inertia that the MJCF lacks."""
 
 from numba import njit
 
@@ -15,6 +15,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="inertia-error",
+    title="wrong inertia",
     effect_id=3,
     coefficients=("inertia",),
     units=("T s^2/x",),

@@ -49,7 +49,7 @@ def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Arra
     """Torque per unit of J of a link that swings when a log begins, shape (n,).
 
     Args:
-        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample, beside
+        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample, and
             what the motor's motion makes of them. signals: shape (n, N_SIGNALS).
     """
     out = np.empty(len(signals))
@@ -65,6 +65,7 @@ def _resonances(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="joint-elasticity",
+    title="elastic gear or shaft",
     effect_id=20,
     coefficients=("link_inertia",),
     units=("T s^2/x",),

@@ -48,6 +48,7 @@ def _reaches_and_falls(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="load-dependent",
+    title="friction that grows with load",
     effect_id=7,
     coefficients=("c",),
     units=("1",),

@@ -23,6 +23,7 @@ def _none_yet(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="measurement-delay",
+    title="delay between torque and position",
     effect_id=14,
     coefficients=(),
     units=(),

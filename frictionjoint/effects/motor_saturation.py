@@ -1,4 +1,4 @@
-"""motor-saturation: torque per current falls as the torque grows.
+"""motor-saturation: torque per ampere falls as the torque grows.
 
 The iron of a motor saturates, its magnets weaken and its supply sags: all even in the current, so
 what has to be asked for a torque T is T + s T^3 to first order. That inverts for every demand, and
@@ -13,7 +13,7 @@ from frictionjoint.arrays import Vector
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR
 
-# share of a torque that a double does not hold
+# fraction of a torque that a double does not resolve
 _NOTHING = 1e-17
 
 
@@ -39,13 +39,14 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="motor-saturation",
+    title="saturating motor",
     effect_id=26,
     coefficients=("s",),
     units=("1/(T)^2",),
     cause="iron that saturates, magnets that weaken, a supply that sags with the current",
-    form="T + s T^3 asked for, T given",
+    form="T + s T^3 commanded, T delivered",
     source="first term of a saturation that is even in the current",
-    signature="odd in the motor's torque, at whatever speed and position",
+    signature="odd in the motor's torque, at every speed and position",
     separating_motion="the same motion with a known extra load",
     entry="acts on the motor",
     drives=("voltage", "current"),

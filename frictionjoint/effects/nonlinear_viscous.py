@@ -23,6 +23,7 @@ def _exponents(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="nonlinear-viscous",
+    title="curved viscous friction",
     effect_id=6,
     coefficients=("c",),
     units=("T (s/x)^p",),

@@ -27,6 +27,7 @@ def level_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="position-periodic",
+    title="cogging",
     effect_id=11,
     coefficients=("sin", "cos"),
     units=("T", "T"),
@@ -42,13 +43,14 @@ EFFECT = Effect(
 
 PERIODIC_LEVEL = Effect(
     name="position-periodic",
+    title="cogging",
     effect_id=12,
     coefficients=("sin", "cos"),
     units=("T", "T"),
     cause="a friction level that varies along the teeth",
     form="(a sin(N q) + b cos(N q)) Fh/Fc, reached over `reach` of motion",
     source="Armstrong-Helouvry (1991), position-dependent friction",
-    signature="fixed in position, sign turns with the velocity",
+    signature="fixed in position, sign changes with the velocity",
     separating_motion="slow motion over several periods, both directions",
     entry="scales the friction level",
     shape=("N", "reach"),

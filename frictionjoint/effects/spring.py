@@ -15,6 +15,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="spring",
+    title="spring, cable or balancer",
     effect_id=4,
     coefficients=("stiffness", "preload"),
     units=("T/x", "T"),

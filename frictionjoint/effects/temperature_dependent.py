@@ -30,6 +30,7 @@ def _references(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="temperature-dependent",
+    title="friction that falls with temperature",
     effect_id=27,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),

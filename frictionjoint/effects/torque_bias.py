@@ -14,6 +14,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="torque-bias",
+    title="constant torque offset",
     effect_id=1,
     coefficients=("bias",),
     units=("T",),

@@ -1,4 +1,4 @@
-"""torque-gain: a motor constant that is off, seen as a share of the known load."""
+"""torque-gain: a wrong motor constant, seen as a fraction of the known load."""
 
 from numba import njit
 
@@ -15,10 +15,11 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="torque-gain",
+    title="wrong motor constant",
     effect_id=13,
     coefficients=("gain",),
     units=("1",),
-    cause="motor constant, gear efficiency or current scale other than assumed",
+    cause="motor constant, gear efficiency or current scale that differs from the assumed one",
     form="(1 + e) tau, seen against the rigid-body torque; friction scales along unseen",
     source="Gautier and Briot (2014), on drive gains",
     signature="scales inertia and gravity torque alike",

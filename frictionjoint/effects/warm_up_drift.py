@@ -64,6 +64,7 @@ def _time_constants_and_warmths(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="warm-up-drift",
+    title="warm-up",
     effect_id=9,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),

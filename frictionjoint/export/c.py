@@ -26,7 +26,7 @@ from frictionjoint.simulate.with_effects import effects_torque
 
 # what only a log knows
 _NOT_SIMULATED = frozenset({JERK, SNAP, DTAU, GEAR, TEMP})
-# what the caller tells beside the motion: signals, and arguments of `effects_torque`
+# what the caller gives besides the motion: signals, and arguments of `effects_torque`
 _AROUND = frozenset({LOAD, GX, GY, MOTOR})
 _SURROUNDINGS = {
     "bias": "s->bias",

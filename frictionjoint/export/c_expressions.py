@@ -35,7 +35,7 @@ _RESERVED = frozenset(_KEYWORDS.split())
 
 @dataclass
 class Gathered:
-    """What functions translated so far need beside themselves.
+    """What functions translated so far need besides themselves.
 
     Attributes:
         call: translates a numba function unless it is there; its C name, and for each parameter

@@ -2,7 +2,7 @@
 
 `frictionjoint.law` and `frictionjoint.effects` are written once, as scalar Python functions for
 numba. `source` translates such a function and all it calls, statement by statement, so a
-controller runs the law that was identified and not a copy that could differ from it. Floating
+controller runs the very law that was identified, not a second version that could differ. Floating
 point operations keep their order.
 
 What the translation knows: annotated functions of numbers and vectors, scalar arithmetic, `while`,

@@ -1,4 +1,4 @@
-"""``--to native --lugre``: friction as MuJoCo's own LuGre, which knows presliding and Stribeck.
+"""``--to native --lugre``: MuJoCo's own LuGre, which has presliding and the Stribeck effect.
 
 MuJoCo has it inside the actuator `dcmotor`. Here each joint gets one that does nothing else. That
 adds actuators, and not everything that loads MJCF has them. LuGre has no memory of reversals: it

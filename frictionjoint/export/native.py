@@ -36,7 +36,7 @@ def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
 
 
 def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> mujoco.MjSpec:
-    """Give joints plain friction, beside what they have; changed in place.
+    """Add plain friction to that of joints; changed in place.
 
     Raises:
         ModelError: an inertia error that makes an armature negative.

@@ -1,4 +1,4 @@
-"""One export: the text for a target, what it has no words for, and what that costs in numbers."""
+"""One export: the text for a target, what it cannot express, and what that costs in numbers."""
 
 import os
 import xml.etree.ElementTree as ET
@@ -43,7 +43,7 @@ class Exported:
     """An export.
 
     Attributes:
-        text: of the file. lost: what the target has nothing for, a sentence each.
+        text: of the file. lost: what the target cannot express, a sentence each.
         losses: in numbers, a joint each; none where law and effects go along.
     """
 
@@ -80,7 +80,7 @@ def export(
     """The friction that an MJCF carries, in the terms of a target.
 
     Args:
-        path: of the MJCF. out: of the file to write, for its name and its way to the model.
+        path: of the MJCF. out: of the file to write, for its name and its path to the model.
         speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
             20 times the Stribeck velocity.
         log: whose motion stands in for the stated one, with `columns` ours -> the log's.

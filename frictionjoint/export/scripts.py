@@ -1,4 +1,4 @@
-"""Exports that are Python for another program to import, from the templates beside this file."""
+"""Exports that are Python for another program to import, from the templates in this folder."""
 
 import os
 import re

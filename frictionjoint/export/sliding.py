@@ -1,4 +1,4 @@
-"""Steady sliding: friction as a function of speed, which is all that most programs know of it.
+"""Steady sliding: friction as a function of speed, which is all that most programs offer.
 
 A plain joint has a Coulomb torque, a damping that may be a polynomial of the speed, and a constant
 torque; a friction that differs between the directions is the mean of both and half the difference
@@ -23,7 +23,7 @@ _PER_SIDE = 5
 _OF_SPEED = ("back-emf", "nonlinear-viscous")
 # a polynomial is worth its terms where it misses so much less than a line
 _WORTH = 0.9
-# share of the torque that a term is not worth being written for
+# fraction of the torque below which a term is not written
 _NOTHING = 1e-9
 
 

@@ -56,7 +56,7 @@ class Balance:
         """Columns, shape (n, k), and target, shape (n,), on the kept samples of all logs.
 
         Args:
-            beta: coefficients that tell the torque of the motor; without them what depends on it
+            beta: coefficients that give the torque of the motor; without them what depends on it
                 is zero, see `motor_torque`.
         """
         delay = delay_of(terms)

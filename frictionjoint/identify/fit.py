@@ -4,7 +4,7 @@ Everything is linear but the shapes, so the shapes are searched and the rest is 
 point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,9 +35,11 @@ class Fit:
     """A fitted model.
 
     Attributes:
-        shape: of the law; terms: beside it. drive: what the logs hold of the motor.
+        shape: of the law. terms: added to it. drive: what the logs hold of the motor.
         beta: linear coefficients, one a column, in the drive's units (see `gain`).
         gain: torque per unit of drive; 1 where the torque is measured.
+        in_drive_units: whether all that is in N m is in units of the drive instead, since the logs
+            do not determine the gain, see `without_scale`.
         layout: where each parameter lies.
         residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
@@ -63,6 +65,7 @@ class Fit:
     high: Array
     log_index: NDArray[np.int64]
     target_rms: float
+    in_drive_units: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,7 +89,7 @@ class Fit:
 
     @property
     def free_jacobian(self) -> Array:
-        """Columns of the parameters that can still move either way, shape (n, free)."""
+        """Columns of the parameters that can still move in both directions, shape (n, free)."""
         return self.jacobian[:, ~self.bound]
 
     @property
@@ -108,6 +111,18 @@ class Fit:
     def term_coefficients(self, i: int) -> Array:
         """Coefficients of term i in N m per unit of their columns."""
         return self.beta[self.layout.coefficients(i)] * self.gain
+
+
+def without_scale(fitted: Fit) -> Fit:
+    """The same fit stated in units of its drive, for logs that do not determine the gain."""
+    return replace(
+        fitted,
+        gain=1.0,
+        residual=fitted.residual / fitted.gain,
+        jacobian=fitted.jacobian / fitted.gain,
+        target_rms=fitted.target_rms / fitted.gain,
+        in_drive_units=True,
+    )
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -186,7 +201,7 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges; a frequency in time no higher than the balance can still tell."""
+        """Physical ranges; a frequency in time no higher than the band of the balance shows."""
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             top = HEARD * self.prepared.band.balance

@@ -31,9 +31,9 @@ from frictionjoint.identify.smooth import elastic_plastic
 MOST_LEFT = 0.95
 # Standard errors from which on a sign is wrong; good logs are on the right side of zero.
 SURE = 5.0
-# Part of the drive that a balance of free signs may leave for its signs to mean something, and the
-# part that the right signs must leave for another one to be considered.
-_TOLD, _RIGHT = 0.8, 0.3
+# Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
+# the fraction that the right signs must leave for another one to be considered.
+_MEANINGFUL, _RIGHT = 0.8, 0.3
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
 # what inertia say of it may be apart. One of them alone is small in many a model, without the
 # gripper of a wrist or the inertia of its motor.
@@ -43,7 +43,7 @@ _TOO_LARGE, _ALIKE = 10.0, 2.0
 _STANDS_OUT = 1.0
 # Samples that the balance is solved on, and blocks of them that count as independent.
 _SAMPLES, _BLOCKS = 6000, 30
-# Speed over the top speed below which friction is on its way from one side to the other.
+# Speed over the top speed below which friction is changing its side.
 _TURNS = 0.02
 # Displacements over the travel at which the elastic-plastic elements of friction slip.
 _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
@@ -120,16 +120,16 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     """Whether friction is known in N m (N), and not only in amperes or volts.
 
-    Where the torque was not measured, the load of the model tells what torque a current makes. It
-    does so where the torque of the load, beyond what any other parameter could stand in for,
-    stands out of what the fit leaves: what is left may be correlated with the load.
+    Where the torque was not measured, the load of the model determines what torque a current
+    makes. It does so where the torque of the load, beyond what any other parameter could account
+    for, exceeds what the fit leaves: what is left may be correlated with the load.
     """
     if not prepared.gain_unknown:
         return True
+    if not load_shows(fitted):
+        return False
     columns = fitted.free_jacobian
     at = fitted.names.index("load")
-    if fitted.bound[at]:
-        return False
     own = int(np.count_nonzero(~fitted.bound[:at]))
     load, others = columns[:, own], np.delete(columns, own, axis=1)
     alone = load - others @ _solved(others, load)
@@ -140,6 +140,11 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
 
 
+def load_shows(fitted: Fit) -> bool:
+    """Whether a drive grows with the load of the model at all; a measured torque needs not."""
+    return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
+
+
 def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
     """Friction must not drive, in all logs together or in one of them."""
     logs = [(names, balance)]
@@ -147,7 +152,7 @@ def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
         logs += [(s.name, balance.of_log(i)) for i, s in enumerate(prepared.segments)]
     for name, part in logs:
         power, error, free = _friction_power(part)
-        wrong = power < -SURE * error and free < _TOLD
+        wrong = power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
             position, drive = _columns(prepared)
             raise LogError(
@@ -197,7 +202,7 @@ def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
-    """The factor that a torque is too small by, where the logs tell it."""
+    """The factor that a torque is too small by, where the logs show it."""
     if prepared.gain_unknown:
         return ""
     X = np.column_stack([b.load, b.one, b.side, b.v])

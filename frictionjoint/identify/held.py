@@ -50,7 +50,7 @@ def resolve(
             names = ", ".join(joint_label(model, i) for i in range(model.njnt))
             raise ModelError(f"--fixed {name}: no such joint in the MJCF, it has {names}")
         if j == joint_id:
-            raise ModelError(f"--fixed {name}: this is the joint to identify, its log tells it")
+            raise ModelError(f"--fixed {name}: this is the joint to identify, it is in the log")
         found[j] = _pose(name, int(model.jnt_type[j]), value)
     return found
 

@@ -1,4 +1,4 @@
-"""Whether logs and model speak of the same joints, and whether every pose that matters is known.
+"""Whether logs and model have the same joints, and whether every pose that matters is known.
 
 A joint that no log measures stands still in the balance of torques. Where its pose changes the
 torque of the joint under study, that pose must be given: a guess would pass for friction.
@@ -17,12 +17,13 @@ from frictionjoint.identify.rigid_body import ONE_DOF, RigidBody
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.speed import speed_note
+from frictionjoint.measured.validate import check_time
 
 # Change of the load, over its rms, from which on a pose matters.
 _MATTERS = 0.01
 # Samples of a log, arrangements of the other joints, and poses of each, that are tried.
 _SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
-# Travel tried where the model has no limits, either way: rad, m.
+# Travel tried in each direction where the model has no limits: rad, m.
 _TURN, _SHIFT = np.pi, 0.3
 # Travel in a log over the model's range of the joint, from which on it is another unit or joint.
 _BEYOND = 2.0
@@ -44,6 +45,7 @@ def check_logs(
     """
     everything = [*logs, *held_out]
     for log in everything:
+        check_time(log.name, log.time, lambda sample: sample)
         if log.slide != body.slide:
             kind, unit = ("slide", "m and N") if body.slide else ("hinge", "rad and N m")
             raise LogError(

@@ -168,7 +168,7 @@ class Prepared:
             known only up to a gain.
         band: of the filters.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
-            acts without back-EMF, so that the two can be told apart.
+            acts without back-EMF, so that the two can be distinguished.
     """
 
     segments: tuple[Segment, ...]
@@ -188,7 +188,7 @@ class Prepared:
 
     @property
     def gain_unknown(self) -> bool:
-        """Whether the drive is a torque up to a gain, which the load then tells."""
+        """Whether the drive is a torque up to a gain, which the load then determines."""
         return self.drive != "torque"
 
     @property
@@ -359,7 +359,7 @@ def _inertia(load: Array, acceleration: Array) -> float:
 
 
 def _per_torque(drive: Array, load: Array, velocity: Array) -> float:
-    """Drive per unit of torque, roughly: of the load beside viscous and Coulomb friction."""
+    """Drive per unit of torque, roughly: of the load, with viscous and Coulomb friction."""
     columns = np.column_stack([load, velocity, np.sign(velocity), np.ones_like(load)])
     return abs(float(np.linalg.lstsq(columns, drive, rcond=None)[0][0]))
 

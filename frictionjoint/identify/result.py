@@ -6,7 +6,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
-from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameters import Friction
@@ -14,6 +13,7 @@ from frictionjoint.parameters import Friction
 _LINEAR = ("Fc", "sigma2", "sigma1")
 # Fs / Fc - 1 up to which friction counts as flat
 _FLAT = 1e-3
+_DRIVE_UNITS = {"current": "A", "voltage": "V"}
 _UNITS = {
     **dict.fromkeys(("Fs", "Fc"), "T"),
     **dict.fromkeys(("Vs", "V0"), "x/s"),
@@ -37,24 +37,36 @@ class Estimate:
         return {"value": self.value, "stderr": self.stderr, "unit": self.unit}
 
 
-def spelled(unit: str, slide: bool) -> str:
-    """A unit of the catalogue with T and x spelled out."""
+def units_of(fitted: Fit, slide: bool) -> tuple[str, str]:
+    """Units of torque and position that a fit is stated in."""
     torque, position = ("N", "m") if slide else ("N m", "rad")
+    return (_DRIVE_UNITS[fitted.drive] if fitted.in_drive_units else torque), position
+
+
+def scale_note(fitted: Fit) -> tuple[str, ...]:
+    """What a reader must know of friction that is stated in units of the drive."""
+    if not fitted.in_drive_units:
+        return ()
+    unit = _DRIVE_UNITS[fitted.drive]
+    return (
+        f"The scale is not determined: these logs do not show how much torque 1 {unit} makes, so "
+        f"friction is stated in {unit} and no model can carry it. Give the motor constant with "
+        "--gain, or record motion with a payload whose mass the MJCF holds.",
+    )
+
+
+def _coefficient_unit(fitted: Fit, unit: str, slide: bool) -> str:
+    """Of a linear coefficient; where its column is a torque of the model, per unit of that."""
+    torque, position = units_of(fitted, slide)
+    if not fitted.in_drive_units or "T" in unit:
+        return _spelled(unit, torque, position)
+    per = f"{torque}/{'N' if slide else '(N m)'}"
+    return per if unit == "1" else f"{per} {unit}"
+
+
+def _spelled(unit: str, torque: str, position: str) -> str:
+    """A unit of the catalogue with T and x spelled out."""
     return unit.replace("T", torque).replace("x", position) if unit != "deg C" else unit
-
-
-def require_gain(fitted: Fit) -> None:
-    """See that the torque per unit of drive is told by the load.
-
-    Raises:
-        LogError: it is not: no friction is known in N m then.
-    """
-    if "load" in fitted.names and fitted.bound[fitted.names.index("load")]:
-        raise LogError(
-            f"the {fitted.drive} does not grow with the load of the model, so the torque it makes "
-            f"is unknown: check the sign of the {fitted.drive}, or record motion with more load or "
-            "acceleration"
-        )
 
 
 def law_parameters(fitted: Fit) -> Friction:
@@ -73,8 +85,8 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     Args:
         cov: of all parameters of the fit, in the order of its jacobian.
     Returns:
-        standard errors by the first-order propagation of `cov`; None where the fit did not
-        search the number or the logs do not determine it.
+        standard errors by the first-order propagation of `cov`, with that of the gain of a motor;
+        None where the fit did not estimate the number or the logs do not determine it.
     """
     linear, x = np.array(_linear(fitted)), fitted.shape.vector()
     theta = np.concatenate([linear, x])
@@ -96,23 +108,43 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     # Fs and Vs mean little where friction hardly rises above the Coulomb level
     variables = fitted.shape.variables
     flat = "excess" in variables and x[variables.index("excess")] <= _FLAT
+    units = units_of(fitted, slide)
     found = {}
     for name, value in values.items():
         symbol = name.partition("_")[0]
         if symbol in ("sigma1", "sigma2") and symbol not in fitted.names:
             continue
         on = list(gradients[name])
-        g = np.array([gradients[name][i] * scale[i] for i in on])
-        columns = [at[i] for i in on]
+        by_column = {at[i]: gradients[name][i] * scale[i] for i in on}
         unknown = not on or (flat and symbol in ("Vs", "delta"))
-        error = None if unknown else _root(float(g @ cov[np.ix_(columns, columns)] @ g))
-        found[name] = Estimate(value, error, spelled(_UNITS[symbol], slide))
-    if fitted.gain != 1.0:
-        relative = _scaled(cov[0, 0], 1.0 / abs(fitted.beta[0]))
-        unit = f"{spelled('T', slide)} per unit of drive"
-        error = None if relative is None else fitted.gain * relative
+        if "T" in _UNITS[symbol]:
+            by_column |= _of_gain(fitted, value)
+        error = None if unknown else _error(cov, by_column)
+        found[name] = Estimate(value, error, _spelled(_UNITS[symbol], *units))
+    if _by_gain(fitted):
+        unit = f"{units[0]}/{_DRIVE_UNITS[fitted.drive]}"
+        error = _error(cov, _of_gain(fitted, fitted.gain))
         found["gain"] = Estimate(fitted.gain, error, unit)
     return found
+
+
+def _by_gain(fitted: Fit) -> bool:
+    """Whether torques are known through an estimated gain of the motor."""
+    return "load" in fitted.names and not fitted.in_drive_units
+
+
+def _of_gain(fitted: Fit, value: float) -> dict[int, float]:
+    """Derivative of a number proportional to the gain, by the column of the load."""
+    if not _by_gain(fitted):
+        return {}
+    load = fitted.names.index("load")
+    return {load: -value / float(fitted.beta[load])}
+
+
+def _error(cov: Array, gradient: dict[int, float]) -> float | None:
+    """Standard error of a number from its gradient by columns."""
+    columns, g = list(gradient), np.array(list(gradient.values()))
+    return _root(float(g @ cov[np.ix_(columns, columns)] @ g))
 
 
 def _law_values(fitted: Fit, theta: Array) -> dict[str, float]:
@@ -126,13 +158,13 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
     """Parameters of term i by name."""
     term, layout = fitted.terms[i], fitted.layout
     values = fitted.term_coefficients(i)
-    units = term.effect.units if isinstance(term, EffectTerm) else ("N m",) * len(values)
+    units = term.effect.units if isinstance(term, EffectTerm) else ("T",) * len(values)
     at = layout.coefficients(i).start
     found = {
         name: Estimate(
             float(values[k]),
-            _scaled(cov[at + k, at + k], fitted.gain),
-            spelled(units[k], slide),
+            _error(cov, {at + k: fitted.gain} | _of_gain(fitted, float(values[k]))),
+            _coefficient_unit(fitted, units[k], slide),
         )
         for k, name in enumerate(term.coefficients)
     }
@@ -142,15 +174,10 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
         for k, name in enumerate(effect.shape):
             fixed = effect.shape_fixed
             error = None if k < fixed else _root(cov[at + k - fixed, at + k - fixed])
-            unit = spelled(effect.shape_units[k], slide)
+            unit = _spelled(effect.shape_units[k], *units_of(fitted, slide))
             found[name] = Estimate(term.shape[k], error, unit)
     return found
 
 
 def _root(variance: float) -> float | None:
     return float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0.0 else None
-
-
-def _scaled(variance: float, gain: float) -> float | None:
-    root = _root(variance)
-    return None if root is None else root * gain

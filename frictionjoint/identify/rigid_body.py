@@ -1,7 +1,7 @@
 """Rigid-body torque at one joint along a measured motion, from the user's own MJCF.
 
 MuJoCo's inverse dynamics does the work. Contacts, limits and every friction or damping the MJCF
-declares at the joint are left out, because friction is what the log is about to tell.
+declares at the joint are left out, because friction is what is to be identified.
 """
 
 from collections.abc import Mapping
@@ -41,8 +41,8 @@ class RigidBody:
     Args:
         mjcf: path of the MJCF, or its text.
         joint: name of the joint under study.
-        fixed: assumed poses of other joints by name, see `held.Pose`; a joint that neither a log
-            nor this tells of stays at its initial position, qpos0.
+        fixed: assumed poses of other joints by name, see `held.Pose`; a joint given by neither a
+            log nor this stays at its initial position, qpos0.
     Attributes:
         joint_names: of the other hinges and slides. poses: of the fixed joints, by their number.
     Raises:

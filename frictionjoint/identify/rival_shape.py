@@ -33,7 +33,7 @@ _VARIABLES: dict[str, tuple[str, ...]] = {
     "maxwell_slip": (*_LEVELS, "log length", "log reach", "log C"),
 }
 _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
-# Maxwell-slip elements: equal shares of the level, slip displacements in a geometric row from
+# Maxwell-slip elements: equal fractions of the level, slip displacements in a geometric row from
 # `length` to `reach` times it
 _ELEMENTS = 8
 # 1/s, a lag of 3 ms: below what a fit's bandwidth resolves

@@ -74,7 +74,7 @@ GRID_LENGTHS = (1e-5, 1e-4, 1e-3, 1e-2)
 
 
 def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
-    """Of excess, log Vs and delta: the Stribeck curve that the laws share."""
+    """Of excess, log Vs and delta: the Stribeck curve common to the laws."""
     return [0.0, float(np.log(1e-3 * vmax)), 0.4], [3.0, float(np.log(0.3 * vmax)), 3.0]
 
 
@@ -96,7 +96,7 @@ class Form:
     virgin: Virgin
 
 
-# Exponents with closed-form steps: a log hardly tells those in between apart, and they are many
+# Exponents with closed-form steps: a log hardly distinguishes those in between, and they cost more
 # times faster.
 _EXPONENTS = (1.0, 2.0, 4.0)
 

@@ -34,7 +34,7 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 @dataclass(frozen=True)
 class SmoothTerm:
-    """What all unnamed terms share; see `terms.Term`.
+    """What all unnamed terms have in common; see `terms.Term`.
 
     Attributes:
         within_logs: its coefficients belong to each log, so that other logs cannot test them.

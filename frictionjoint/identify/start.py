@@ -1,10 +1,10 @@
-"""What a joint held when a log began: a state that no log tells, so it is sought.
+"""Initial friction state of each log: unmeasured, hence estimated.
 
 A joint at rest under a load holds it by a presliding torque that came of the motion before the
 log. A law that begins at zero is wrong until the joint has slid; with the torque of the first
 sample free, it is not. The link of an elastic joint may swing, for as long as its damping lets it.
 Both belong to the log as its first position does, so of a log that is only predicted they are
-sought too.
+estimated too.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ from frictionjoint.identify.terms import EffectTerm
 IN_MOTION = 0.5
 # trial torques at the first sample over Fc, and how near to the best one is near enough
 _TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
-# share of a log's squares that another start must take away
+# fraction of a log's squares that another start must take away
 _TELLS = 0.01
 # H of two starts that have become the same, and how far the filter reaches, in periods of its
 # corner
@@ -37,7 +37,7 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
     """The logs with the states at their first samples that leave a fit least.
 
     Returns:
-        `prepared` itself where no log tells a better start than it has.
+        `prepared` itself where no log determines a better start than it has.
     """
     begun = [_begun(prepared.subset([i]), fitted) for i in range(len(prepared))]
     if all(a is b for a, b in zip(begun, prepared.segments, strict=True)):
@@ -46,7 +46,7 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
 
 
 def _begun(one: Prepared, fitted: Fit) -> Segment:
-    """A log with its start, itself where it tells no better one than it has."""
+    """A log with its start; the log itself where it determines no better one than it has."""
     (own,) = one.segments
     held = _start(one, fitted)
     segment = own if held == own.held else replace(own, held=held)
@@ -55,7 +55,7 @@ def _begun(one: Prepared, fitted: Fit) -> Segment:
 
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
-    """A fit and what its logs held when they began, each sought with the other."""
+    """A fit and the initial friction state of its logs, each estimated with the other."""
     for _ in range(_PASSES):
         begun = with_starts(prepared, fitted)
         if begun is prepared:
@@ -165,7 +165,7 @@ class Prediction(NamedTuple):
 
 
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
-    """What a fit says of logs, without refitting; their starts are sought."""
+    """Prediction of a fit for logs, without refitting; their initial states are estimated."""
     found = Prediction([], [], [], [])
     law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
     # the model's columns are those of the logs it was fitted to, let go or not

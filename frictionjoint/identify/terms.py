@@ -1,4 +1,4 @@
-"""Terms a fit can hold beside the friction law: what a term offers, and the catalogue's effects."""
+"""Terms that a fit can add to the friction law: what a term offers, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
@@ -148,7 +148,7 @@ class Timing:
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """A sample either way."""
+        """One sample in each direction."""
         return ((-self.most, self.most),)
 
     def with_shape(self, shape: tuple[float, ...]) -> "Timing":

@@ -5,7 +5,7 @@ Three estimates of the parameters' covariance are made and the widest is kept in
 * the sandwich summed over blocks of time (White 1980, by cluster): samples of a block are
   correlated in any way, blocks are not;
 * the jackknife that leaves out one log at a time: what is common to a log (a temperature, a way of
-  moving that the law copies badly) is a draw of its own;
+  moving that the law describes badly) is a draw of its own;
 * the jackknife that leaves out one regime of speed and direction at a time: where the law has the
   wrong form, its error is the same whenever the joint moves in the same way, however often that
   is recorded, and no resampling of time sees it.
@@ -13,8 +13,8 @@ Three estimates of the parameters' covariance are made and the widest is kept in
 Covered is thus noise with memory, and a law whose error differs between logs or speeds. Not
 covered is what is wrong in every log and at every speed alike: a torque scale, a mass the MJCF has
 wrong, an effect that is missing; nor the choice of the effects, nor that of the law's form. What
-differs between logs is told by few of them: 95% of it lies within Student's quantile for one log
-less than there are (4.3 standard errors with three), not within two.
+differs between logs is estimated from few of them: a 95% interval takes Student's quantile for one
+log less than there are (4.3 standard errors with three), not two.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from frictionjoint.identify.prepare import Prepared
 
 # regimes: equally filled ranges of speed, each in both directions
 _SPEEDS = 6
-# Share of what is known of a direction that a group may hold before leaving it out is no small
+# Fraction of what is known of a direction that a group may hold before leaving it out is no small
 # change any more, and the first order no answer.
 _MOST = 0.9
 _RCOND = 1e-10

@@ -70,7 +70,7 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
 def _sticking(segment: Segment, fitted: Fit) -> Array:
     """Square of dz/dq, 1 in sticking and 0 in sliding, behind the balance's filter, shape (n,)."""
     rate = np.clip(law_track(segment, fitted.shape)[:, 1], 0.0, 1.0)
-    # slower than the encoder tells, the direction of the next displacement is not known
+    # slower than the encoder resolves, the direction of the next displacement is not known
     slowest = segment.noise.resolution * 2.0 * np.pi * segment.corner_hz
     rate[np.abs(segment.signals[:, V]) < slowest] = 1.0
     return np.clip(segment.smooth(rate**2), 0.0, 1.0)

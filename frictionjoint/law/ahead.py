@@ -54,7 +54,7 @@ def torque_ahead(
     at_low, F = _miss(P, p, S, s, h, f, J, v, v)
     at_high = at_low
     reach = abs(at_low)
-    # the torque rises with the way gone, but for the Stribeck effect: mostly one reach is enough
+    # torque rises with displacement, but for the Stribeck effect: mostly one reach is enough
     for _ in range(8):
         if at_low <= 0.0 <= at_high:
             break

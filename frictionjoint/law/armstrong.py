@@ -6,7 +6,7 @@ seven-parameter model:
     stuck:    F = sigma0 x        until |F| reaches the breakaway torque Fs
     sliding:  F = S(v) + sigma2 v until the motion reverses
 
-His Stribeck curve is a Lorentzian; here it is the S(v) that all laws of this package share. The
+His Stribeck curve is a Lorentzian; here it is the S(v) common to all laws of this package. The
 other two of the seven parameters, frictional lag and the growth of Fs with dwell time, are effects
 of the catalogue (`frictional-lag`, `dwell-time`).
 

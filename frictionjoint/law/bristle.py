@@ -1,4 +1,4 @@
-"""What the rival laws share: the layout of their parameters and of their state.
+"""What the rival laws have in common: the layout of their parameters and of their state.
 
 Parameters ``P[p:]``: presliding damping sigma1, then Fs, Fc, Vs, delta, sigma2 for motion in the
 positive and in the negative direction (see `stribeck`; a law without Stribeck effect repeats

@@ -1,7 +1,7 @@
 """Generalized Maxwell-slip: Al-Bender, Lampaert and Swevers (2005), IEEE TAC 50(11),
 equations 9 to 12.
 
-N massless blocks in parallel, each behind a spring k_i, with the share alpha_i of the level S(v):
+N massless blocks in parallel, each behind a spring k_i, with a fraction alpha_i of S(v):
 
     stuck:     dF_i/dt = k_i v                                   until F_i reaches alpha_i S(v)
     slipping:  dF_i/dt = sgn(v) C (alpha_i - F_i / S(v))         until the motion reverses

@@ -17,7 +17,7 @@ def one_line(error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-def torn(path: Path, error: Exception) -> LogError:
+def corrupt(path: Path, error: Exception) -> LogError:
     """The error for a file whose parser gave up."""
     return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
 
@@ -42,8 +42,8 @@ def npz_names(path: Path) -> list[str]:
     try:
         with np.load(path, allow_pickle=False) as archive:
             return list(archive.files)
-    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a torn file
-        raise torn(path, error) from None
+    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a corrupt file
+        raise corrupt(path, error) from None
 
 
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
@@ -54,7 +54,7 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     except LogError:
         raise
     except Exception as error:
-        raise torn(path, error) from None
+        raise corrupt(path, error) from None
 
 
 def mat_names(path: Path) -> list[str]:
@@ -66,7 +66,7 @@ def mat_names(path: Path) -> list[str]:
     except NotImplementedError:
         raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
     except Exception as error:
-        raise torn(path, error) from None
+        raise corrupt(path, error) from None
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
@@ -102,7 +102,7 @@ def _load_mat(path: Path, names: list[str]) -> dict[str, Any]:
     except NotImplementedError:
         raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
     except Exception as error:
-        raise torn(path, error) from None
+        raise corrupt(path, error) from None
     missing = [name for name in names if name not in content]
     if missing:
         raise LogError(f"{path.name}: no variable {missing[0]!r}")

@@ -17,7 +17,7 @@ from frictionjoint.measured.derivatives import motion_band, uniform_motion
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 
-# Rows of all logs of a fit together: a fit holds some 8 kB a row on its way, and its time grows in
+# Rows of all logs of a fit together: a fit holds some 8 kB a row meanwhile, and its time grows in
 # proportion. Above this many, half a minute and 1 GB.
 MOST_ROWS = 100_000
 _SAMPLES_A_PERIOD = 10.0

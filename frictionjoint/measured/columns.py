@@ -24,16 +24,16 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     """Our column name -> the file's, for all columns of a file.
 
     Raises:
-        LogError: there is no header, a column stands twice, or the mapping names what is not there.
+        LogError: there is no header, a column appears twice, or the mapping names what is not there.
     """
     if all(_is_number(name) for name in names):
         raise LogError(
-            f"{source}: no header: row 1 holds numbers where names of columns must stand, "
-            "as time_s,position_rad,torque_nm"
+            f"{source}: no header: row 1 holds numbers where the names of columns must be, "
+            "e.g. time_s,position_rad,torque_nm"
         )
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        raise LogError(f"{source}: column {twice[0]!r} stands twice, rename one")
+        raise LogError(f"{source}: column {twice[0]!r} appears twice: rename one")
     for ours, theirs in mapping.items():
         if ours != "time_s" and ours.rpartition(".")[2] not in KNOWN:
             raise LogError(f"{source}: no column is called {ours!r}, give one of {_list(KNOWN)}")
@@ -99,7 +99,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
-    # what is measured once serves all joints; motion and drive without a name are nobody's
+    # what is measured once serves all joints; motion and drive of no joint's name belong to none
     shared = "temperature_c"
     if shared in table:
         chosen.setdefault(shared, table[shared])

@@ -65,7 +65,7 @@ def uniform(time: Array, x: Array, grid: Array) -> Array:
 
 
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
-    """A measured position on a uniform grid, smooth between the samples where they tell a bend.
+    """A measured position on a uniform grid, smooth between the samples where they show a bend.
 
     A straight line between two samples cuts the bend of the motion, by another amount wherever
     the clock jitters: differentiated twice, that is noise. Modified Akima pieces are local, so

@@ -1,6 +1,6 @@
 """MATLAB 5 files: the names of all variables, and numeric arrays.
 
-Read here because scipy's reader takes the process down on some torn files (a data type without a
+Read here because scipy's reader takes the process down on some corrupt files (a data type without a
 number in its table). Level 5 of the MAT-File Format (MathWorks): elements of a tag (type, bytes)
 and data, padded to 8 bytes; a variable is a matrix element of array flags, dimensions, name and
 data, each an element itself, and may be compressed as a whole.
@@ -49,9 +49,9 @@ def variable_names(path: Path) -> list[str]:
     """Names of the variables in the file's order.
 
     Raises:
-        MatlabError: the file is torn.
+        MatlabError: the file is corrupt.
     """
-    # one without a name holds the insides of objects
+    # an unnamed one holds the insides of objects
     return [name for name, _ in _variables(path, ()) if name]
 
 
@@ -59,7 +59,7 @@ def arrays(path: Path, wanted: Collection[str]) -> dict[str, Array]:
     """Those of the wanted variables that are there, of their own shape.
 
     Raises:
-        MatlabError: the file is torn, or a wanted variable is no array of real numbers.
+        MatlabError: the file is corrupt, or a wanted variable is no array of real numbers.
     """
     return {name: x for name, x in _variables(path, wanted) if x is not None}
 
@@ -126,7 +126,7 @@ def _numbers(data: bytes, at: int, name: str, shape: str | list[int], order: str
         raise NotNumbersError(f"{name}: {shape} is not a column of numbers")
     code, start, size = _tag(data, at, order)
     if code not in _TYPES or start + size > len(data):
-        raise MatlabError(f"{name}: its data is torn")
+        raise MatlabError(f"{name}: its data is corrupt")
     values = np.frombuffer(data[start : start + size], order + _TYPES[code])
     if min(shape, default=-1) < 0 or math.prod(shape) != values.size:
         raise MatlabError(f"{name}: {values.size} numbers for dimensions {shape}")
@@ -137,7 +137,7 @@ def _element(data: bytes, at: int, order: str) -> tuple[bytes, int]:
     """Bytes of a small element, and where the next one begins."""
     _, start, size = _tag(data, at, order)
     if start + size > min(len(data), _FRONT):
-        raise MatlabError("a variable's name or size is torn")
+        raise MatlabError("a variable's name or size is corrupt")
     small = start == at + 4
     return data[start : start + size], at + 8 if small else start + -(-size // 8) * 8
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import torn
+from frictionjoint.measured.arrays import corrupt
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -24,8 +24,8 @@ def read_odrive(path: Path) -> JointLog:
     """
     try:
         rows = np.load(path, allow_pickle=False)
-    except Exception as error:  # numpy raises many kinds on a torn file
-        raise torn(path, error) from None
+    except Exception as error:  # numpy raises many kinds on a corrupt file
+        raise corrupt(path, error) from None
     if not isinstance(rows, np.ndarray) or rows.ndim != 2 or len(rows) != 3:
         raise LogError(f"{path.name}: needs three rows: time s, encoder counts, current A")
     if rows.dtype.kind not in "fiu":

@@ -25,10 +25,10 @@ def is_panda(folder: Path) -> bool:
 
 
 def read_panda(folder: Path, joint: str | None) -> JointLog:
-    """Read one joint, the others' motion beside it.
+    """Read one joint, with the motion of the others.
 
     Raises:
-        LogError: an unknown joint, or a file is missing or torn.
+        LogError: an unknown joint, or a file is missing or corrupt.
     """
     if joint not in _JOINTS:
         what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"

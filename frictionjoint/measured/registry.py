@@ -1,7 +1,7 @@
 """Public measured data: addresses pinned to a commit, hashes, licences.
 
 Nothing of it is shipped with the package. Files come from their authors' repositories with pooch
-into its cache folder; a local copy is used instead, and the network never, where the environment
+into its cache folder; a local folder is used instead, and the network never, where the environment
 variable FRICTIONJOINT_DATA names a folder that holds a folder for each data set.
 """
 
@@ -21,7 +21,7 @@ class DataSet:
     """Logs of one source.
 
     Attributes:
-        name: as `get_data` takes it, and name of its folder in a local copy.
+        name: as `get_data` takes it, and name of its folder in a local one.
         title: what was measured, by whom.
         licence: as its authors state it.
         source: page of the repository.
@@ -190,6 +190,6 @@ def _fetched(data: DataSet) -> Path:
             reason = " ".join(str(error).split())[:160]
             raise LogError(
                 f"{data.name}: {file} could not be fetched from {data.source}: {reason}: check the "
-                "network, or set FRICTIONJOINT_DATA to a local copy"
+                "network, or set FRICTIONJOINT_DATA to a local folder"
             ) from None
     return folder

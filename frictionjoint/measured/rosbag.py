@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import torn
+from frictionjoint.measured.arrays import corrupt
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -82,8 +82,8 @@ def _by_joint(path: Path, topic: str | None) -> dict[str, Array]:
                 rows.setdefault(str(name), []).append((nanoseconds, *values))
     except LogError:
         raise
-    except Exception as error:  # a torn bag fails anywhere in the library
-        raise torn(path, error) from None
+    except Exception as error:  # a corrupt bag fails anywhere in the library
+        raise corrupt(path, error) from None
     if not rows:
         raise LogError(f"{path.name}: its JointState messages name no joint")
     # from the first sample, in whole nanoseconds: stamps since 1970 lose digits in a float

@@ -1,7 +1,7 @@
 """Logs in tables: CSV, Parquet, npz and MATLAB files with one column a quantity.
 
 Memory: only the columns of the chosen joint and the positions and velocities of the others are
-read; 8 bytes a row for each of them stay, and at most three times that is held on the way.
+read; 8 bytes a row for each of them stay, and at most three times that is held meanwhile.
 Measured: four columns of 10 million rows stay in 320 MB, with a peak of 930 MB (CSV) or 770 MB
 (Parquet).
 """
@@ -15,7 +15,7 @@ import pyarrow.parquet
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
-from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, torn
+from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, npz_columns, npz_names
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -68,7 +68,7 @@ def log_of(
     """A log from arrays under our column names, wrapped positions and repeated rows mended.
 
     Args:
-        data: shape (n,) each; the names of other joints' motion carry their prefix. Beside the
+        data: shape (n,) each; the names of other joints' motion carry their prefix. Besides the
             names of `columns`, ``torque_enabled``: above 0.5 where the drive is on.
         prefix: of the joint's own columns in the file, for messages.
         signals: further quantities by name. wrap: range that positions wrap at, rad (m).
@@ -134,7 +134,7 @@ def column_names(path: Path) -> list[str]:
     try:
         return list(pyarrow.parquet.read_schema(path).names)
     except (OSError, ValueError, pa.ArrowException) as error:
-        raise torn(path, error) from None
+        raise corrupt(path, error) from None
 
 
 def _load(path: Path, names: list[str]) -> dict[str, Array]:
@@ -153,7 +153,7 @@ def _parquet_column(path: Path, name: str) -> Array:
     try:
         x = pyarrow.parquet.read_table(path, columns=[name])[name]
     except (OSError, ValueError, KeyError, pa.ArrowException) as error:
-        raise torn(path, error) from None
+        raise corrupt(path, error) from None
     if not (pa.types.is_floating(x.type) or pa.types.is_integer(x.type)):
         raise LogError(f"{path.name}, {name}: {x.type} is not a column of numbers")
     return text_table.owned(x)

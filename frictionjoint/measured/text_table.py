@@ -36,7 +36,7 @@ def header(path: Path) -> list[str]:
 def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
     """Some columns of a CSV file, each of shape (n,).
 
-    Only these are parsed: 8 bytes a number in the end, 16 at most on the way, plus small blocks.
+    Only these are parsed: 8 bytes a number in the end, 16 at most meanwhile, plus small blocks.
 
     Raises:
         LogError: line-exact, for a cell that is no number or a line of another width.
@@ -50,7 +50,7 @@ def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
     try:
         table = pa.csv.read_csv(path, read, parse, convert)
     except (pa.ArrowException, UnicodeDecodeError):
-        read.use_threads = False  # then Arrow's message tells the row
+        read.use_threads = False  # then Arrow's message names the row
         try:
             table = pa.csv.read_csv(path, read, parse, convert)
         except (pa.ArrowException, UnicodeDecodeError) as error:

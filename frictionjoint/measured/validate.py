@@ -34,7 +34,7 @@ _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 # A joint does not run this many times as far as its target.
 _TOO_FAR = 20.0
-# Ratio to a target in degrees or millimetres, and a way of the target that is long only in these:
+# Ratio to a target in degrees or millimetres, and a travel that is long only in these:
 # wrong units, where the joint follows it so well. A joint held by friction follows a short one.
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
 _NEAR, _FOLLOWS = 0.2, 0.95
@@ -150,7 +150,7 @@ def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
     if speed_name not in columns:
         return
     power, cross, slope = _compare(columns["time_s"], columns[name], columns[speed_name])
-    # Where the two hardly correlate the joint hardly moves, and units cannot be told.
+    # Where the two hardly correlate the joint hardly moves, and units cannot be inferred.
     sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
         raise LogError(

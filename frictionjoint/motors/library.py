@@ -1,4 +1,4 @@
-"""Motors and joints identified from public logs, one TOML file each beside this module.
+"""Motors and joints identified from public logs, one TOML file each in this folder.
 
 A file holds ``[motor]``: title, source and licence of the logs it was identified from, the command
 that did it, and what the fit left; and ``[friction]``: law and effects as in a parameter file.

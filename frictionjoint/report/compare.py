@@ -31,7 +31,7 @@ _COLOURS = ("#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02", "#
 # A pull so slow and so long that every law in reach of a joint breaks away in it, rad and rad/s.
 _PULLED = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 4000)])
 _SLOW = 1e-9
-# A torque this share below the largest one counts as reached: laws approach theirs slowly.
+# A torque this fraction below the largest one counts as reached: laws approach theirs slowly.
 _REACHED = 0.99
 
 

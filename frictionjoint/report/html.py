@@ -1,4 +1,4 @@
-"""What the pages share: template, style, plotly itself. Nothing is fetched when a page is read."""
+"""What all pages have in common: template, style, plotly. Reading a page fetches nothing."""
 
 import platform
 from importlib.metadata import version

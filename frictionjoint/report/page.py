@@ -13,14 +13,14 @@ from frictionjoint.report.html import fill, plot
 
 
 def render(report: Report, command: str) -> str:
-    """The page as text; `command` is shown as the way to make it again."""
+    """The page as text; `command` is shown for making it again."""
     filters = {
         "figures": wording.three,
         "interval": wording.interval,
         "value": wording.value,
         "quantity": quantity,
     }
-    torque, position = wording.units(report)
+    torque, position = report.units
     turns = presliding.behind_turns(report)
     first, others = plots.quantities(report)
     return fill(

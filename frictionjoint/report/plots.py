@@ -11,7 +11,7 @@ from plotly.subplots import make_subplots
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Looked, Report
 from frictionjoint.diagnose.trace import SMALLEST_GAIN
-from frictionjoint.report.wording import axis, units
+from frictionjoint.report.wording import axis
 
 # Points of a line, and of a cloud: each point of a cloud is an element of the page.
 _LINE, _CLOUD = 3000, 1200
@@ -56,7 +56,7 @@ def over_time(report: Report) -> go.Figure:
         figure.add_scatter(
             x=t, y=m - y, line=line, showlegend=False, name=f"residual, {name}", row=2, col=1
         )
-    torque, _ = units(report)
+    torque, _ = report.units
     figure.update_yaxes(title_text=f"torque, {torque}", row=1, col=1)
     figure.update_yaxes(title_text=f"residual, {torque}", row=2, col=1)
     figure.update_xaxes(title_text="time, s", row=2, col=1)
@@ -73,7 +73,7 @@ def plane(report: Report, quantity: str) -> go.Figure:
         marker = {"color": colour, "size": 6 if stage == "measured" else 3}
         figure.add_scatter(x=x, y=y, name=name, mode="markers", marker=marker)
     figure.update_xaxes(title_text=axis(quantity, report.slide))
-    figure.update_yaxes(title_text=f"torque, {units(report)[0]}")
+    figure.update_yaxes(title_text=f"torque, {report.units[0]}")
     return styled(figure, 400)
 
 
@@ -109,7 +109,7 @@ def residual_against(report: Report, quantity: str) -> go.Figure:
             **mean, name=f"mean, {name}", mode="lines", line={"color": colour, "width": 3}
         )
     figure.update_xaxes(title_text=axis(quantity, report.slide))
-    figure.update_yaxes(title_text=f"residual, {units(report)[0]}")
+    figure.update_yaxes(title_text=f"residual, {report.units[0]}")
     return styled(figure, 300)
 
 

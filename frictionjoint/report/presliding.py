@@ -10,7 +10,6 @@ from frictionjoint.diagnose.report_data import Curve, Report
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.plots import AFTER, MEASURED, lines, stages, styled
-from frictionjoint.report.wording import units
 
 # Turning points shown, samples a window has at least, and its length over that of presliding.
 _MOST_TURNS, _LEAST_SAMPLES, _REACH = 12, 10, 6.0
@@ -21,7 +20,7 @@ NESTED = (0.0, 1.0, -1.0, 0.5, -0.5, 0.2, -0.2, 1.0, -1.0)
 
 
 def length(law: Friction) -> float:
-    """Displacement, rad, from full sliding one way to nine tenths of the way to the other."""
+    """Displacement, rad, behind a turn until friction has made nine tenths of its change."""
     way = np.geomspace(1e-9, 1.0, 2000)
     q = np.concatenate([[0.0], way, way[-1] - way])
     F = friction_torque(law, np.arange(len(q)) / _SLOW, q)
@@ -37,14 +36,14 @@ def loops(report: Report) -> go.Figure:
     for name, stage, colour in stages(report):
         curves = [loop(laws[stage], 0.6 * size, NESTED), loop(laws[stage], 0.2 * size, PLAIN)]
         lines(figure, curves, colour, name)
-    torque, position = units(report)
+    torque, position = report.units
     figure.update_xaxes(title_text=f"displacement, {position}")
     figure.update_yaxes(title_text=f"torque of the law, {torque}")
     return styled(figure, 380)
 
 
 def loop(law: Friction, amplitude: float, corners: tuple[float, ...]) -> tuple[Array, Array]:
-    """Displacement and torque along slow turns at shares of an amplitude, shape (n,)."""
+    """Displacement and torque along slow turns at fractions of an amplitude, shape (n,)."""
     legs = [np.linspace(a, b, 60, endpoint=False) for a, b in pairwise(corners)]
     q = amplitude * np.concatenate([*legs, corners[-1:]])
     time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))]) / _SLOW
@@ -52,7 +51,7 @@ def loop(law: Friction, amplitude: float, corners: tuple[float, ...]) -> tuple[A
 
 
 def behind_turns(report: Report) -> go.Figure | None:
-    """Friction against the way since a turning point, measured and by the law; None without turns.
+    """Friction, measured and by the law, against displacement behind turning points; None without.
 
     Measured friction is what the rest of the final model leaves of the measured torque. All turns
     are drawn as if the joint went on in the positive direction.
@@ -79,8 +78,8 @@ def behind_turns(report: Report) -> go.Figure | None:
         marker={"color": MEASURED, "size": 5},
     )
     lines(figure, list(zip(way, law, strict=True)), AFTER, stages(report)[-1][0])
-    torque, position = units(report)
-    figure.update_xaxes(title_text=f"way since the turning point, {position}")
+    torque, position = report.units
+    figure.update_xaxes(title_text=f"displacement since the turning point, {position}")
     figure.update_yaxes(title_text=f"friction, {torque}")
     return styled(figure, 380)
 

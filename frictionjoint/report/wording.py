@@ -23,14 +23,9 @@ MEANINGS = {
 _SIDES = {"pos": "positive motion", "neg": "negative motion"}
 
 
-def units(report: Report) -> tuple[str, str]:
-    """Units of torque and position."""
-    return ("N", "m") if report.slide else ("N m", "rad")
-
-
 def sentence(report: Report) -> str:
     """The verdict in a sentence."""
-    unit, _ = units(report)
+    unit, _ = report.units
     where = "held-out" if report.after_torque.held_out is not None else "fitted"
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
@@ -45,7 +40,7 @@ def sentence(report: Report) -> str:
             )
         return (
             f"No effect was found: {alone}{_times_noise(report, after)}, and neither a known "
-            "effect nor a measured quantity takes a justified share of it."
+            "effect nor a measured quantity accounts for a significant part of it."
         )
     left = ", ".join(quantity(v) for v, _ in report.unexplained)
     rest = f" What is left depends on {left}." if left else ""

@@ -44,7 +44,7 @@ def write_files(
 
     Args:
         checks: by name of a file: called with where it lies finished, before it takes its name, in
-            the folder itself or one beside it; what it raises leaves nothing new.
+            the folder itself or one next to it; what it raises leaves nothing new.
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """

@@ -133,7 +133,7 @@ def install(
         if largest > LARGEST:
             raise ModelError(
                 f"joint {name!r} has a friction number of {largest:g}: an MJCF loses small "
-                f"numbers beside it, stay below {LARGEST:g}"
+                f"numbers next to it, stay below {LARGEST:g}"
             )
     for name, parameters in friction.items():
         block = made[name]
@@ -256,17 +256,17 @@ def _check_block(
         int(model.numeric_size[i]) for i in range(model.nnumeric) if model.numeric_adr[i] == at
     )
     if size < HEAD or head[0] != MAGIC:
-        raise ModelError(f"{where} is no friction block: install the friction anew")
+        raise ModelError(f"{where} is no friction block: install the friction again")
     if head[1] != VERSION:
         raise ModelError(f"{where} has version {head[1]:g}, this package reads {VERSION:g}")
     if not np.isfinite(head).all() or np.any(head != np.round(head)):
-        raise ModelError(f"{where} was edited by hand: install the friction anew")
+        raise ModelError(f"{where} was edited by hand: install the friction again")
     n = int(head[COUNT])
     if size != HEAD + 5 * n or not HEAD < head[EFFECTS] < HEAD + n:
-        raise ModelError(f"{where} has {size} numbers, not {HEAD + 5 * n}: install it anew")
+        raise ModelError(f"{where} has {size} numbers, not {HEAD + 5 * n}: install it again")
     pieces = model.numeric_data[at + HEAD + n : at + HEAD + 5 * n]
     if np.any(pieces != np.round(pieces)) or pieces.min() < 0 or pieces.max() > 65535:
-        raise ModelError(f"{where} was edited by hand: install the friction anew")
+        raise ModelError(f"{where} was edited by hand: install the friction again")
     if name not in ids:
         raise ModelError(f"{where} names joint {name!r}: the model has {', '.join(ids) or 'none'}")
     if int(model.jnt_type[ids[name]]) not in ONE_DOF:
@@ -286,7 +286,7 @@ def _effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
         found.append(SimulatedEffect(effect, values[:cut], values[cut:]))
         at += 2 + effect.size
     if at != len(numbers) or numbers[0] != len(found):
-        raise ModelError(f"{where} holds damaged effects: install the friction anew")
+        raise ModelError(f"{where} holds damaged effects: install the friction again")
     return tuple(found)
 
 

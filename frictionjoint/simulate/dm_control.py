@@ -57,7 +57,7 @@ def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
     for name in friction:
         block = blocks[TAG + name]
         joint = root.find("joint", name)
-        # names with a scope are not allowed: the numeric belongs beside its joint
+        # names with a scope are not allowed: the numeric belongs to the scope of its joint
         numeric = joint.root.find("numeric", TAG + joint.name)
         if numeric is None:
             numeric = joint.root.custom.add("numeric", name=TAG + joint.name)

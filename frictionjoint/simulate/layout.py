@@ -148,5 +148,5 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     for address, kind, value in expected:
         if np.frombuffer(ctypes.string_at(address, 8), dtype=kind)[0] != value:
             raise LayoutMismatchError(
-                f"MuJoCo {mujoco.__version__} lays out its structures in a way not foreseen"
+                f"MuJoCo {mujoco.__version__} lays out its structures differently than expected"
             )

@@ -1,4 +1,4 @@
-"""What a joint's motors are asked for, for the effect `motor-saturation`.
+"""Torque commanded of a joint's motors, for the effect `motor-saturation`.
 
 MuJoCo works out the forces of actuators after the passive ones, so the callback reads ``ctrl``
 itself. It takes actuators that a motor is made of: a gain and an affine bias, nothing that

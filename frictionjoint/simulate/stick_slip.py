@@ -19,7 +19,7 @@ from frictionjoint.simulate.carrier import load_model, read_friction
 
 JOINT = "joint1"
 SPEED = 0.1
-# A joint slower than this share of the target's speed sticks.
+# A joint slower than this fraction of the target's speed sticks.
 _STUCK = 0.01
 
 
@@ -107,7 +107,7 @@ def _read_off(time: Array, position: Array, velocity: Array, target: Array) -> S
 
 
 def draw(ours: StickSlip, native: StickSlip) -> str:
-    """Position over time beside native friction, as SVG text."""
+    """Position over time with ours and with native friction, as SVG text."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 5.2), layout="constrained")

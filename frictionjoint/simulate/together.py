@@ -6,8 +6,8 @@ W the inverse of the mass matrix between the stiff joints, v- and F- of the last
     v+ = v + h (v - v-)/dt - h W (F(q + h v+, v+) - F-)
 
 where all other torque is as it was over the last step. Solved joint after joint (Gauss-Seidel; W is
-symmetric and positive, the torque rises with the way gone), starting from F-, which is the answer
-already where a load is held.
+symmetric and positive, torque rises with displacement), starting from F-, which is the answer
+where a load is held.
 """
 
 from frictionjoint.arrays import Vector

@@ -27,7 +27,7 @@ from frictionjoint.simulate.carrier import (
 from frictionjoint.simulate.motor_demand import saturates
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
-# not be told from repeated ones.
+# not be distinguished from repeated ones.
 _INTEGRATORS = ("EULER", "IMPLICIT", "IMPLICITFAST")
 # threads of a block; the law needs many registers, which small blocks waste least
 _BLOCK = 128

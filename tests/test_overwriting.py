@@ -1,0 +1,80 @@
+"""No command overwrites what it reads: one line before any work, unless --force is given."""
+
+import shutil
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from frictionjoint.export.run import Target
+from frictionjoint.motors.bam import BamParameters
+from frictionjoint.simulate.stick_slip import kuka_model
+from tests.command_line import Done, run
+
+DEMO, MODELS = Path(str(files("frictionjoint.demo"))), kuka_model().parent
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """A log, a model and an including one, parameters, and a model that carries them."""
+    shutil.copy(DEMO / "ramps.csv", tmp_path / "log.csv")
+    (tmp_path / "out").mkdir()
+    shutil.copy(DEMO / "joint.xml", tmp_path / "out" / "model.xml")
+    (tmp_path / "main.xml").write_text('<mujoco><include file="out/model.xml"/></mujoco>')
+    shutil.copy(MODELS / "kuka_ir361_joint1.friction.toml", tmp_path / "f.toml")
+    shutil.copy(tmp_path / "f.toml", tmp_path / "f.svg")
+    made = run("install", "out/model.xml", "--joint", "joint=f.toml", "--out", "own.xml",
+               cwd=tmp_path)  # fmt: skip
+    assert made.returncode == 0, made.stderr
+    friction = {"friction_base": 0.01, "friction_viscous": 0.01}
+    bam = BamParameters("m1", "xl330", friction, {"kt": 0.4, "R": 3.0, "armature": 1e-3})
+    (tmp_path / "bam.json").write_text(bam.to_json())
+    return tmp_path
+
+
+LOOP = ("close-loop", "log.csv", "--joint", "joint", "--out", "out", "--model")
+FIT = ("identify", "log.csv", "--joint", "joint", "--model", "out/model.xml", "--out")
+ADD = ("install", "main.xml", "--joint", "joint=f.toml", "--out")
+CASES = {
+    "close-loop, its model": (*LOOP, "out/model.xml"),
+    "close-loop, what its model includes": (*LOOP, "main.xml"),
+    "identify, its log": (*FIT, "log.csv"),
+    "identify, its model": (*FIT, "out/model.xml"),
+    "install, its model": (*ADD, "main.xml"),
+    "install, what its model includes": (*ADD, "out/model.xml"),
+    "install, its parameters": (*ADD, "f.toml"),
+    "uninstall": ("uninstall", "own.xml", "--out", "own.xml"),
+    "compare": ("compare", "f.svg", "--out", "f.svg"),
+    "from-bam": ("motors", "from-bam", "bam.json", "--out", "bam.json"),
+    "to-bam, its parameters": ("motors", "to-bam", "f.toml", "--like", "bam.json", "--out",
+                               "f.toml"),
+    "to-bam, its likeness": ("motors", "to-bam", "f.toml", "--like", "bam.json", "--out",
+                             "bam.json"),
+    **{f"export to {to}": ("export", "own.xml", "--to", to, "--out", "own.xml") for to in Target},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_source_is_not_overwritten(case: str, home: Path) -> None:
+    before = {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
+    done: Done = run(*CASES[case], cwd=home)
+    assert done.returncode == 2, done.stdout
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert "is what the result is made from" in done.stderr
+    assert "--force" in done.stderr
+    assert before == {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
+
+
+def test_force_overwrites_it(home: Path) -> None:
+    for case in ("uninstall", "compare", "from-bam"):
+        written = home / CASES[case][-1]
+        before = written.read_bytes()
+        done = run(*CASES[case], "--force", cwd=home)
+        assert done.returncode == 0, done.stderr
+        assert written.read_bytes() != before
+
+
+def test_an_older_result_is_replaced(home: Path) -> None:
+    assert run(*ADD, "new.xml", cwd=home).returncode == 0
+    assert run(*ADD, "new.xml", cwd=home).returncode == 0

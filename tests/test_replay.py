@@ -1,0 +1,62 @@
+"""A simulation that runs away is no result: no figure of it is stated, and nothing is explained."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.diagnose import close_loop as loop
+from frictionjoint.diagnose.notes import DIVERGES
+from frictionjoint.diagnose.replay import Replay, replay
+from frictionjoint.diagnose.report_data import Rms
+from frictionjoint.diagnose.verdict import verdict
+from frictionjoint.measured import JointLog
+
+N, DT = 2000, 4e-3
+JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
+<inertial mass="1" pos="0 0 0" diaginertia="1 0.05 1"/></body></worldbody></mujoco>"""
+
+
+def log() -> JointLog:
+    """Friction in closed form."""
+    t = DT * np.arange(N)
+    w, size = 2 * np.pi * np.array([[0.3], [0.7], [1.3]]), np.array([[0.5], [0.2], [0.1]])
+    q = np.sum(size * np.sin(w * t), axis=0)
+    v = np.sum(size * w * np.cos(w * t), axis=0)
+    a = -np.sum(size * w**2 * np.sin(w * t), axis=0)
+    noise = 0.02 * np.random.default_rng(1).standard_normal(N)
+    torque = 0.05 * a + 0.5 * np.tanh(v / 0.01) + 0.1 * v + noise
+    return JointLog(name="log", joint="j", time=t, position=q, torque=torque)
+
+
+def test_runs_that_leave_the_travel_diverge() -> None:
+    near = Replay((np.array([0.1, np.nan, -0.2]),), travel=1.0)
+    assert not near.diverges
+    assert near.stated == near.rms == pytest.approx(np.sqrt(0.025))
+    far = Replay((np.array([0.1]), np.array([18650.0])), travel=1.0)
+    assert far.diverges
+    assert far.stated is None
+    assert Replay((np.full(3, np.nan),), travel=1.0).stated is None
+
+
+def test_a_report_states_no_figure_of_a_diverging_simulation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def away(*arguments: Any) -> Replay:
+        found = replay(*arguments)
+        return replace(found, errors=tuple(1e5 * e for e in found.errors))
+
+    monkeypatch.setattr(loop, "replay", away)
+    report = fj.close_loop([log()], JOINT, "j")
+    assert (report.after_replay.fit, report.after_replay.held_out) == (None, None)
+    assert report.replay_interval is None
+    assert DIVERGES in report.notes
+
+
+def test_what_diverges_is_not_explained() -> None:
+    found: Any = SimpleNamespace(findings=("spring",), unexplained=())
+    better = (Rms(2.0, 2.0), Rms(None, None)), (Rms(0.1, 0.1), Rms(None, None))
+    assert verdict(found, *better, diverges=True) == "partly-explained"
