@@ -194,7 +194,8 @@ def _mass(model: mujoco.MjModel) -> Array:
     """Mass matrix at qpos0, shape (nv, nv)."""
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    for row, unit in zip(mass, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, row, unit)
     return mass
 
 

@@ -15,7 +15,8 @@ data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the las
 that was longer, so that a time step that is made shorter during a run is no leap.
 
 Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
-torque, committed velocity and torque, then the law's row, then the effects' memory, committed and
+torque, committed velocity and torque, what other joints and contacts add to the gear's load and the
+time it was taken at, then the law's row, then the effects' memory, committed and
 evaluated, then the evaluated torque of each effect.
 """
 
@@ -31,10 +32,10 @@ from frictionjoint.law.kernel import row_size as law_row_size
 STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
     range(8)
 )
-TORQUE_COMMITTED = 8
+TORQUE_COMMITTED, COUPLED, COUPLED_AT = 8, 9, 10
 # time steps
 LEAP = 3.0
-FRONT = 9
+FRONT = 11
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = 1e10
 
@@ -52,6 +53,14 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
         memory = x + FRONT + law_row_size(P, p)
         for i in range(n):
             X[memory + i] = X[memory + n + i]
+
+
+@in_line
+def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
+    """What effects remember, committed and evaluated, is as in a joint never moved."""
+    memory = x + FRONT + law_row_size(P, p)
+    for i in range(2 * MEMORY * int(P[effects])):
+        X[memory + i] = 0.0
 
 
 @in_line
@@ -83,6 +92,7 @@ def torque_now(
         X[x + Q_COMMITTED] = q
         X[x + V_COMMITTED] = v
         start_row(P, p, X, law)
+        forget_effects(P, p, effects, X, x)
     elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)
