@@ -39,7 +39,7 @@ from frictionjoint.simulate.pointers import (
     mj_solve_m,
     mj_stack_numbers,
 )
-from frictionjoint.simulate.row import torque_now
+from frictionjoint.simulate.row import T_EVALUATED, torque_now
 from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
@@ -108,6 +108,7 @@ def build_native() -> Any:
             dof = int(P[block + DOF])
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
+            later = X[x + T_EVALUATED] != t
             F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
@@ -133,7 +134,8 @@ def build_native() -> Any:
                 last = int(array(m, at_rowadr, short)[dof] + array(m, at_rownnz, short)[dof]) - 1
                 own = array(d, at_mass, real)[last]
                 load = 0.0
-                if asks_for_load(P, effects):
+                loads = asks_for_load(P, effects)
+                if loads >= 0:
                     if not loaded:
                         loaded = True
                         mj_mark_stack(d)
@@ -142,7 +144,8 @@ def build_native() -> Any:
                         mj_mul_m(m, d, moved, array(d, at_qacc, real))
                     others = moved[dof] - own * array(d, at_qacc, real)[dof]
                     others -= array(d, at_constraint, real)[dof]
-                    load = bias[dof] + coupled_load(X, x, t, others)
+                    load = bias[dof]
+                    load += coupled_load(P, block + HEAD, X, x, loads, later, others)
                 F += late_joint_effects(
                     P,
                     block,
@@ -228,6 +231,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
         last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        later = X[x + T_EVALUATED] != t
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
         if P[effects] > 0.0:
             asked = 0.0
@@ -250,13 +254,14 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     data.ctrl,
                 )
             own, load = data.M[last], 0.0
-            if asks_for_load(P, effects):
+            loads = asks_for_load(P, effects)
+            if loads >= 0:
                 if not loaded:
                     loaded = True
                     mujoco.mj_rne(model, data, 0, bias)
                     mujoco.mj_mulM(model, data, moved, data.qacc)
                 others = moved[dof] - own * data.qacc[dof] - data.qfrc_constraint[dof]
-                load = bias[dof] + coupled_load(X, x, t, others)
+                load = bias[dof] + coupled_load(P, block + HEAD, X, x, loads, later, others)
             F += joint_effects(
                 P,
                 block,

@@ -15,8 +15,7 @@ data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the las
 that was longer, so that a time step that is made shorter during a run is no leap.
 
 Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
-torque, committed velocity and torque, what other joints and contacts add to the gear's load and the
-time it was taken at, then the law's row, then the effects' memory, committed and
+torque, committed velocity and torque, then the law's row, then the effects' memory, committed and
 evaluated, then the evaluated torque of each effect.
 """
 
@@ -32,10 +31,10 @@ from frictionjoint.law.kernel import row_size as law_row_size
 STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
     range(8)
 )
-TORQUE_COMMITTED, COUPLED, COUPLED_AT = 8, 9, 10
+TORQUE_COMMITTED = 8
 # time steps
 LEAP = 3.0
-FRONT = 11
+FRONT = 9
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = 1e10
 

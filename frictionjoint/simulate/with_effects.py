@@ -27,8 +27,6 @@ from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
 from frictionjoint.simulate.row import (
-    COUPLED,
-    COUPLED_AT,
     FRONT,
     T_COMMITTED,
     T_EVALUATED,
@@ -92,30 +90,31 @@ def effects_torque(
 
 
 @compiled
-def asks_for_load(P: Vector, effects: int) -> bool:
-    """Whether an effect of the block at P[effects] looks at the load of the gear."""
+def asks_for_load(P: Vector, effects: int) -> int:
+    """Number of the first effect of the block at P[effects] that looks at the load, or -1."""
     at = effects + 1
-    for _ in range(int(P[effects])):
+    for i in range(int(P[effects])):
         for known in _LOADED:
             if P[at] == known:
-                return True
+                return i
         at += 2 + int(P[at + 1])
-    return False
+    return -1
 
 
 @in_line
-def coupled_load(X: Vector, x: int, t: float, others: float) -> float:
+def coupled_load(
+    P: Vector, p: int, X: Vector, x: int, effect: int, later: bool, others: float
+) -> float:
     """What other joints and contacts add to a gear's load, N m, the same for all calls at a time.
 
     The step before has it: the first call at a later time takes `others`, from the accelerations
-    and constraint forces that MuJoCo still holds of that step. At a start there is none.
+    and constraint forces that MuJoCo still holds of that step. At a start there is none. It is kept
+    where the `effect`, which needs less memory than it has, does not look.
     """
-    if X[x + T_EVALUATED] == X[x + T_COMMITTED]:
-        X[x + COUPLED] = 0.0
-    elif X[x + COUPLED_AT] != t:
-        X[x + COUPLED] = others
-    X[x + COUPLED_AT] = t
-    return X[x + COUPLED]
+    at = x + FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
+    if later and X[x + T_EVALUATED] > X[x + T_COMMITTED]:
+        X[at] = others
+    return X[at]
 
 
 @compiled
