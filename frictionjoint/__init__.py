@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.remembered import remembered
+    from frictionjoint.simulate.thermal import set_temperature, set_warmth, temperature, warmth
     from frictionjoint.simulate.torque import torque
     from frictionjoint.simulate.uninstall import uninstall
     from frictionjoint.simulate.warp import attach_warp
@@ -24,6 +25,10 @@ _HOMES = {
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "remembered": "frictionjoint.simulate.remembered",
+    "set_temperature": "frictionjoint.simulate.thermal",
+    "set_warmth": "frictionjoint.simulate.thermal",
+    "temperature": "frictionjoint.simulate.thermal",
+    "warmth": "frictionjoint.simulate.thermal",
     "torque": "frictionjoint.simulate.torque",
     "uninstall": "frictionjoint.simulate.uninstall",
     "FrictionParameters": "frictionjoint.parameters",
@@ -41,8 +46,12 @@ __all__ = [
     "install",
     "load_model",
     "remembered",
+    "set_temperature",
+    "set_warmth",
+    "temperature",
     "torque",
     "uninstall",
+    "warmth",
 ]
 
 

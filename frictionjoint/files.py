@@ -9,7 +9,7 @@ from typing import Any
 
 import tomlkit
 
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.errors import ParameterError
 from frictionjoint.laws import parameters_from_dict
 from frictionjoint.parameters import Friction
@@ -56,7 +56,7 @@ def _effect(table: Any) -> SimulatedEffect:
     if not isinstance(table, dict) or "form" not in table:
         raise ParameterError("an effect needs its form: the number of its kernel")
     form = table["form"]
-    effect = next((e for e in CATALOGUE if e.effect_id == form), None)
+    effect = next((e for e in SIMULATED if e.effect_id == form), None)
     if effect is None or isinstance(form, bool):
         raise ParameterError(f"no effect has the form {form!r}")
     name = table.get("effect", effect.name)

@@ -201,8 +201,9 @@ def test_only_what_the_joints_need_is_in_the_header():
 def test_what_only_a_log_knows_is_named():
     effect = next(e for e in CATALOGUE if e.name == "temperature-dependent")
     carried = JointFriction(INTEGRATED[0], (SimulatedEffect(effect, (30.0, 20.0), (0.1, 0.1)),))
-    assert lost_effects({"j": carried}) == ["j: temperature-dependent"]
-    assert "j: temperature-dependent" in header({"j": carried}, "friction.h")
+    said = "j: temperature-dependent, at its reference temperature"
+    assert lost_effects({"j": carried}) == [said]
+    assert said in header({"j": carried}, "friction.h")
 
 
 def test_joints_that_c_cannot_tell_apart_are_refused():

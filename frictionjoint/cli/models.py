@@ -120,6 +120,9 @@ def check(
             row["remark"],
         )
     console().print(table)
+    for row in findings:
+        for sentence in row["acts"]:
+            typer.echo(f"{row['joint']}: {sentence}.")
 
 
 def view(mjcf: Carrying) -> None:

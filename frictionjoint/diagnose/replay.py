@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import TEMP, Q, V
+from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.motor_torque import follows_motor
 from frictionjoint.identify.prepare import Prepared, Segment
@@ -23,6 +23,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
+from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor
 
 WINDOW_S = 0.5
@@ -154,7 +155,8 @@ def _one_log(
     others = _others(model, segment)
     qpos, dof = int(model.jnt_qposadr[body.joint_id]), int(model.jnt_dofadr[body.joint_id])
     ours = _row(model, body.joint)
-    memory = _memories(model, data, segment, qpos, dof, ours)
+    link = deflection(model, body.joint)
+    memory = _memories(model, data, segment, qpos, dof, ours, link)
     errors = np.full(len(q), np.nan)
     length = max(2, round(WINDOW_S / segment.dt))
     for begin in range(0, len(q) - length, length):
@@ -163,7 +165,9 @@ def _one_log(
             continue
         data.time = begin * segment.dt
         data.qpos[qpos], data.qvel[dof] = q[begin], v[begin]
-        data.userdata[ours] = memory[begin // length]
+        data.userdata[ours], ahead = memory[begin // length]
+        if link >= 0:
+            data.qpos[model.jnt_qposadr[link]], data.qvel[model.jnt_dofadr[link]] = ahead
         for k in range(begin, begin + length - 1):
             for i in range(substeps):
                 part = i / substeps
@@ -171,7 +175,7 @@ def _one_log(
                 if motor:
                     now = motor.torque(now, data.qvel[dof]) if segment.driven[k] else 0.0
                 if others:
-                    _step_among_others(model, data, others, k, qpos, dof, now)
+                    _step_among_others(model, data, others, k, body.joint_id, link, now)
                 else:
                     data.qfrc_applied[dof] = now
                     mujoco.mj_step(model, data)
@@ -194,8 +198,12 @@ def _memories(
     qpos: int,
     dof: int,
     ours: slice,
-) -> list[Array]:
-    """State rows at the restarts: the callback driven along the measured motion."""
+    link: int,
+) -> list[tuple[Array, tuple[float, float]]]:
+    """State rows at the restarts: the callback driven along the measured motion.
+
+    Each with position and velocity of the joint `link` behind an elastic one, driven along too.
+    """
     rows = []
     # samples, not steps of a simulation: a gap of several time steps would start the memory afresh
     step, model.opt.timestep = model.opt.timestep, segment.dt
@@ -209,8 +217,15 @@ def _memories(
         else:
             mujoco.mj_fwdPosition(model, data)
             mujoco.mj_fwdVelocity(model, data)
+        ahead = (0.0, 0.0)
+        if link >= 0:
+            to, rate = model.jnt_qposadr[link], model.jnt_dofadr[link]
+            ahead = float(data.qpos[to]), float(data.qvel[rate])
         if k % length == 0:
-            rows.append(data.userdata[ours].copy())
+            rows.append((data.userdata[ours].copy(), ahead))
+        if link >= 0:
+            data.qacc[dof] = segment.signals[k, A]
+            _accelerate(model, data, [link], [0.0])
     model.opt.timestep = step
     return rows
 
@@ -233,20 +248,32 @@ def _step_among_others(
     data: mujoco.MjData,
     others: Sequence[tuple[int, int, Array, Array, Array]],
     k: int,
-    qpos: int,
-    dof: int,
+    joint: int,
+    link: int,
     torque: float,
 ) -> None:
-    """One semi-implicit step of our joint alone, the others on their measured motion.
-
-    Inverse dynamics with our acceleration at zero gives the torque that everything else takes;
-    the rest accelerates the joint.
-    """
+    """One semi-implicit step of our joint alone, the others on their measured motion."""
     for position, other, q, v, a in others:
         data.qpos[position], data.qvel[other], data.qacc[other] = q[k], v[k], a[k]
-    data.qacc[dof] = 0.0
-    mujoco.mj_inverse(model, data)
-    inertia = data.M[model.M_rowadr[dof] + model.M_rownnz[dof] - 1]
-    data.qvel[dof] += model.opt.timestep * (torque - data.qfrc_inverse[dof]) / inertia
-    data.qpos[qpos] += model.opt.timestep * data.qvel[dof]
+    free = [joint] if link < 0 else [joint, link]
+    _accelerate(model, data, free, [torque, 0.0][: len(free)])
     data.time += model.opt.timestep
+
+
+def _accelerate(
+    model: mujoco.MjModel, data: mujoco.MjData, joints: Sequence[int], torques: Sequence[float]
+) -> None:
+    """One semi-implicit step of some joints; the others have the accelerations in `data`.
+
+    Inverse dynamics with these joints' accelerations at zero gives the torque that everything else
+    takes; the rest accelerates them.
+    """
+    dofs = model.jnt_dofadr[list(joints)]
+    data.qacc[dofs] = 0.0
+    mujoco.mj_inverse(model, data)
+    mass = np.empty((len(dofs), model.nv))
+    for row, dof in zip(mass, dofs, strict=True):
+        mujoco.mj_mulM(model, data, row, np.eye(1, model.nv, dof)[0])
+    taken = np.asarray(torques) - data.qfrc_inverse[dofs]
+    data.qvel[dofs] += model.opt.timestep * np.linalg.solve(mass[:, dofs], taken)
+    data.qpos[model.jnt_qposadr[list(joints)]] += model.opt.timestep * data.qvel[dofs]

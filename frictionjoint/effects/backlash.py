@@ -83,4 +83,5 @@ EFFECT = Effect(
     bounds=((0.0, 1.5),),
     shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0)),
     memory=3,
+    acts="mechanism",
 )

@@ -1,4 +1,7 @@
-"""All effects the tracing knows, in the order in which ties between equals are broken."""
+"""All effects the tracing knows, in the order in which ties between equals are broken.
+
+`SIMULATED` are those that a model can carry: one more, which only a simulation has.
+"""
 
 from frictionjoint.effects import (
     back_emf,
@@ -8,6 +11,7 @@ from frictionjoint.effects import (
     end_stop,
     frictional_lag,
     gravity_error,
+    heating,
     inertia_error,
     joint_elasticity,
     load_dependent,
@@ -48,3 +52,5 @@ CATALOGUE: tuple[Effect, ...] = (
     back_emf.EFFECT,
     motor_saturation.EFFECT,
 )
+
+SIMULATED: tuple[Effect, ...] = (*CATALOGUE, heating.EFFECT)

@@ -16,6 +16,7 @@ Shape = tuple[float, ...]
 Entry = Literal[
     "adds torque", "scales the friction level", "acts on the measurement", "acts on the motor"
 ]
+Acts = Literal["torque", "mechanism", "sensors"]
 
 
 def _no_shape(signals: Array) -> list[Shape]:
@@ -52,6 +53,8 @@ class Effect:
         delays: its shape number is a time by which the drive is logged early, s.
         geared: the load it looks at is what the gear transmits, without what turns the armature.
         is_inertia: its coefficient adds to the joint's inertia.
+        acts: what it is in a simulation: a torque of the callback, a joint and its springs, or a
+            delay of the joint's sensors.
         of_inertia: bounds are in units of the joint's inertia.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
@@ -87,6 +90,7 @@ class Effect:
     is_inertia: bool = False
     of_inertia: bool = False
     title: str = ""
+    acts: Acts = "torque"
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
 
     @property

@@ -84,5 +84,6 @@ EFFECT = Effect(
     shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
     of_inertia=True,
     memory=3,
+    acts="mechanism",
     free=free_swing,
 )

@@ -18,6 +18,7 @@ from frictionjoint.effects import (
     end_stop,
     frictional_lag,
     gravity_error,
+    heating,
     inertia_error,
     joint_elasticity,
     load_dependent,
@@ -59,6 +60,7 @@ _dwell = dwell_time.torque
 _backlash = backlash.torque
 _saturation = motor_saturation.torque
 _motor_side = joint_elasticity.torque
+_heating = heating.torque
 
 
 @njit(cache=True)
@@ -117,16 +119,24 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _saturation(P, e, sig, X, x)
     if effect_id == 27:
         return _temperature(P, e, sig, X, x)
+    if effect_id == 28:
+        return _heating(P, e, sig, X, x)
     return np.nan
 
 
 @njit(cache=True)
 def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
-    """Sum over the block's effects at one instant; X[each:] becomes the torque of each."""
+    """Sum over the block's effects in a simulation; X[each:] becomes the torque of each.
+
+    Those that act by the mechanism or by the sensors add none.
+    """
     total = 0.0
     at = e + 1
     for i in range(int(P[e])):
-        X[each + i] = effect_torque(int(P[at]), P, at + 2, sig, X, x + MEMORY * i)
+        effect_id = int(P[at])
+        X[each + i] = 0.0
+        if effect_id != 14 and effect_id != 19 and effect_id != 20:
+            X[each + i] = effect_torque(effect_id, P, at + 2, sig, X, x + MEMORY * i)
         total += X[each + i]
         at += 2 + int(P[at + 1])
     return total

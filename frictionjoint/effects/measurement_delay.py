@@ -34,6 +34,7 @@ EFFECT = Effect(
     separating_motion="two motions of the same shape at different speeds",
     entry="acts on the measurement",
     delays=True,
+    acts="sensors",
     shape=("delay",),
     shape_units=("s",),
     shapes=_none_yet,

@@ -6,14 +6,16 @@ JERK SNAP  third and fourth derivative of the position; zero in simulation
 LOAD   rigid-body torque of the MJCF at this joint, N m
 GEAR   the same without what turns the armature: torque the gear transmits; zero in simulation
 GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
-TEMP   temperature, deg C; not a number in simulation, which rests at the reference
+TEMP   temperature, deg C; not a number in a simulation that has no `heating`
 H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding
 DTAU   time derivative of the predicted torque, N m/s; zero in simulation
 DT     s since the last sample
 RATE   dz/dq of the bristle, 1 at a reversal and 0 in sliding; zero in simulation
 MOTOR  torque the motor gives, N m, of a model fitted to voltages or currents; zero in simulation
 ASKED  torque the motor would give if nothing saturated, N m; zero in a log
+LOSS   power that friction takes, W, for `heating`; zero in a log
 """
 
 TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
-N_SIGNALS = 17
+LOSS = 17
+N_SIGNALS = 18

@@ -1,4 +1,7 @@
-"""temperature-dependent: level and viscosity that fall with the measured temperature."""
+"""temperature-dependent: level and viscosity that fall with the temperature.
+
+A log measures it. In a simulation it is the state of `heating`, or rests where it was set.
+"""
 
 import math
 
@@ -15,10 +18,9 @@ _SCALES = (8.0, 20.0, 60.0, 300.0)
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); nothing where no temperature is known: it is T0."""
-    if math.isnan(sig[TEMP]):
-        return 0.0
-    change = math.expm1(-(sig[TEMP] - P[e]) / P[e + 1])
+    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where nothing else tells T."""
+    warmer = X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
+    change = math.expm1(-warmer / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
 
@@ -47,4 +49,5 @@ EFFECT = Effect(
     shape_bounds=((-100.0, 300.0), (2.0, 1000.0)),
     shapes=_references,
     needs=(TEMP,),
+    memory=1,
 )

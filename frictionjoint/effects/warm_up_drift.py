@@ -20,8 +20,8 @@ _FASTEST = 5.0
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """exp(-t/tau) (a Fh/Fc + b v)."""
-    return math.exp(-sig[TIME] / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
+    """exp(-(t + X[x])/tau) (a Fh/Fc + b v); X[x], s, the work done before the start, 0 in a log."""
+    return math.exp(-(sig[TIME] + X[x]) / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 
 
 @njit(cache=True)
@@ -33,10 +33,8 @@ def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
 
 @njit(cache=True)
 def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w, 0 at the start."""
-    if sig[DT] <= 0.0:
-        X[x] = 0.0
-    else:
+    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w, 0 in a log at its start."""
+    if sig[DT] > 0.0:
         X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e])
     return math.exp(-X[x] / P[e + 1]) * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
@@ -79,6 +77,7 @@ EFFECT = Effect(
     shape_units=("s",),
     shapes=_time_constants,
     shape_bounds=((_FASTEST, float("inf")),),
+    memory=1,
 )
 
 BY_LOSS = replace(

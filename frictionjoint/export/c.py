@@ -15,7 +15,8 @@ import jinja2
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DTAU, GEAR, GX, GY, JERK, LOAD, MOTOR, SNAP, TEMP
+from frictionjoint.effects.heating import EFFECT as HEATING
+from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c_source import Known, name_of, source
 from frictionjoint.law.kernel import row_size as law_row_size
@@ -24,8 +25,6 @@ from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
-# what only a log knows
-_NOT_SIMULATED = frozenset({JERK, SNAP, DTAU, GEAR, TEMP})
 # what the caller gives besides the motion: signals, and arguments of `effects_torque`
 _AROUND = frozenset({LOAD, GX, GY, MOTOR})
 _SURROUNDINGS = {
@@ -35,6 +34,8 @@ _SURROUNDINGS = {
     "gy": "s->gravity[1]",
     "asked": "s->asked",
 }
+# where an effect that is no torque acts
+_ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instruments"}
 _LEVELS = [
     f"{name}_{side}" for side in ("pos", "neg") for name in ("Fs", "Fc", "Vs", "delta", "sigma2")
 ]
@@ -102,13 +103,16 @@ def header(friction: Mapping[str, JointFriction], guard: str) -> str:
 
 
 def lost_effects(friction: Mapping[str, JointFriction]) -> list[str]:
-    """``joint: effect`` for what needs a log to act and is nought in the header."""
-    return [
-        f"{name}: {carried.effect.name}"
-        for name, joint in friction.items()
-        for carried in joint.effects
-        if _NOT_SIMULATED & set(carried.effect.needs)
-    ]
+    """``joint: effect, why`` for what is nought in the header."""
+    found = []
+    for name, joint in friction.items():
+        heated = any(carried.effect is HEATING for carried in joint.effects)
+        for effect in (carried.effect for carried in joint.effects):
+            if effect.acts != "torque":
+                found.append(f"{name}: {effect.name}, {_ELSEWHERE[effect.acts]}")
+            elif TEMP in effect.needs and not heated:
+                found.append(f"{name}: {effect.name}, at its reference temperature")
+    return found
 
 
 def _effect_arguments() -> str:

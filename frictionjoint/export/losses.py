@@ -22,8 +22,8 @@ from frictionjoint.simulate.attach import attach
 _DISPLACED, _DAMPING, _HELD_HZ = 0.1, 0.3, 3.0
 # highest frequency of a loop, over that of the time step: an explicit spring must not chatter
 _FASTEST = 0.3
-# so small that no joint counts as stiff: torque is wanted here and now, not at a step's end
-_INSTANT = 1e-9
+# its steps are never implicit: torque is wanted here and now, not at a step's end
+_EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
 _ROBOT = 1  # an actuator group
 
 
@@ -120,12 +120,6 @@ def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Arra
     return found
 
 
-def _waiting(time: Array) -> Array:
-    """Times before a motion, their intervals growing from next to nothing to its own."""
-    step = float(time[1] - time[0])
-    return np.asarray(time[0] - 2.2 * step + np.cumsum(step * 2.9 ** np.arange(-30.0, 1.0)))
-
-
 def _alone(model: mujoco.MjModel, actuators: int) -> None:
     """Nothing but the joints acts; the first `actuators` are those of the robot, and off."""
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
@@ -137,19 +131,12 @@ def _alone(model: mujoco.MjModel, actuators: int) -> None:
 
 def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) -> Array:
     """Torque that the motion takes at the joint, shape (n,)."""
-    data, step = mujoco.MjData(model), model.opt.timestep
+    data, before = mujoco.MjData(model), (model.opt.timestep, model.opt.integrator)
     tracks = _tracks(model, joint, motion)
     dof = int(model.jnt_dofadr[model.joint(joint).id])
     found = np.empty(len(motion.time))
-    if attached:
-        model.opt.timestep = _INSTANT
+    model.opt.timestep, model.opt.integrator = motion.time[1] - motion.time[0], _EXPLICIT
     with attach(model) if attached else contextlib.nullcontext():
-        for t in _waiting(motion.time) if attached else ():
-            # at the first position, until an interval of the motion is no leap in time
-            data.time = t
-            for j, track in tracks.items():
-                data.qpos[model.jnt_qposadr[j]] = track[0, 0]
-            mujoco.mj_forward(model, data)
         for k, t in enumerate(motion.time):
             data.time = t
             for j, track in tracks.items():
@@ -158,7 +145,7 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
                 data.qacc[model.jnt_dofadr[j]] = track[k, 2]
             mujoco.mj_inverse(model, data)
             found[k] = data.qfrc_inverse[dof]
-    model.opt.timestep = step
+    model.opt.timestep, model.opt.integrator = before
     return found
 
 
@@ -207,7 +194,8 @@ def _mass(model: mujoco.MjModel) -> Array:
     """Mass matrix at qpos0, shape (nv, nv)."""
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    for row, unit in zip(mass, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, row, unit)
     return mass
 
 

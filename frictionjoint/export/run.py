@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
 from frictionjoint.export.losses import Loss, losses
@@ -18,7 +19,8 @@ from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import TERMS, add_plain, without_friction
 from frictionjoint.export.sliding import PlainFriction, plain_friction
 from frictionjoint.export.urdf import urdf_text
-from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
+from frictionjoint.simulate.mechanism import remove_mechanism
 
 
 class Target(StrEnum):
@@ -36,6 +38,8 @@ class Target(StrEnum):
 _WHOLE = (Target.C, Target.MJLAB)
 # a constant torque, a spring
 _SPRINGS = (Target.NATIVE, Target.NEWTON)
+# effects that are joints, springs and sensors of the model
+_MECHANICAL = frozenset(e.name for e in CATALOGUE if e.acts != "torque")
 
 
 @dataclass(frozen=True)
@@ -62,9 +66,20 @@ class _Task:
     friction: dict[str, JointFriction]
     lugre: bool = False
 
-    def spec(self) -> mujoco.MjSpec:
-        """The model without the friction it carries."""
-        return without_friction(mujoco.MjSpec.from_file(str(self.path)))
+    def spec(self, mechanism: bool = False) -> mujoco.MjSpec:
+        """The model without the friction it carries; rigid joints, or with springs and gaps."""
+        spec = without_friction(mujoco.MjSpec.from_file(str(self.path)))
+        for name in () if mechanism else self.friction:
+            remove_mechanism(spec, name)
+        return spec
+
+    def rigid(self) -> mujoco.MjModel:
+        """With the friction, on rigid joints: what an export is compared with."""
+        spec = self.spec()
+        carried = self.friction.items()
+        effects = {n: [e for e in c.effects if e.effect.acts == "torque"] for n, c in carried}
+        install(spec, {n: c.parameters for n, c in carried}, effects)
+        return spec.compile()
 
 
 def export(
@@ -104,10 +119,10 @@ def export(
     if lugre:
         fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
         actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
-        text, model = _written(add_lugre(task.spec(), fitted, plain), task)
+        text, model = _written(lambda spec: add_lugre(spec, fitted, plain), task)
     else:
         text, model = _PLAIN[target](task, plain)
-    found = losses(load_model(path), bare, model, motions, actuators)
+    found = losses(task.rigid(), bare, model, motions, actuators)
     return Exported(text, tuple(_lost(task, plain, bare)), tuple(found))
 
 
@@ -126,23 +141,24 @@ def _motions(
 
 
 def _whole(task: _Task) -> Exported:
-    lost = c.lost_effects(task.friction)
-    reason = "only a log knows what it follows"
     if task.target is Target.C:
-        text = c.header(task.friction, task.out.name)
-    else:
-        model = load_model(task.path)
-        text = scripts.mjlab_text(task.path, task.out, list(task.friction), model)
-    return Exported(text, tuple(f"{effect}: {reason}" for effect in lost))
+        lost = tuple(c.lost_effects(task.friction))
+        return Exported(c.header(task.friction, task.out.name), lost)
+    model = load_model(task.path)
+    return Exported(scripts.mjlab_text(task.path, task.out, list(task.friction), model), ())
 
 
 def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    return _written(add_plain(task.spec(), plain), task)
+    return _written(lambda spec: add_plain(spec, plain), task)
 
 
-def _written(spec: mujoco.MjSpec, task: _Task) -> tuple[str, mujoco.MjModel]:
-    model = spec.compile()
-    return _with_assets(spec, task), model
+def _written(
+    add: Callable[[mujoco.MjSpec], mujoco.MjSpec], task: _Task
+) -> tuple[str, mujoco.MjModel]:
+    """Text with springs and gaps of the joints, and the model of rigid joints to compare."""
+    whole = add(task.spec(mechanism=True))
+    whole.compile()
+    return _with_assets(whole, task), add(task.spec()).compile()
 
 
 def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
@@ -197,7 +213,8 @@ def _lost(task: _Task, plain: Mapping[str, PlainFriction], bare: mujoco.MjModel)
             what = ["the memory of reversals"]
         elif task.target is Target.ISAAC:
             what = ["presliding with its memory", "the fall of friction between rest and sliding"]
-        what += [f"effect {effect}" for effect in p.lost]
+        kept = _MECHANICAL if task.target is Target.NATIVE else frozenset()
+        what += [f"effect {effect}" for effect in p.lost if effect not in kept]
         if task.target not in _SPRINGS:
             if p.preload != 0.0:
                 what.append(f"a constant torque of {p.preload:.4g}")

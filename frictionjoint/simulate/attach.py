@@ -11,6 +11,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.simulate.callback import link_what_acts
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
+from frictionjoint.simulate.mechanism import require_flags
 from frictionjoint.simulate.native_friction import counts_twice, native_friction
 
 _attached: dict[int, "Attached"] = {}
@@ -70,7 +71,8 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
             function is the callback, this one or your own, MuJoCo compiles no model.
     Raises:
         ModelError: no friction in the model, attached already, spring and damper flags both
-            disabled (MuJoCo then never calls back), or an unknown backend.
+            disabled (MuJoCo then never calls back), a flag disabled that an elastic joint or one
+            with backlash needs, or an unknown backend.
         TypeError: `model` is no MjModel.
     """
     require_model(model, "attach")
@@ -85,6 +87,8 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     found = resolve(model)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    for name in found:
+        require_flags(model, name)
     native = native_friction(model, found)
     if native:
         warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)

@@ -34,13 +34,19 @@ from frictionjoint.simulate.pointers import (
     field,
     mj_free_stack,
     mj_mark_stack,
+    mj_mul_m,
     mj_rne,
     mj_solve_m,
     mj_stack_numbers,
 )
-from frictionjoint.simulate.row import torque_now
+from frictionjoint.simulate.row import T_EVALUATED, torque_now
 from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
-from frictionjoint.simulate.with_effects import joint_effects, late_joint_effects
+from frictionjoint.simulate.with_effects import (
+    asks_for_load,
+    coupled_load,
+    joint_effects,
+    late_joint_effects,
+)
 
 # its four evaluations a step are no steps of their own
 RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
@@ -60,6 +66,7 @@ def build_native() -> Any:
     at_mass, at_xmat, at_xaxis = (data_at[k] for k in ("M", "xmat", "xaxis"))
     at_time, at_qpos, at_qvel = (data_at[k] for k in ("time", "qpos", "qvel"))
     at_passive, at_user = data_at["qfrc_passive"], data_at["userdata"]
+    at_qacc, at_constraint = data_at["qacc"], data_at["qfrc_constraint"]
     at_nu, at_flags, at_off = (model_at[k] for k in ("nu", "disableflags", "disableactuator"))
     at_kind, at_target = model_at["actuator_trntype"], model_at["actuator_trnid"]
     at_group, at_gear = model_at["actuator_group"], model_at["actuator_gear"]
@@ -85,6 +92,8 @@ def build_native() -> Any:
         nv = int(field(m, at_nv, whole)[0])
         stiff = 0
         row = 0
+        loaded = False
+        bias = moved = qvel
         for i in range(n):
             block = int(address[i])
             if P[block] != MAGIC:
@@ -99,6 +108,7 @@ def build_native() -> Any:
             dof = int(P[block + DOF])
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
+            later = X[x + T_EVALUATED] != t
             F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
@@ -122,9 +132,20 @@ def build_native() -> Any:
                         array(d, at_ctrl, real),
                     )
                 last = int(array(m, at_rowadr, short)[dof] + array(m, at_rownnz, short)[dof]) - 1
-                mj_mark_stack(d)
-                bias = mj_stack_numbers(d, nv)
-                mj_rne(m, d, 0, bias)
+                own = array(d, at_mass, real)[last]
+                load = 0.0
+                loads = asks_for_load(P, effects)
+                if loads >= 0:
+                    if not loaded:
+                        loaded = True
+                        mj_mark_stack(d)
+                        bias, moved = mj_stack_numbers(d, nv), mj_stack_numbers(d, nv)
+                        mj_rne(m, d, 0, bias)
+                        mj_mul_m(m, d, moved, array(d, at_qacc, real))
+                    others = moved[dof] - own * array(d, at_qacc, real)[dof]
+                    others -= array(d, at_constraint, real)[dof]
+                    load = bias[dof]
+                    load += coupled_load(P, block + HEAD, X, x, loads, later, others)
                 F += late_joint_effects(
                     P,
                     block,
@@ -132,8 +153,8 @@ def build_native() -> Any:
                     t,
                     q,
                     v,
-                    bias[dof],
-                    array(d, at_mass, real)[last] - array(m, at_armature, real)[dof],
+                    load,
+                    own - array(m, at_armature, real)[dof],
                     joint,
                     array(m, at_axis, real),
                     array(d, at_xaxis, real),
@@ -142,14 +163,15 @@ def build_native() -> Any:
                     int(array(m, at_body, short)[joint]),
                     asked,
                 )
-                mj_free_stack(d)
             passive[dof] -= F
             if F != F:
-                return  # gone astray: MuJoCo resets the whole state
+                break  # gone astray: MuJoCo resets the whole state
             if is_stiff(P, block + HEAD, X, x, h, weights[dof]):
                 stiff += 1
                 row = max(row, law_row_size(P, block + HEAD))
-        if stiff == 0:
+        if loaded:
+            mj_free_stack(d)
+        if stiff == 0 or F != F:
             return
         mj_mark_stack(d)
         blocks, W = mj_stack_numbers(d, stiff), mj_stack_numbers(d, stiff * stiff)
@@ -195,6 +217,8 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     step = model.opt.timestep
     h = 0.0 if model.opt.integrator == RK4 else step
     stiff: list[int] = []
+    bias, moved = np.zeros(model.nv), np.zeros(model.nv)
+    loaded = False
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
         if P[block] != MAGIC:
@@ -207,6 +231,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
         last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        later = X[x + T_EVALUATED] != t
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
         if P[effects] > 0.0:
             asked = 0.0
@@ -228,8 +253,15 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     model.actuator_ctrlrange.reshape(-1),
                     data.ctrl,
                 )
-            bias = np.zeros(model.nv)
-            mujoco.mj_rne(model, data, 0, bias)
+            own, load = data.M[last], 0.0
+            loads = asks_for_load(P, effects)
+            if loads >= 0:
+                if not loaded:
+                    loaded = True
+                    mujoco.mj_rne(model, data, 0, bias)
+                    mujoco.mj_mulM(model, data, moved, data.qacc)
+                others = moved[dof] - own * data.qacc[dof] - data.qfrc_constraint[dof]
+                load = bias[dof] + coupled_load(P, block + HEAD, X, x, loads, later, others)
             F += joint_effects(
                 P,
                 block,
@@ -237,8 +269,8 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 t,
                 q,
                 v,
-                bias[dof],
-                data.M[last] - model.dof_armature[dof],
+                load,
+                own - model.dof_armature[dof],
                 joint,
                 model.jnt_axis.reshape(-1),
                 data.xaxis.reshape(-1),

@@ -23,14 +23,17 @@ import numpy as np
 
 from frictionjoint.arguments import require_friction, require_path, require_spec
 from frictionjoint.arrays import Array
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.model_files import compiling
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.instruments import delay_sensors
+from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor_demand import check_motors, saturates
 from frictionjoint.simulate.native_friction import (
@@ -73,10 +76,14 @@ class SimulatedEffect:
                     f"{', '.join(names) or 'none'}"
                 )
 
+    @property
+    def numbers(self) -> Array:
+        """Shape numbers, then coefficients."""
+        return np.array([*self.shape, *self.coefficients], dtype=np.float64)
+
     def pack(self) -> Array:
         """Id, length, numbers."""
-        numbers = (*self.shape, *self.coefficients)
-        return np.array([self.effect.effect_id, len(numbers), *numbers], dtype=np.float64)
+        return np.concatenate([[self.effect.effect_id, self.effect.size], self.numbers])
 
 
 @dataclass(frozen=True)
@@ -95,7 +102,9 @@ def install(
 ) -> None:
     """Write friction into a spec and make room for its state in ``userdata``.
 
-    User data the model already has stays in front. Where a joint has ``frictionloss`` or
+    User data the model already has stays in front. An elastic joint, or one with backlash, gets
+    another joint behind it (``frictionjoint.simulate.mechanism``), a late instrument late sensors
+    (``frictionjoint.simulate.instruments``). Where a joint has ``frictionloss`` or
     ``damping`` of its own friction would count twice: a warning says so.
 
     Args:
@@ -124,9 +133,11 @@ def install(
             raise ModelError(f"joint {name!r} has effects but no friction law: give both")
         if TAG + name in taken:
             raise ModelError(f"joint {name!r} carries friction already: delete its numeric first")
+        if any(e.effect.acts == "mechanism" for e in (effects or {}).get(name, ())):
+            require_place(spec, name)
+    carried = {name: _heating_first((effects or {}).get(name, ())) for name in friction}
     made = {
-        name: _encode(parameters.pack(), list((effects or {}).get(name, ())))
-        for name, parameters in friction.items()
+        name: _encode(parameters.pack(), carried[name]) for name, parameters in friction.items()
     }
     for name, block in made.items():
         largest = float(np.abs(block).max())
@@ -139,13 +150,24 @@ def install(
         block = made[name]
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
-        n_effects = len((effects or {}).get(name, ()))
+        n_effects = len(carried[name])
         spec.nuserdata = max(spec.nuserdata, 0) + row_size(_law_row(parameters), n_effects)
+        mechanical = [(e.effect, e.numbers) for e in carried[name] if e.effect.acts == "mechanism"]
+        if mechanical:
+            add_mechanism(spec, name, mechanical)
+        for effect in carried[name]:
+            if effect.effect.acts == "sensors" and effect.shape[0] != 0.0:
+                delay_sensors(spec, name, effect.shape[0])
     if clear_native:
         clear_native_friction(spec, friction)
     native = native_friction_of_spec(spec, friction)
     if native:
         warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)
+
+
+def _heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
+    """It makes the temperature that others look at."""
+    return sorted(effects, key=lambda e: e.effect is not HEATING)
 
 
 def _law_row(parameters: Friction) -> int:
@@ -223,7 +245,13 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         model.numeric_data[at + HEAD : at + HEAD + n] = exact
         law = int(model.numeric_data[at + EFFECTS]) - HEAD
         unpack(exact[:law])
-        _effects(exact[law:], f"numeric {TAG}{name}")
+        carried = _effects(exact[law:], f"numeric {TAG}{name}")
+        mechanical = [e.effect.name for e in carried if e.effect.acts == "mechanism"]
+        if mechanical and name + DEFLECTION not in ids:
+            raise ModelError(
+                f"joint {name!r} has {mechanical[0]}, and no joint {name + DEFLECTION!r} that it "
+                "acts by: install the friction anew"
+            )
         sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
     need = sum(sizes.values())
     if in_userdata and need > model.nuserdata:
@@ -275,7 +303,7 @@ def _check_block(
 
 def _effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
     """The effects' block: their count, then each one's id, length and numbers."""
-    known = {float(effect.effect_id): effect for effect in CATALOGUE}
+    known = {float(effect.effect_id): effect for effect in SIMULATED}
     found, at = [], 1
     while np.isfinite(numbers).all() and at + 1 < len(numbers):
         effect = known.get(float(numbers[at]))

@@ -6,7 +6,9 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arguments import require_model
-from frictionjoint.simulate.carrier import read_friction
+from frictionjoint.effects import heating, temperature_dependent
+from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+from frictionjoint.simulate.mechanism import DEFLECTION
 from frictionjoint.simulate.native_friction import native_friction
 
 # Above this the presliding spring turns over within a step; see docs on time steps.
@@ -16,6 +18,7 @@ _LARGEST_STEP_RATIO = 1.0
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     """One row a joint: law, presliding stiffness K, h sqrt(K/J) at qpos0, effects, remark.
 
+    "acts" is how each effect acts in a simulation, a sentence each.
     "native" is what of MuJoCo's own friction the joint has too, None without any.
     """
     require_model(model, "check_model")
@@ -44,7 +47,23 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "step_ratio": ratio,
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
+                "acts": [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects],
                 "remark": remark,
             }
         )
     return rows
+
+
+def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
+    """What of an effect a simulation has."""
+    effect = carried.effect
+    if effect.acts == "mechanism":
+        return f"joint {joint + DEFLECTION}, between motor and link"
+    if effect.acts == "sensors":
+        late = "position and velocity" if carried.shape[0] > 0.0 else "actuator force"
+        return f"the joint's sensors of {late} are late; control loops of the model are not"
+    if effect is heating.EFFECT:
+        return "the friction's loss warms the joint"
+    if effect is temperature_dependent.EFFECT:
+        return "a torque, at the temperature of heating, or that of set_temperature"
+    return "a torque"

@@ -48,7 +48,19 @@ MODEL_FIELDS = (
     "actuator_ctrllimited",
     "actuator_ctrlrange",
 )
-DATA_FIELDS = ("time", "qpos", "qvel", "qfrc_passive", "userdata", "M", "xmat", "xaxis", "ctrl")
+DATA_FIELDS = (
+    "time",
+    "qpos",
+    "qvel",
+    "qacc",
+    "qfrc_passive",
+    "qfrc_constraint",
+    "userdata",
+    "M",
+    "xmat",
+    "xaxis",
+    "ctrl",
+)
 
 
 class LayoutMismatchError(RuntimeError):

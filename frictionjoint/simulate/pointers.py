@@ -63,6 +63,10 @@ mj_rne = cast(
     "Callable[[ctypes.c_void_p, ctypes.c_void_p, int, Vector], None]",
     types.ExternalFunction("mj_rne", types.void(types.voidptr, types.voidptr, types.int32, VECTOR)),
 )
+mj_mul_m = cast(
+    "Callable[[ctypes.c_void_p, ctypes.c_void_p, Vector, Vector], None]",
+    types.ExternalFunction("mj_mulM", types.void(types.voidptr, types.voidptr, VECTOR, VECTOR)),
+)
 mj_solve_m = cast(
     "Callable[[ctypes.c_void_p, ctypes.c_void_p, Vector, Vector, int], None]",
     types.ExternalFunction(

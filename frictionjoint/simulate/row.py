@@ -55,6 +55,14 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 
 @in_line
+def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
+    """What effects remember, committed and evaluated, is as in a joint never moved."""
+    memory = x + FRONT + law_row_size(P, p)
+    for i in range(2 * MEMORY * int(P[effects])):
+        X[memory + i] = 0.0
+
+
+@in_line
 def torque_now(
     P: Vector,
     p: int,
@@ -83,6 +91,7 @@ def torque_now(
         X[x + Q_COMMITTED] = q
         X[x + V_COMMITTED] = v
         start_row(P, p, X, law)
+        forget_effects(P, p, effects, X, x)
     elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)

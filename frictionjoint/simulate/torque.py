@@ -6,7 +6,7 @@ import mujoco
 
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.errors import ModelError
 from frictionjoint.law import bristle, integrated
@@ -19,7 +19,7 @@ from frictionjoint.simulate.row import FRONT, STARTED, T_EVALUATED, TORQUE, V_EV
 
 # A joint slower than this fraction of its Stribeck velocity counts as resting.
 _RESTING = 0.01
-_NAMES = {float(effect.effect_id): effect.name for effect in CATALOGUE}
+_NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
 
 
 @dataclass(frozen=True)

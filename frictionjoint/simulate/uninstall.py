@@ -6,13 +6,14 @@ import numpy as np
 from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, rows_of_block
+from frictionjoint.simulate.mechanism import remove_mechanism
 
 
 def uninstall(spec: mujoco.MjSpec) -> list[str]:
-    """Take all friction, and the user data it needs, out of a spec.
+    """Take all friction, and the user data and joints it needs, out of a spec.
 
     What else came with it stays: native friction that was cleared, an armature that was fitted, a
-    motor.
+    motor, late sensors.
 
     Args:
         spec: changed in place.
@@ -35,6 +36,8 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
     joints = ["".join(numeric.name.split(TAG, 1)) for numeric in ours]
     for numeric in ours:
         spec.delete(numeric)
+    for joint in joints:
+        remove_mechanism(spec, joint)
     # the rows lie behind the user's own data
     spec.nuserdata = max(0, spec.nuserdata - rows)
     return joints

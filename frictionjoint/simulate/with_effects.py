@@ -3,14 +3,17 @@
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, late
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late
+from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.kernel import MEMORY, total_torque
+from frictionjoint.effects.load_dependent import FORMS
 from frictionjoint.effects.signals import (
     ASKED,
     DT,
     GX,
     GY,
     LOAD,
+    LOSS,
     N_SIGNALS,
     TEMP,
     TIME,
@@ -19,10 +22,20 @@ from frictionjoint.effects.signals import (
     Q,
     V,
 )
+from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
-from frictionjoint.simulate.row import FRONT, T_COMMITTED, V_COMMITTED
+from frictionjoint.simulate.row import (
+    FRONT,
+    T_COMMITTED,
+    T_EVALUATED,
+    TORQUE_COMMITTED,
+    V_COMMITTED,
+)
+
+_HEATING = float(HEATING.effect_id)
+_LOADED = tuple(float(effect.effect_id) for effect in (*FORMS, TORQUE_GAIN))
 
 
 @compiled
@@ -43,9 +56,10 @@ def effects_torque(
 ) -> float:
     """Torque of a block's effects at one instant; the memory written is the evaluated one.
 
-    The load is what the gear transmits: bias forces plus the inertia behind the gear, that of the
-    joint without its armature, times the acceleration since the committed point. `asked` is the
-    torque of the joint's motors before anything saturates.
+    The load is what the gear transmits: `bias`, forces of gravity, of the motion of other joints
+    and of contacts, plus the inertia behind the gear, that of the joint without its armature, times
+    the acceleration since the committed point. `asked` is the torque of the joint's motors before
+    anything saturates. An effect `heating` comes first, and has the loss of the committed point.
     """
     sig = np.zeros(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
@@ -58,14 +72,49 @@ def effects_torque(
     sig[GY] = gy
     sig[DT] = dt
     sig[ASKED] = asked
-    sig[TEMP] = np.nan  # a simulation has no thermometer
+    sig[TEMP] = np.nan  # until `heating` says it
     law = x + FRONT
     sig[H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
     n = MEMORY * int(P[effects])
     memory = law + law_row_size(P, p)
     for i in range(n):
         X[memory + n + i] = X[memory + i]
-    return total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
+    heats = P[effects + 1] == _HEATING
+    if heats:
+        # its second number is the torque of the effects
+        sig[LOSS] = (X[x + TORQUE_COMMITTED] + X[memory + 1]) * X[x + V_COMMITTED]
+    total = total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
+    if heats:
+        X[memory + n + 1] = total
+    return total
+
+
+@compiled
+def asks_for_load(P: Vector, effects: int) -> int:
+    """Number of the first effect of the block at P[effects] that looks at the load, or -1."""
+    at = effects + 1
+    for i in range(int(P[effects])):
+        for known in _LOADED:
+            if P[at] == known:
+                return i
+        at += 2 + int(P[at + 1])
+    return -1
+
+
+@in_line
+def coupled_load(
+    P: Vector, p: int, X: Vector, x: int, effect: int, later: bool, others: float
+) -> float:
+    """What other joints and contacts add to a gear's load, N m, the same for all calls at a time.
+
+    The step before has it: the first call at a later time takes `others`, from the accelerations
+    and constraint forces that MuJoCo still holds of that step. At a start there is none. It is kept
+    where the `effect`, which needs less memory than it has, does not look.
+    """
+    at = x + FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
+    if later and X[x + T_EVALUATED] > X[x + T_COMMITTED]:
+        X[at] = others
+    return X[at]
 
 
 @compiled

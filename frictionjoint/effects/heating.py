@@ -1,0 +1,44 @@
+"""heating: the joint's temperature in a simulation, warmed by the friction's own loss.
+
+It adds no torque. A log measures the temperature; in a simulation this effect makes it, for the
+effects that depend on it.
+"""
+
+import math
+
+from numba import njit
+
+from frictionjoint.arrays import Vector
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import DT, LOSS, TEMP
+
+
+@njit(cache=True)
+def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """Nothing; sig[TEMP] becomes the temperature.
+
+    X[x] is what the joint is above ambient, K: C dT/dt = loss - T/R, exact for a constant loss.
+    """
+    if sig[DT] > 0.0:
+        warmest = P[e + 1] * sig[LOSS]
+        X[x] = warmest + (X[x] - warmest) * math.exp(-sig[DT] / P[e + 2])
+    sig[TEMP] = P[e] + X[x]
+    return 0.0
+
+
+EFFECT = Effect(
+    name="heating",
+    effect_id=28,
+    coefficients=(),
+    units=(),
+    cause="friction's loss warms the joint, which loses heat to its surroundings",
+    form="tau dT/dt = ambient + R loss - T, loss = friction torque times velocity",
+    source="thermal model of first order, Bittencourt and Gunnarsson (2012)",
+    signature="none in the torque itself",
+    separating_motion="measure the temperature",
+    entry="scales the friction level",
+    shape=("ambient", "resistance", "time_constant"),
+    shape_units=("deg C", "K/W", "s"),
+    shape_bounds=((-100.0, 300.0), (0.0, math.inf), (0.0, math.inf)),
+    memory=2,
+)

@@ -1,0 +1,36 @@
+"""Instruments that are late: `measurement-delay` as MuJoCo's own delay of a joint's sensors.
+
+Where the position is logged late, the joint's sensors of position and velocity are; where the
+torque is, its sensor of the actuators' force. A joint without such sensors gets them, so that what
+is read from ``sensordata`` is what the instruments would have logged. Nothing else is late: the
+simulation itself knows the position as it is.
+"""
+
+import math
+
+import mujoco
+
+_POSITION = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
+_TORQUE = (mujoco.mjtSensor.mjSENS_JOINTACTFRC,)
+_NAMES = {_POSITION[0]: "position", _POSITION[1]: "velocity", _TORQUE[0]: "torque"}
+_LINEAR = 1  # between the samples that MuJoCo keeps
+
+
+def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
+    """Make a joint's sensors late, s: of the position above 0, of the torque below; in place."""
+    late = {True: _POSITION, False: _TORQUE}
+    for kind in (*_POSITION, *_TORQUE):
+        found = [s for s in spec.sensors if s.type == kind and s.objname == joint]
+        if not found:
+            found = [
+                spec.add_sensor(
+                    name=f"{joint}_{_NAMES[kind]}",
+                    type=kind,
+                    objtype=mujoco.mjtObj.mjOBJ_JOINT,
+                    objname=joint,
+                )
+            ]
+        for sensor in found if kind in late[delay > 0.0] else ():
+            sensor.delay = abs(delay)
+            sensor.interp = _LINEAR
+            sensor.nsample = math.ceil(abs(delay) / spec.option.timestep) + 2

@@ -1,0 +1,253 @@
+"""What elasticity and backlash are in a model: a second joint between motor and link.
+
+The joint that carries friction turns with the motor: actuators, encoder and friction act on it, and
+the rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is what the
+link is ahead of it: the spring and damper of `joint-elasticity`, or within the gap of `backlash`
+nothing, and beyond it the flanks, which push and do not hold.
+
+The numbers of a fit are those that a motor feels: the inertia J behind the spring, its resonance
+with the motor held, its damping. For the last joint of a chain the link is given that inertia: what
+it lacks is the armature of a tendon over both joints, what it has too much goes to the rotor. Where
+the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, the deflection
+gets an armature that leaves to the motor's side just what was identified. Before other joints the
+inertia is left to the bodies, whatever the pose, and the fit gives stiffness and damping.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.joint_elasticity import EFFECT as ELASTICITY
+from frictionjoint.errors import ModelError
+
+DEFLECTION, TENDON = "_deflection", "_link"
+# of the joint's inertia: a rotor has so much at least, and so much at most to make a fast spring
+# possible
+_LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
+# radians that the two masses may swing against each other in a time step: springs are explicit. A
+# flank's edge within a step gives or takes energy, so fewer
+_FASTEST, _FASTEST_FLANK = 0.7, 0.35
+# the impedance of a flank: so small that the constraint is a spring of this stiffness
+_SOFT = 1e-4
+
+
+@dataclass(frozen=True)
+class _Spring:
+    """Spring between motor and link.
+
+    Attributes:
+        inertia: behind it, kg m^2. rate: rad/s, of the link on it with the motor held.
+        damping_ratio: 1, at that rate. half_gap: rad. least_rotor: kg m^2.
+    """
+
+    inertia: float
+    rate: float
+    damping_ratio: float
+    half_gap: float
+    least_rotor: float
+
+    @property
+    def stiffness(self) -> float:
+        """N m/rad."""
+        return self.inertia * self.rate**2
+
+    @property
+    def damping(self) -> float:
+        """N m s/rad."""
+        return 2.0 * self.damping_ratio * self.rate * self.inertia
+
+
+def require_place(spec: mujoco.MjSpec, name: str) -> None:
+    """See to it that a joint can have a deflection behind it.
+
+    Raises:
+        ModelError: another joint of its body comes after it, or the deflection's name is taken.
+    """
+    joint = spec.joint(name)
+    own = [other.name for other in joint.parent.joints]
+    if own[-1] != name:
+        raise ModelError(
+            f"joint {name!r} is elastic or has backlash, and joint {own[-1]!r} of the same body "
+            "comes after it: give each a body of its own"
+        )
+    if name + DEFLECTION in {other.name for other in spec.joints}:
+        raise ModelError(f"the model has a joint {name + DEFLECTION!r} already: rename it")
+
+
+def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect, Array]]) -> None:
+    """Put a deflection behind a joint; changed in place, keyframes too.
+
+    Args:
+        effects: of the mechanism, each with its numbers, shape then coefficients.
+    """
+    model = spec.copy().compile()
+    j = model.joint(name).id
+    dof, step = int(model.jnt_dofadr[j]), float(spec.option.timestep)
+    armature = float(model.dof_armature[dof])
+    link = _inertia(model, dof) - armature
+    spring = _spring(name, effects, link, link + armature, step)
+    joint = spec.joint(name)
+    made = joint.parent.add_joint(
+        name=name + DEFLECTION, type=joint.type, axis=joint.axis, pos=joint.pos, group=joint.group
+    )
+    # whatever the defaults are
+    made.armature = made.frictionloss = made.ref = made.springref = 0.0
+    made.limited = mujoco.mjtLimited.mjLIMITED_FALSE
+    _first(made, "stiffness", 0.0)
+    _first(made, "damping", 0.0)
+    more, ratio = spring.inertia - link, 1.0
+    if np.any(model.dof_parentid == dof):
+        joint.armature = max(armature, spring.least_rotor)
+    elif more > 0.0:
+        tendon = spec.add_tendon(name=name + TENDON, armature=more)
+        tendon.wrap_joint(name, 1.0)
+        tendon.wrap_joint(name + DEFLECTION, 1.0)
+        joint.armature = armature - more
+    elif _lighter(spec, model, j, -more):
+        joint.armature = armature - more
+    else:
+        ratio = link / spring.inertia
+        made.armature = link * ratio - link
+    _in_keys(spec, np.insert, int(model.jnt_qposadr[j]) + 1, dof + 1, 0.0)
+    stiffness, damping = spring.stiffness * ratio**2, spring.damping * ratio**2
+    if spring.half_gap == 0.0:
+        _first(made, "stiffness", stiffness)
+        _first(made, "damping", damping)
+        return
+    compiled = spec.copy().compile()
+    weight = float(compiled.dof_invweight0[int(compiled.joint(made.name).dofadr[0])])
+    hinge = joint.type == mujoco.mjtJoint.mjJNT_HINGE
+    unit = 180.0 / math.pi if hinge and spec.compiler.degree else 1.0
+    made.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+    made.range = np.array([-1.0, 1.0]) * spring.half_gap / ratio * unit
+    made.solimp_limit[:] = _SOFT, _SOFT, 1.0, 0.5, 1.0
+    # negative numbers are stiffness and damping, over the inertia that MuJoCo takes for the joint's
+    made.solref_limit[:] = -stiffness * weight, -damping * weight
+
+
+def remove_mechanism(spec: mujoco.MjSpec, name: str) -> None:
+    """Take a joint's deflection out again, if it has one; the inertia that it moves stays."""
+    found = spec.joint(name + DEFLECTION)
+    if found is None:
+        return
+    model = spec.copy().compile()
+    j = model.joint(found.name).id
+    tendon = spec.tendon(name + TENDON)
+    if tendon is not None:
+        spec.joint(name).armature += tendon.armature
+        spec.delete(tendon)
+    spec.delete(found)
+    _in_keys(spec, np.delete, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j]))
+
+
+def require_flags(model: mujoco.MjModel, name: str) -> None:
+    """See to it that the flags of a model let a joint's deflection spring back.
+
+    Raises:
+        ModelError: they do not.
+    """
+    j = deflection(model, name)
+    if j < 0:
+        return
+    bit = mujoco.mjtDisableBit
+    wanted = {"spring": bit.mjDSBL_SPRING}
+    if model.jnt_limited[j]:
+        wanted = {"constraint": bit.mjDSBL_CONSTRAINT, "limit": bit.mjDSBL_LIMIT}
+    for flag, mask in wanted.items():
+        if model.opt.disableflags & int(mask):
+            raise ModelError(
+                f"the flag {flag!r} is disabled, so nothing holds joint {name + DEFLECTION!r}: "
+                "enable it in <option><flag>"
+            )
+
+
+def deflection(model: mujoco.MjModel, name: str) -> int:
+    """Id of the joint behind an elastic joint or one with backlash; -1 for another."""
+    found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name + DEFLECTION)
+    return found
+
+
+def _inertia(model: mujoco.MjModel, dof: int) -> float:
+    """Of a joint at qpos0, its armature and all behind it, kg m^2 (kg)."""
+    data, unit, column = mujoco.MjData(model), np.zeros(model.nv), np.zeros(model.nv)
+    mujoco.mj_forward(model, data)
+    unit[dof] = 1.0
+    mujoco.mj_mulM(model, data, column, unit)
+    return float(column[dof])
+
+
+def _spring(
+    name: str, effects: Sequence[tuple[Effect, Array]], link: float, total: float, step: float
+) -> _Spring:
+    """What one effect says or two, then springs in a row, as far as the time step resolves it."""
+    behind, half_gap, compliance, damping_ratio = total, 0.0, 0.0, 0.0
+    for effect, numbers in effects:
+        if effect is ELASTICITY:
+            frequency, ratio, inertia = (float(x) for x in numbers)
+        else:
+            gap, frequency, ratio, share = (float(x) for x in numbers)
+            inertia, half_gap = share * link, 0.5 * gap / link
+        behind, damping_ratio = min(behind, inertia), max(damping_ratio, ratio)
+        compliance += 1.0 / (2.0 * math.pi * frequency) ** 2
+    rate = 1.0 / math.sqrt(compliance)
+    fastest = _FASTEST_FLANK if half_gap > 0.0 else _FASTEST
+    # against each other the masses swing faster than the link alone, by the root of total / rotor
+    if rate * step > fastest * math.sqrt(_MOST_ROTOR):
+        wanted, rate = rate, fastest * math.sqrt(_MOST_ROTOR) / step
+        warnings.warn(
+            f"joint {name!r}: its spring of {wanted / (2.0 * math.pi):.3g} Hz is softened to "
+            f"{rate / (2.0 * math.pi):.3g} Hz: take a time step below {step * rate / wanted:.2g} s",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+    least = max(_LEAST_ROTOR, (rate * step / fastest) ** 2) * total
+    return _Spring(max(min(behind, total - least), least), rate, damping_ratio, half_gap, least)
+
+
+def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
+    """Take inertia about a hinge's axis from its body, kg m^2; False where none such can be."""
+    if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_HINGE:
+        return False
+    if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
+        return False
+    b = int(model.jnt_bodyid[j])
+    flat = np.zeros(9)
+    mujoco.mju_quat2Mat(flat, model.body_iquat[b])
+    frame = flat.reshape(3, 3)
+    axis = frame.T @ model.jnt_axis[j]
+    moments, axes = np.linalg.eigh(np.diag(model.body_inertia[b]) - excess * np.outer(axis, axis))
+    if moments[0] <= 0.0 or moments[0] + moments[1] < moments[2]:
+        return False
+    axes[:, 2] *= np.linalg.det(axes)
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, (frame @ axes).reshape(-1))
+    body = spec.joint(model.joint(j).name).parent
+    body.explicitinertial = True
+    body.mass, body.ipos = float(model.body_mass[b]), model.body_ipos[b]
+    body.inertia, body.iquat = moments, quat
+    body.fullinertia = np.full(6, np.nan)
+    return True
+
+
+def _in_keys(
+    spec: mujoco.MjSpec, change: Callable[..., Array], qpos: int, dof: int, *value: float
+) -> None:
+    """Insert or delete a deflection at these addresses of the keyframes."""
+    for key in spec.keys:
+        for field, at in (("qpos", qpos), ("qvel", dof)):
+            numbers = np.asarray(getattr(key, field))
+            if numbers.size:
+                setattr(key, field, change(numbers, at, *value))
+
+
+def _first(joint: mujoco.MjsJoint, field: str, value: float) -> None:
+    """Set the first coefficient of a polynomial, or the one number of an older MuJoCo."""
+    numbers = np.zeros_like(np.array(getattr(joint, field), dtype=np.float64))
+    np.ravel(numbers)[:1] = value
+    setattr(joint, field, numbers if numbers.ndim else value)

@@ -1,0 +1,152 @@
+"""The thermal state of joints whose friction depends on it: to read, and to set.
+
+`temperature-dependent` rests at its reference until `set_temperature` moves it, or follows
+`heating`, the friction's own loss. `warm-up-drift` knows no temperature: its state is how much of
+the change that warming brings has happened.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+
+from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arrays import Array
+from frictionjoint.effects import heating, temperature_dependent, warm_up_drift
+from frictionjoint.effects.kernel import MEMORY
+from frictionjoint.errors import ModelError
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW, resolve
+from frictionjoint.simulate.row import FRONT, STARTED
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """How a number of an effect's memory stands for its thermal state.
+
+    Attributes:
+        read: state from (numbers, memory, time). write: memory from (numbers, state, time).
+    """
+
+    read: Callable[[Array, float, float], float]
+    write: Callable[[Array, float, float], float]
+
+
+def _above(P: Array, x: float, t: float) -> float:
+    return float(P[0]) + x
+
+
+def _less(P: Array, celsius: float, t: float) -> float:
+    return celsius - float(P[0])
+
+
+_TEMPERATURES = {
+    float(heating.EFFECT.effect_id): _Kind(_above, _less),
+    float(temperature_dependent.EFFECT.effect_id): _Kind(_above, _less),
+}
+_WARMTHS = {
+    float(warm_up_drift.EFFECT.effect_id): _Kind(
+        lambda P, x, t: -math.expm1(-(t + x) / P[0]),
+        lambda P, warm, t: -P[0] * math.log1p(-warm) - t,
+    ),
+    float(warm_up_drift.BY_LOSS.effect_id): _Kind(
+        lambda P, x, t: -math.expm1(-x / P[1]), lambda P, warm, t: -P[1] * math.log1p(-warm)
+    ),
+}
+
+
+def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
+    """Temperature, deg C, of each joint that has `heating` or `temperature-dependent`.
+
+    Args:
+        model: carries friction. data: of that model, evaluated at least once.
+    Raises:
+        ModelError: no joint has a temperature, or the data have not been evaluated.
+        TypeError: no MjModel or MjData.
+    """
+    return _read(model, data, _TEMPERATURES, "temperature")
+
+
+def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, celsius: float) -> None:
+    """Put a joint at a temperature, from which `heating` goes on, if it has that.
+
+    Raises:
+        ModelError, TypeError: as `temperature`, or the joint has none.
+    """
+    _write(model, data, _TEMPERATURES, "temperature", joint, celsius)
+
+
+def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
+    """How warm each joint with `warm-up-drift` is: 0 cold, 1 when nothing changes any more.
+
+    Args, Raises: as `temperature`.
+    """
+    return _read(model, data, _WARMTHS, "warmth")
+
+
+def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: float) -> None:
+    """Put a joint with `warm-up-drift` at a warmth, 0 to below 1.
+
+    Raises:
+        ModelError: as `temperature`, the joint has none, or a warmth outside [0, 1).
+        TypeError: as `temperature`.
+    """
+    if not 0.0 <= warm < 1.0:
+        raise ModelError(f"joint {joint!r}: a warmth is 0 or above and below 1, not {warm}")
+    _write(model, data, _WARMTHS, "warmth", joint, warm)
+
+
+def _places(
+    model: mujoco.MjModel, data: mujoco.MjData, kinds: dict[float, _Kind], what: str
+) -> dict[str, list[tuple[_Kind, int, int, int]]]:
+    """By joint: kind, address of the numbers, of the committed and of the evaluated memory."""
+    require_model(model, what)
+    require_data(data, what)
+    P, found = model.numeric_data, {}
+    for name, block in resolve(model).items():
+        at = block + int(P[block + EFFECTS])
+        n, row = int(P[at]), int(P[block + ROW])
+        memory = row + FRONT + int(law_row_size(P, block + HEAD))
+        at, places = at + 1, []
+        for i in range(n):
+            if P[at] in kinds:
+                committed = memory + MEMORY * i
+                places.append((kinds[P[at]], at + 2, committed, committed + MEMORY * n))
+            at += 2 + int(P[at + 1])
+        if places and data.userdata[row + STARTED] == 0.0:
+            raise ModelError(
+                f"joint {name!r} has no {what} yet: attach the model and call mj_forward first"
+            )
+        if places:
+            found[name] = places
+    if not found:
+        raise ModelError(f"no joint of the model has an effect with a {what}")
+    return found
+
+
+def _read(
+    model: mujoco.MjModel, data: mujoco.MjData, kinds: dict[float, _Kind], what: str
+) -> dict[str, float]:
+    return {
+        name: places[0][0].read(
+            model.numeric_data[places[0][1] :], float(data.userdata[places[0][3]]), data.time
+        )
+        for name, places in _places(model, data, kinds, what).items()
+    }
+
+
+def _write(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    kinds: dict[float, _Kind],
+    what: str,
+    joint: str,
+    value: float,
+) -> None:
+    found = _places(model, data, kinds, what)
+    if joint not in found:
+        raise ModelError(f"joint {joint!r} has no {what}: {', '.join(found)} do")
+    for kind, numbers, committed, evaluated in found[joint]:
+        x = kind.write(model.numeric_data[numbers:], value, data.time)
+        data.userdata[committed] = data.userdata[evaluated] = x

@@ -1,0 +1,192 @@
+"""What acts beside the motion: the gear's load, temperature and warmth, late instruments."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.effects import (
+    heating,
+    load_dependent,
+    measurement_delay,
+    temperature_dependent,
+    warm_up_drift,
+)
+from frictionjoint.errors import ModelError
+from frictionjoint.rivals import LuGreParameters
+from frictionjoint.simulate.carrier import SimulatedEffect
+
+LAW = LuGreParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, sigma2=0.0, sigma0=1e4)
+ARM = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody>
+<body><joint name="a" axis="0 1 0" armature="0.02"/><geom type="capsule" size=".03" mass="2"
+fromto="0 0 0 .3 0 0"/><body pos=".3 0 0"><joint name="b" axis="0 1 0" armature="0.01"/>
+<geom type="capsule" size=".03" mass="1" fromto="0 0 0 .3 0 0"/></body></body>{floor}</worldbody>
+<actuator><motor name="a" joint="a"/><motor name="b" joint="b"/></actuator></mujoco>"""
+TURNING = """<mujoco><option timestep="0.001" gravity="0 0 0" integrator="implicitfast"/>
+<worldbody><body><joint name="j" axis="0 0 1"/><geom size="0.1" mass="10"/></body></worldbody>
+<actuator><velocity name="j" joint="j" kv="100"/></actuator></mujoco>"""
+
+
+def model_of(xml, effects, joint="j"):
+    spec = mujoco.MjSpec.from_string(xml)
+    made = [SimulatedEffect(*e) for e in effects]
+    fj.install(spec, {joint: LAW}, {joint: made})
+    spec.compile()
+    return mujoco.MjModel.from_xml_string(spec.to_xml())
+
+
+def geared_load(model, data, joint):
+    """Inverse dynamics without the armature, N m; what contacts bear is not the gear's."""
+    found = np.zeros(model.nv)
+    mujoco.mj_rne(model, data, 1, found)
+    return found[joint] - data.qfrc_constraint[joint]
+
+
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_the_load_is_that_of_the_whole_arm(backend):
+    step = 2e-4
+    model = model_of(
+        ARM.format(step=step, floor=""), [(load_dependent.EFFECT, (1e-6,), (0.3,))], "a"
+    )
+    data = mujoco.MjData(model)
+    found, wanted, coupled = [], [], []
+    with fj.attach(model, backend):
+        for k in range(1500):
+            # the elbow thrashes, so that its acceleration is much of the shoulder's load
+            data.ctrl[:] = 9.0 * math.sin(11.0 * data.time), 4.0 * math.sin(40.0 * data.time)
+            mujoco.mj_step(model, data)
+            again = mujoco.MjData(model)
+            if k % 50 == 49:
+                mujoco.mj_copyData(again, model, data)
+                mujoco.mj_forward(model, again)
+                torque = fj.torque(model, again)["a"]
+                mujoco.mj_forward(model, again)
+                assert fj.torque(model, again)["a"] == torque
+                found.append(torque.effects["load-dependent"])
+                load = geared_load(model, again, 0)
+                wanted.append(0.3 * abs(load) * torque.hysteresis)
+                alone = again.M[0] - model.dof_armature[0]
+                coupled.append(load - again.qfrc_bias[0] - alone * again.qacc[0])
+    assert np.std(coupled) > 0.5
+    np.testing.assert_allclose(found, wanted, atol=0.1)
+    assert np.std(wanted) > 1.0
+
+
+def test_a_contact_takes_its_part_of_the_load():
+    floor = '<geom type="plane" size="1 1 .1" pos="0 0 -.05"/>'
+    model = model_of(
+        ARM.format(step=1e-3, floor=floor), [(load_dependent.EFFECT, (1e-6,), (0.3,))], "a"
+    )
+    data = mujoco.MjData(model)
+    with fj.attach(model):
+        mujoco.mj_step(model, data, 1500)
+        mujoco.mj_forward(model, data)
+        torque = fj.torque(model, data)["a"]
+    hanging = geared_load(model, data, 0) + data.qfrc_constraint[0]
+    assert abs(hanging) > 5.0  # gravity, borne by the floor
+    load = geared_load(model, data, 0)
+    assert abs(load) < 0.3 * abs(hanging)
+    # at rest the torque stays where motion left it: nothing of the whole weight
+    assert abs(torque.effects["load-dependent"]) < 0.1 * abs(hanging)
+
+
+def test_the_loss_warms_the_joint():
+    ambient, resistance, tau = 20.0, 30.0, 2.0
+    model = model_of(
+        TURNING,
+        [
+            (temperature_dependent.EFFECT, (25.0, 40.0), (0.5, 0.0)),
+            (heating.EFFECT, (ambient, resistance, tau), ()),
+        ],
+    )
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1.0
+    with fj.attach(model):
+        with pytest.raises(ModelError, match="'j' has no temperature yet"):
+            fj.temperature(model, data)
+        expected = ambient
+        for _ in range(3000):
+            before = fj.torque(model, data)["j"] if data.time else None
+            mujoco.mj_step(model, data)
+            loss = before.total * data.qvel[0] if before else 0.0
+            decay = math.exp(-model.opt.timestep / tau)
+            expected = ambient + resistance * loss * (1 - decay) + (expected - ambient) * decay
+        found = fj.temperature(model, data)["j"]
+        assert found > 35.0
+        assert found == pytest.approx(expected, abs=0.2)
+        part = fj.torque(model, data)["j"].effects["temperature-dependent"]
+        assert part == pytest.approx(0.5 * math.expm1(-(found - 25.0) / 40.0), rel=1e-3)
+        fj.set_temperature(model, data, "j", 60.0)
+        assert fj.temperature(model, data) == {"j": 60.0}
+        mujoco.mj_step(model, data)
+        part = fj.torque(model, data)["j"].effects["temperature-dependent"]
+        assert part == pytest.approx(0.5 * math.expm1(-35.0 / 40.0), rel=1e-3)
+        with pytest.raises(ModelError, match="no joint of the model has an effect with a warmth"):
+            fj.warmth(model, data)
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_forward(model, data)
+        assert fj.temperature(model, data) == {"j": ambient}
+
+
+def test_without_heating_a_temperature_stays_as_set():
+    model = model_of(TURNING, [(temperature_dependent.EFFECT, (25.0, 40.0), (0.5, 0.1))])
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1.0
+    with fj.attach(model):
+        mujoco.mj_step(model, data, 500)
+        assert fj.temperature(model, data) == {"j": 25.0}
+        assert fj.torque(model, data)["j"].effects["temperature-dependent"] == 0.0
+        fj.set_temperature(model, data, "j", 5.0)
+        other = mujoco.MjData(model)
+        mujoco.mj_copyData(other, model, data)
+        mujoco.mj_step(model, other, 500)
+        assert fj.temperature(model, other) == {"j": 5.0}
+        part = fj.torque(model, other)["j"].effects["temperature-dependent"]
+    assert part == pytest.approx((0.5 + 0.1 * other.qvel[0]) * math.expm1(0.5), rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("effect", "shape"),
+    [(warm_up_drift.EFFECT, (20.0,)), (warm_up_drift.BY_LOSS, (20.0, 4.0))],
+)
+def test_a_joint_can_be_set_warm(effect, shape):
+    model = model_of(TURNING, [(effect, shape, (0.5, 0.0))])
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1.0
+    with fj.attach(model):
+        mujoco.mj_step(model, data, 300)
+        cold = fj.warmth(model, data)["j"]
+        assert 0.0 < cold < 0.2
+        fj.set_warmth(model, data, "j", 0.75)
+        assert fj.warmth(model, data)["j"] == pytest.approx(0.75)
+        mujoco.mj_step(model, data)
+        part = fj.torque(model, data)["j"].effects["warm-up-drift"]
+        assert part == pytest.approx(0.25 * 0.5, rel=2e-2)
+        mujoco.mj_step(model, data, 500)
+        assert 0.75 < fj.warmth(model, data)["j"] < 0.9
+        with pytest.raises(ModelError, match="0 or above and below 1"):
+            fj.set_warmth(model, data, "j", 1.0)
+
+
+@pytest.mark.parametrize("delay", [0.0123, -0.0123])
+def test_instruments_are_late(delay):
+    model = model_of(TURNING, [(measurement_delay.EFFECT, (delay,), ())])
+    names = [model.sensor(i).name for i in range(model.nsensor)]
+    assert names == ["j_position", "j_velocity", "j_torque"]
+    data = mujoco.MjData(model)
+    rows = []
+    with fj.attach(model):
+        for _ in range(2000):
+            data.ctrl[0] = math.sin(5.0 * data.time)
+            mujoco.mj_forward(model, data)
+            now = data.time, data.qpos[0], data.qvel[0], data.qfrc_actuator[0]
+            mujoco.mj_step(model, data)
+            rows.append([*now, *data.sensordata])
+    t, q, v, u, *measured = np.array(rows)[50:].T
+    late = {True: (delay, delay, 0.0), False: (0.0, 0.0, -delay)}[delay > 0.0]
+    for truth, said, lag in zip((q, v, u), measured, late, strict=True):
+        inside = t > t[0] + 0.05
+        wanted = np.interp(t - lag, t, truth)[inside]
+        np.testing.assert_allclose(said[inside], wanted, atol=1e-6 * np.ptp(truth) + 1e-12)
