@@ -196,7 +196,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index)
         V = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
         white = blocks.sums(V * V[:, -1:], fine=True)
-    at = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
+    places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,
         columns=columns,
@@ -205,8 +205,8 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         white=white,
         low=low,
         high=high,
-        terms=tuple(at[: len(own)]),
-        candidates=tuple(at[len(own) :]),
+        terms=tuple(places[: len(own)]),
+        candidates=tuple(places[len(own) :]),
     )
 
 

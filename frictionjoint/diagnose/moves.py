@@ -139,7 +139,8 @@ def _frequencies(
     halves = found.halves(rng)
 
     def most(parts: Array, members: Sequence[int]) -> Array:
-        return np.max([found.worth(parts, found.candidates[i]) for i in members], axis=0)
+        sizes = [found.worth(parts, found.candidates[i]) for i in members]
+        return np.asarray(np.max(sizes, axis=0))
 
     sizes = [float(most(whole, members)[0]) for members in kinds]
     leading = np.argsort(sizes)[::-1][:_CONTENDERS]

@@ -24,7 +24,8 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     """Our column name -> the file's, for all columns of a file.
 
     Raises:
-        LogError: there is no header, a column appears twice, or the mapping names what is not there.
+        LogError: there is no header, a column appears twice, or the mapping names a column that is
+            not there.
     """
     if all(_is_number(name) for name in names):
         raise LogError(

@@ -97,7 +97,8 @@ class LowPass:
     @cached_property
     def _time(self) -> Array:
         """Of the samples given back, s."""
-        return np.arange(0, (self.n - 1) * self.up + 1, self.step) * (self.dt / self.up)
+        at = np.arange(0, (self.n - 1) * self.up + 1, self.step, dtype=np.float64)
+        return np.asarray(at * (self.dt / self.up))
 
     @cached_property
     def _fade(self) -> Array:
