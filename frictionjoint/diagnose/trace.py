@@ -36,15 +36,16 @@ INTEGRATED_LAW = FrictionParameters.law
 SIGNIFICANCE = 0.05
 # fraction of the squares left that a change must take away: less is as likely a by-product of
 # whatever else is wrong
-SMALLEST_GAIN = 0.08
+SMALLEST_GAIN = 0.2
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
 DISCREPANCY = 0.01
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
 _BENT = 0.3
-# models within chance and this fraction of the best one's gain are a tie
-_TIE = 0.1
+# models within this fraction of the best one's gain are a tie, unless one leaves half of what the
+# other leaves
+_TIE, _APART = 0.1, 0.5
 # an unnamed dependence is taken only where no effect explains as large a part of it
 _ENOUGH = 0.9
 # of a pair over its better half: what one of two effects must explain besides the other
@@ -229,11 +230,13 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         t
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
-        and not (best.score.better(t.score) and best.score.moved(t.score) >= DISCREPANCY)
+        and not (best.score.better(t.score) and best.score.gain(t.score) >= _APART)
         and t.score.gain(now) >= (1.0 - _TIE) * gain
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
-    ties = [t.move.added[0].term.name for t in near if t is not simplest]
+    (own,) = simplest.move.added
+    others = (t.move.added[0] for t in near if t is not simplest)
+    ties = [other.term.name for other in others if not other.contains(own)]
     return _Choice(simplest, tuple(ties))
 
 
