@@ -7,7 +7,7 @@ a degree of freedom is their component along its axis (Atkeson, An and Hollerbac
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.inertia import TEN, of_model
+from frictionjoint.robot.inertia import TEN, matrix, of_model
 from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree
 
 
@@ -30,9 +30,7 @@ class Regressor:
         if body not in self.tree.beyond[dof]:
             return np.zeros((len(self.trajectory), TEN))
         if body not in self._wrenches:
-            # what compensates gravity in the model compensates it of the new mass too
-            felt = (1.0 - float(self.tree.model.body_gravcomp[body])) * self.gravity
-            self._wrenches[body] = _wrench(self.frames[body], felt)
+            self._wrenches[body] = _wrench(self.frames[body], self._felt(body))
         force, moment = self._wrenches[body]
         return _component(self.dofs[dof], self.frames[body], force, moment)
 
@@ -47,14 +45,31 @@ class Regressor:
             phi: of all bodies, shape (nbody, 10); None: the model's.
         """
         phi = of_model(self.tree.model) if phi is None else phi
-        parts = [self.body(b, dof) @ phi[b] for b in self.tree.beyond[dof]]
-        return np.asarray(sum(parts, np.zeros(len(self.trajectory))))
+        found = np.zeros(len(self.trajectory))
+        for b in self.tree.beyond[dof]:
+            frame = self.frames[b]
+            force, moment = _loads(frame, self._felt(b), phi[b])
+            axis, point = self.dofs[dof].axis, self.dofs[dof].point
+            if point is not None:
+                force = moment + _cross_product(frame.p - point, force)
+            found += np.einsum("ni,ni->n", axis, force)
+        return found
+
+    def _felt(self, body: int) -> Array:
+        """Gravity that a body feels: what compensates it in the model does so of new mass too."""
+        return (1.0 - float(self.tree.model.body_gravcomp[body])) * self.gravity
 
 
-def gravity_columns(tree: Tree, trajectory: Trajectory, dof: int) -> Array:
-    """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3)."""
+def gravity_columns(
+    tree: Tree, trajectory: Trajectory, dof: int, phi: Array | None = None
+) -> Array:
+    """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3).
+
+    Args:
+        phi: of all bodies, shape (nbody, 10); None: the model's.
+    """
     still = trajectory.at_rest()
-    return np.column_stack([Regressor(tree, still, e).torque(dof) for e in np.eye(3)])
+    return np.column_stack([Regressor(tree, still, e).torque(dof, phi) for e in np.eye(3)])
 
 
 def _wrench(frame: Frame, gravity: Array) -> tuple[Array, Array]:
@@ -69,6 +84,27 @@ def _wrench(frame: Frame, gravity: Array) -> tuple[Array, Array]:
     moment[:, :, 1:4] = -_cross(a)
     moment[:, :, 4:] = _spread(alpha) + W @ _spread(w)
     return force, moment
+
+
+def _loads(frame: Frame, gravity: Array, phi: Array) -> tuple[Array, Array]:
+    """Force and moment about the frame's origin, in the world, of ten parameters, (n, 3) each."""
+    a, w, alpha = frame.a - gravity, frame.w, frame.alpha
+    h = frame.R @ phi[1:4]
+    force = phi[0] * a + _cross_product(alpha, h) + _cross_product(w, _cross_product(w, h))
+    inertia = matrix(phi)
+
+    def spun(x: Array) -> Array:
+        return np.asarray(np.einsum("nij,nj->ni", frame.R, frame.within(x) @ inertia))
+
+    return force, _cross_product(h, a) + spun(alpha) + _cross_product(w, spun(w))
+
+
+def _cross_product(x: Array, y: Array) -> Array:
+    """As numpy's, which is several times slower on tall arrays."""
+    out = np.empty_like(y)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[:, i] = x[:, j] * y[:, k] - x[:, k] * y[:, j]
+    return out
 
 
 def _component(dof: Dof, frame: Frame, force: Array, moment: Array) -> Array:

@@ -1,0 +1,172 @@
+"""One joint along one prepared log: its rigid-body torque, and how corrections change it."""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
+from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.kinematics import Trajectory, Tree
+from frictionjoint.robot.regressor import Regressor, gravity_columns
+
+# step of an encoder's zero in a difference, rad (m)
+_STEP = 1e-5
+# a shaft's friction turns over at this part of its top speed
+_TURNS = 0.01
+
+
+@dataclass(frozen=True)
+class Along:
+    """Columns of torque at one joint, on the whole grid of one log.
+
+    Attributes:
+        body: the model around the joint. original: the log as it was prepared with that model.
+        state: corrections that hold now.
+    """
+
+    body: RigidBody
+    original: Segment
+    state: Corrections
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what is computed on demand, which is large and as quickly made again."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def corrected(self, state: Corrections) -> "Along":
+        """The same under other corrections."""
+        return replace(self, state=state)
+
+    @cached_property
+    def dof(self) -> int:
+        """Degree of freedom of the joint."""
+        return int(self.model.jnt_dofadr[self.body.joint_id])
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The user's model, with the poses of joints that no log holds."""
+        return self.body.model
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Its topology."""
+        return Tree(self.model)
+
+    @cached_property
+    def regressor(self) -> Regressor:
+        """Along the corrected motion, under the corrected gravity."""
+        return self._regressor(self.state.offset)
+
+    @cached_property
+    def torque(self) -> Array:
+        """Of all bodies under the corrections, shape (n,)."""
+        return self.regressor.torque(self.dof, self.state.phi)
+
+    def bodies(self, body: int) -> Array:
+        """Torque per unit of a body's ten parameters, shape (n, 10)."""
+        return self.regressor.body(body, self.dof)
+
+    @cached_property
+    def gravity(self) -> Array:
+        """Torque per m/s^2 of gravity along x, y and z, shape (n, 3)."""
+        return gravity_columns(self.tree, self.regressor.trajectory, self.dof, self.state.phi)
+
+    def offset(self, joint: str) -> Array:
+        """Torque per rad (m) of a joint's zero, shape (n,)."""
+        moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
+        further = self._regressor(moved).torque(self.dof, self.state.phi)
+        return np.asarray((further - self.torque) / _STEP)
+
+    def shaft(self, shaft: Shaft) -> Array:
+        """Torque per unit of a shaft's level, viscous friction and inertia, shape (n, 3)."""
+        first, second = (self._motion(name) for name in shaft.joints)
+        v, a = (x + shaft.ratio * y for x, y in zip(first[1:], second[1:], strict=True))
+        top = float(np.quantile(np.abs(v), 0.99)) or 1.0
+        columns = np.column_stack([np.tanh(v / (_TURNS * top)), v, a])
+        per_turn = {shaft.joints[0]: 1.0, shaft.joints[1]: shaft.ratio}
+        return columns * per_turn.get(self.body.joint, 0.0)
+
+    def linear(self, before: Corrections, after: Corrections) -> Array:
+        """Change of torque between two corrections next to this state, to first order, (n,)."""
+        found = np.zeros(len(self.original.signals))
+        bodies = np.flatnonzero(np.any(after.phi != before.phi, axis=1))
+        for b in set(bodies.tolist()) & set(self.tree.beyond[self.dof]):
+            found += self.bodies(b) @ (after.phi[b] - before.phi[b])
+        turn = after.gravity - before.gravity
+        if np.any(turn):
+            found += self.gravity @ turn
+        own = self.body.joint
+        found += self.acceleration * (after.armature.get(own, 0.0) - before.armature.get(own, 0.0))
+        for name in after.offset:
+            change = after.offset[name] - before.offset.get(name, 0.0)
+            if change:
+                found += self.offset(name) * change
+        for shaft, other in zip(after.shafts, before.shafts, strict=True):
+            step = shaft.numbers - other.numbers
+            if np.any(step):
+                found += self.shaft(shaft) @ step
+        return found
+
+    @property
+    def acceleration(self) -> Array:
+        """Of the joint, shape (n,)."""
+        return self.original.signals[:, A]
+
+    def segment(self, like: Segment) -> Segment:
+        """A log with the load that the corrections make of it.
+
+        Args:
+            like: the same log, as it is weighted now.
+        """
+        signals = like.signals.copy()
+        change = self.change()
+        rotor = self.state.armature.get(self.body.joint, 0.0) * self.acceleration
+        signals[:, LOAD] = self.original.signals[:, LOAD] + change + rotor
+        signals[:, GEAR] = self.original.signals[:, GEAR] + change
+        return replace(like, signals=signals)
+
+    def change(self) -> Array:
+        """Torque that the corrections add to the model's but for the joint's own rotor, (n,)."""
+        found = self.torque - self._believed
+        for shaft in self.state.shafts:
+            found = found + self.shaft(shaft) @ shaft.numbers
+        return found
+
+    @cached_property
+    def _believed(self) -> Array:
+        return Regressor(self.tree, self._trajectory({})).torque(self.dof)
+
+    def _regressor(self, offset: dict[str, float]) -> Regressor:
+        return Regressor(self.tree, self._trajectory(offset), self.state.gravity)
+
+    def _trajectory(self, offset: dict[str, float]) -> Trajectory:
+        n, model = len(self.original.signals), self.model
+        q = np.tile(model.qpos0, (n, 1))
+        v, a = (np.zeros((n, model.nv)) for _ in range(2))
+        for name in {self.body.joint, *self._others}:
+            j = model.joint(name).id
+            dof = int(model.jnt_dofadr[j])
+            position, v[:, dof], a[:, dof] = self._motion(name)
+            q[:, int(model.jnt_qposadr[j])] = position + offset.get(name, 0.0)
+        return Trajectory(q, v, a)
+
+    @cached_property
+    def _others(self) -> set[str]:
+        named = {name.rpartition(".")[0] for name in self.original.others}
+        return named & self.body.joint_names
+
+    def _motion(self, name: str) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of a joint; zero where the log does not hold it."""
+        if name == self.body.joint:
+            s = self.original.signals
+            return s[:, Q], s[:, V], s[:, A]
+        if name not in self._others:
+            still = np.zeros(len(self.original.signals))
+            return still, still, still
+        kinds = ("position", "velocity", "acceleration")
+        position, velocity, acceleration = (self.original.others[f"{name}.{k}"] for k in kinds)
+        return position, velocity, acceleration

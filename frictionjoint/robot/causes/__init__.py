@@ -1,0 +1,1 @@
+"""What several joints show at once, one file a cause: how it changes a rigid-body model."""

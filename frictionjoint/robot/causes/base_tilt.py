@@ -1,0 +1,66 @@
+"""A base that does not stand as the model says: another direction of gravity."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import FREE
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class BaseTilt:
+    """Numbers: the turn of gravity about two axes across it, rad."""
+
+    name: ClassVar[str] = "base-tilt"
+    homogeneous: ClassVar[bool] = False
+    essential: ClassVar[int] = 0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {}
+
+    @property
+    def start(self) -> Array:
+        """See `Cause`."""
+        return np.zeros(2)
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.full(2, 1e-4)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return (FREE, FREE)
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        return np.full(2, np.inf)
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        axes = _across(state.gravity)
+        turned = Rotation.from_rotvec(x @ axes).apply(state.gravity)
+        return replace(state, gravity=np.asarray(turned))
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        g = self.applied(state, x).gravity
+        return {"angle": (float(np.linalg.norm(x)), "rad")} | {
+            f"gravity_{axis}": (float(c), "m/s^2") for axis, c in zip("xyz", g, strict=True)
+        }
+
+
+def _across(g: Array) -> Array:
+    """Two unit vectors across another one, in rows."""
+    first = np.cross(g, np.eye(3)[int(np.argmin(np.abs(g)))])
+    first /= np.linalg.norm(first)
+    second = np.cross(g, first)
+    return np.array([first, second / np.linalg.norm(second)])

@@ -1,0 +1,102 @@
+"""Wrong inertial parameters of a link: of its mass alone, of mass and centre, or of all ten.
+
+All three keep the body possible: its pseudo-inertia becomes (L T)(L T)' with L its Cholesky factor
+and T lower triangular with a positive diagonal (log-Cholesky; Rucker and Wensing 2022).
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import FREE
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.inertia import NAMES, UNITS, about_centre, of_body, of_pseudo, pseudo
+
+Form = Literal["mass", "mass and centre", "all ten"]
+_SIZES: dict[Form, int] = {"mass": 1, "mass and centre": 4, "all ten": 10}
+# standard deviation of the relative change of each entry of T: what the logs do not determine
+# stays near the model's own figures
+_PRESUMED = 1.0
+
+
+@dataclass(frozen=True)
+class BodyInertia:
+    """Numbers: the logarithm of the mass over the model's; with the shift of the centre, m; or the
+    logarithms of T's diagonal and what is below it.
+
+    Attributes:
+        body: by number and name. form: which of its parameters are wrong.
+        size: length over which its centre may lie elsewhere, m.
+    """
+
+    body: int
+    body_name: str
+    form: Form
+    size: float = 0.1
+    name: ClassVar[str] = "body-inertia"
+    homogeneous: ClassVar[bool] = False
+    essential: ClassVar[int] = 0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {"body": self.body_name}
+
+    @property
+    def start(self) -> Array:
+        """See `Cause`."""
+        return np.zeros(_SIZES[self.form])
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.full(_SIZES[self.form], 1e-5)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return (FREE,) * _SIZES[self.form]
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        found = np.full(_SIZES[self.form], _PRESUMED)
+        if self.form == "mass and centre":
+            found[1:] = self.size
+        return found
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        return state.with_body(self.body, self._changed(state.phi[self.body], x))
+
+    def _changed(self, phi: Array, x: Array) -> Array:
+        if not np.any(x):
+            return phi
+        if self.form == "mass":
+            return np.asarray(phi * np.exp(x[0]))
+        if self.form == "mass and centre":
+            mass, centre, own = about_centre(phi)
+            grown = float(np.exp(x[0]))
+            return of_body(mass * grown, centre + x[1:], own * grown)
+        L = np.linalg.cholesky(pseudo(phi))
+        T = np.diag(np.exp(x[:4]))
+        T[np.tril_indices(4, -1)] = x[4:]
+        return of_pseudo(L @ T @ T.T @ L.T)
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        before = state.phi[self.body]
+        after = self._changed(before, x)
+        found = {
+            "mass": (float(after[0]), "kg"),
+            "mass_over_model": (float(after[0] / before[0]), "1"),
+        }
+        if self.form != "mass":
+            for axis, c in zip("xyz", after[1:4] / after[0], strict=True):
+                found[f"centre_{axis}"] = (float(c), "m")
+        if self.form == "all ten":
+            for name, unit, value in zip(NAMES[4:], UNITS[4:], after[4:], strict=True):
+                found[name.replace("inertia ", "I")] = (float(value), unit)
+        return found

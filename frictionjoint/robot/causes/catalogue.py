@@ -1,0 +1,102 @@
+"""All shared causes that a robot's logs can speak of."""
+
+import itertools
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from frictionjoint.identify.held import SLIDE
+from frictionjoint.robot.causes.base_tilt import BaseTilt
+from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
+from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.gear_coupling import GearCoupling
+from frictionjoint.robot.causes.joint_offset import JointOffset
+from frictionjoint.robot.causes.payload import Payload
+from frictionjoint.robot.causes.rotor_inertia import RotorInertia
+from frictionjoint.robot.inertia import of_model, possible
+from frictionjoint.robot.kinematics import Tree
+
+_FORMS: tuple[Form, ...] = ("mass", "mass and centre", "all ten")
+
+
+def catalogue(
+    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
+) -> tuple[Cause, ...]:
+    """Causes that could act on these joints.
+
+    Args:
+        joints: whose drive the logs hold. moving: whose motion they hold.
+    """
+    found: list[Cause] = [
+        RotorInertia(name, float(model.joint(name).armature[0]), is_slide(model, name))
+        for name in joints
+    ]
+    links = rigid_links(model, joints, moving)
+    found += [Payload(b, body_label(model, b)) for b in _hands(links)]
+    phi = of_model(model)
+    for link in links.values():
+        heaviest = max(link, key=lambda b: phi[b, 0])
+        if possible(phi[heaviest]):
+            found += [
+                BodyInertia(heaviest, body_label(model, heaviest), form, _reach(model, heaviest))
+                for form in _FORMS
+            ]
+    if np.any(model.opt.gravity):
+        found.append(BaseTilt())
+    found += [JointOffset(name, is_slide(model, name)) for name in moving]
+    found += [
+        GearCoupling(pair, ratio) for pair in _neighbours(model, joints) for ratio in (1.0, -1.0)
+    ]
+    return tuple(found)
+
+
+def rigid_links(
+    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
+) -> dict[frozenset[int], list[int]]:
+    """Bodies that move as one in these logs, by the degrees of freedom that move them.
+
+    Only links that a driven joint moves; the body next to the base comes first.
+    """
+    tree = Tree(model)
+    moved = {int(model.joint(name).dofadr[0]) for name in (*joints, *moving)}
+    driven = {int(model.joint(name).dofadr[0]) for name in joints}
+    links: dict[frozenset[int], list[int]] = {}
+    for b in range(1, model.nbody):
+        dofs = frozenset(d for d in moved if b in tree.beyond[d])
+        if dofs & driven:
+            links.setdefault(dofs, []).append(b)
+    return links
+
+
+def _hands(links: dict[frozenset[int], list[int]]) -> list[int]:
+    """First bodies of the outermost links."""
+    return [bodies[0] for dofs, bodies in links.items() if not any(dofs < other for other in links)]
+
+
+def _neighbours(model: mujoco.MjModel, joints: Sequence[str]) -> list[tuple[str, str]]:
+    """Hinges next to each other along a branch."""
+    hinges = [name for name in joints if not is_slide(model, name)]
+    found = []
+    for a, b in itertools.pairwise(hinges):
+        up = int(model.joint(b).bodyid[0])
+        parents = {up, int(model.body_parentid[up])}
+        if int(model.joint(a).bodyid[0]) in parents:
+            found.append((a, b))
+    return found
+
+
+def is_slide(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether a joint is a slide."""
+    return int(model.joint(joint).type[0]) == SLIDE
+
+
+def body_label(model: mujoco.MjModel, body: int) -> str:
+    """Name of a body, or what to say of one without."""
+    return str(model.body(body).name or f"body {body}")
+
+
+def _reach(model: mujoco.MjModel, body: int) -> float:
+    """Size of a body by its own inertia: the root of twice its radius of gyration squared, m."""
+    gyration = float(model.body_inertia[body].sum()) / float(model.body_mass[body])
+    return float(np.sqrt(gyration)) + float(np.linalg.norm(model.body_ipos[body]))

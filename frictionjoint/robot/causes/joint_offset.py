@@ -1,0 +1,55 @@
+"""An encoder whose zero is not the model's."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import FREE
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class JointOffset:
+    """Number: what is to be added to the measured position, rad (m of a slide)."""
+
+    joint: str
+    slide: bool = False
+    name: ClassVar[str] = "joint-offset"
+    homogeneous: ClassVar[bool] = False
+    essential: ClassVar[int] = 0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {"joint": self.joint}
+
+    @property
+    def start(self) -> Array:
+        """See `Cause`."""
+        return np.zeros(1)
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.full(1, 1e-3)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return (FREE,)
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        return np.full(1, np.inf)
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        here = state.offset.get(self.joint, 0.0) + float(x[0])
+        return replace(state, offset=state.offset | {self.joint: here})
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        return {"offset": (float(x[0]), "m" if self.slide else "rad")}

@@ -1,0 +1,76 @@
+"""A mass in the hand that the model does not know.
+
+A ball of some extent: the second moment of its mass about its centre is alike in all directions.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import FREE, POSITIVE
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.inertia import TEN, point_mass
+
+# kg: below it there is no payload, and its centre is nowhere
+_NONE = 1e-6
+
+
+@dataclass(frozen=True)
+class Payload:
+    """Numbers: mass, kg; mass times centre in the frame of the body, kg m; and its second moment
+    about the centre along each axis, kg m^2.
+
+    Attributes:
+        body: that carries it, by number and name.
+    """
+
+    body: int
+    body_name: str
+    name: ClassVar[str] = "payload"
+    homogeneous: ClassVar[bool] = True
+    essential: ClassVar[int] = 1
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {"body": self.body_name}
+
+    @property
+    def start(self) -> Array:
+        """See `Cause`."""
+        return np.zeros(5)
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.array([1e-4, 1e-5, 1e-5, 1e-5, 1e-5])
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return (POSITIVE, FREE, FREE, FREE, POSITIVE)
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        return np.full(5, np.inf)
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        added = np.zeros(TEN)
+        added[:4] = x[:4]
+        if x[0] > _NONE:
+            added = point_mass(float(x[0]), x[1:4])
+        added[[4, 7, 9]] += 2.0 * x[4]
+        return state.with_body(self.body, state.phi[self.body] + added)
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        centre = x[1:4] / max(float(x[0]), _NONE)
+        return (
+            {"mass": (float(x[0]), "kg")}
+            | {f"centre_{axis}": (float(c), "m") for axis, c in zip("xyz", centre, strict=True)}
+            | {"inertia": (2.0 * float(x[4]), "kg m^2")}
+        )

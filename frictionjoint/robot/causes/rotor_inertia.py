@@ -1,0 +1,63 @@
+"""Inertia of a motor's rotor behind its gear: a URDF has none, data sheets often not either."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class RotorInertia:
+    """Number: what is added to the model's armature, kg m^2 (kg of a slide).
+
+    Attributes:
+        joint: name. armature: of the model: what is added takes away no more than this.
+    """
+
+    joint: str
+    armature: float
+    slide: bool = False
+    name: ClassVar[str] = "rotor-inertia"
+    homogeneous: ClassVar[bool] = False
+    essential: ClassVar[int] = 0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {"joint": self.joint}
+
+    @property
+    def start(self) -> Array:
+        """See `Cause`."""
+        return np.zeros(1)
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.ones(1)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return ((-self.armature, np.inf),)
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        return np.full(1, np.inf)
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        here = state.armature.get(self.joint, 0.0) + float(x[0])
+        return replace(state, armature=state.armature | {self.joint: here})
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        unit = "kg" if self.slide else "kg m^2"
+        return {
+            "armature": (self.armature + float(x[0]), unit),
+            "added": (float(x[0]), unit),
+        }

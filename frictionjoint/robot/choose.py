@@ -1,0 +1,237 @@
+"""Which shared causes the robot's logs show: forward selection over all joints at once.
+
+One score decides: squares of all joints predicted by coefficients fitted to other motion. The
+joints' own effects contend for the same residual, so that a cause of one joint does not pass for
+one of the robot; those that win are projected out here, and named by each joint's own search.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.trace import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.robot.screen import Candidate, Screened
+from frictionjoint.robot.stack import FLIPS, Columns, Stack, surprises
+
+_MOST_CHANGES = 16
+# gain from which on a cause may have bent the laws: what is left is looked at after they are
+# fitted again
+_BENT = 0.3
+# models within this fraction of the best one's gain are a tie
+_TIE = 0.1
+# part of what a simpler form of a body's parameters leaves that a richer one may take and still be
+# no better: columns are taken where the laws are still bent
+_FORMS = 0.3
+# halves of the blocks on which the leaders contend, and how many leaders
+_HALVES, _CONTENDERS = 25, 6
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A candidate taken, with its evidence.
+
+    Attributes:
+        gain: fraction of a joint's held-out squares that it takes away, where that is most.
+        p_value: of no such cause, over the whole family. frequency: of being the best on halves.
+        runner_up: label of the next best candidate; margin: gain of all joints beyond its.
+        ties: labels of candidates that these logs cannot distinguish from it.
+        numbers: of the cause, to first order, those of its columns that are free.
+    """
+
+    candidate: Candidate
+    gain: float
+    p_value: float
+    frequency: float
+    runner_up: str | None
+    margin: float
+    ties: tuple[str, ...]
+    numbers: Array = field(repr=False)
+
+    @property
+    def bends(self) -> bool:
+        """Whether without it the laws may have been bent."""
+        return self.gain > _BENT
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A candidate added to what is taken: squares by joint and block, (J, B)."""
+
+    candidate: Candidate
+    left: Array = field(repr=False)
+    p_value: float
+
+    @property
+    def total(self) -> float:
+        return float(self.left.sum())
+
+
+def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
+    """Candidates one after the other, the joints' own among them, until none is justified."""
+    taken: list[Candidate] = list(screened.taken)
+    choices: list[Choice] = []
+    for _ in range(_MOST_CHANGES):
+        choice = _next(screened, taken, rng)
+        if choice is None:
+            break
+        choices.append(choice)
+        taken.append(choice.candidate)
+        if choice.candidate.cause and choice.bends:
+            break
+    return choices
+
+
+def idle(screened: Screened, numbers: Sequence[Array]) -> int | None:
+    """The cause in the model that is needed least, if it is not needed.
+
+    Args:
+        numbers: of each cause taken.
+    """
+    found = []
+    for i, (candidate, x) in enumerate(zip(screened.taken, numbers, strict=True)):
+        stack = screened.stack.restored(candidate.at, x)
+        rest = [c for c in screened.taken if c is not candidate]
+        without, now = stack.held_out(_columns(rest)), stack.held_out(_columns(screened.taken))
+        gain = _gain(without, now)
+        enough = gain >= SMALLEST_GAIN and _moved(stack, without, now) >= DISCREPANCY
+        if not (enough and _better(now, without)):
+            found.append((gain, i))
+    return min(found)[1] if found else None
+
+
+def _next(
+    screened: Screened, taken: Sequence[Candidate], rng: np.random.Generator
+) -> Choice | None:
+    stack, known = screened.stack, _columns(taken)
+    now = stack.held_out(known)
+    open_ones = [
+        inside
+        for c in screened.candidates
+        if not any(_excluded(c, t) for t in taken)
+        if (inside := _within_bounds(stack, c, known)) is not None
+    ]
+    scores = [stack.scores(c.at, known) for c in open_ones]
+    signs = np.vstack([np.ones(stack.clock.count), rng.choice([-1.0, 1.0], (FLIPS, len(now[0])))])
+    found = np.array([surprises(s, signs) for s in scores])
+    null = found[:, 1:].max(axis=0)
+    p_values = [(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in found[:, 0]]
+    rows = [
+        _Row(c, stack.held_out(np.concatenate([known, c.at])), p)
+        for c, p in zip(open_ones, p_values, strict=True)
+    ]
+    rows.sort(key=lambda r: r.total)
+    good = [r for r in rows if _justified(stack, r, now)]
+    shared = any(r.candidate.cause for r in good)
+    if not good or not (shared or _gain(now, good[0].left) > _BENT):
+        return None
+    best = good[0]
+    gain = float(now.sum()) - best.total
+    near = [
+        r
+        for r in good
+        if r is best
+        or (not _better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
+        or (
+            _thing(r.candidate) == _thing(best.candidate) and best.total >= (1.0 - _FORMS) * r.total
+        )
+    ]
+    simplest = min(near, key=_simplicity)
+    label = simplest.candidate.label
+    others = [r for r in rows if r.candidate.label != label]
+    ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
+    return Choice(
+        simplest.candidate,
+        _gain(now, simplest.left),
+        simplest.p_value,
+        _frequency(rows, _thing(simplest.candidate), rng),
+        others[0].candidate.label if others else None,
+        (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
+        tuple(ties),
+        stack.solution(np.concatenate([known, simplest.candidate.at]))[len(known) :],
+    )
+
+
+def _excluded(candidate: Candidate, taken: Candidate) -> bool:
+    """Whether a candidate is a form or shape of what is taken, and no richer one of the same."""
+    richer = candidate.label == taken.label and len(candidate.at) > len(taken.at)
+    return _thing(candidate) == _thing(taken) and not (richer and taken.cause)
+
+
+def _thing(candidate: Candidate) -> str:
+    """What all forms of one change have in common: the inertia of a body, or the label."""
+    body = candidate.cause.place.get("body") if candidate.cause else None
+    return f"inertia of {body}" if body else candidate.label
+
+
+def _within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
+    """The candidate without numbers that its bounds hold where they are; None if none is left."""
+    if candidate.cause is None:
+        return candidate
+    at = candidate.at
+    room = candidate.room
+    while len(at):
+        x = stack.solution(np.concatenate([known, at]))[len(known) :]
+        inside = (x >= room[: len(x), 0]) & (x <= room[: len(x), 1])
+        if inside.all():
+            return replace(candidate, at=at)
+        if not inside[: candidate.cause.essential].all():
+            return None
+        at, room = at[inside], room[inside]
+    return None
+
+
+def _simplicity(row: _Row) -> tuple[int, bool, int]:
+    """Fewest numbers first; of as many, a cause of the robot first, in the catalogue's order."""
+    return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
+
+
+def _justified(stack: Stack, row: _Row, now: Array) -> bool:
+    if row.p_value > SIGNIFICANCE or not _better(row.left, now):
+        return False
+    enough = _gain(now, row.left) >= SMALLEST_GAIN
+    return enough and _moved(stack, now, row.left) >= DISCREPANCY
+
+
+def _gain(before: Array, after: Array) -> float:
+    """Fraction of a joint's squares that a candidate takes away, of the joint where that is most."""
+    whole = np.maximum(before.sum(axis=1), 1e-300)
+    return float((1.0 - after.sum(axis=1) / whole).max())
+
+
+def _moved(stack: Stack, before: Array, after: Array) -> float:
+    """rms of the torque by which a joint is nearer, over its friction's, of the joint where that
+    is most.
+    """
+    found = []
+    for k, joint in enumerate(stack.joints):
+        less = max(0.0, float(before[k].sum() - after[k].sum())) / joint.samples
+        found.append(np.sqrt(less) * joint.left / joint.friction if joint.friction else 0.0)
+    return float(max(found))
+
+
+def _better(one: Array, other: Array) -> bool:
+    """Whether squares are fewer by more than a paired standard error over blocks of time."""
+    difference = (other - one).sum(axis=0)
+    return bool(difference.sum() > float(np.std(difference)) * np.sqrt(len(difference)))
+
+
+def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:
+    """How often a cause in any form leaves least on half of the blocks (Shah and Samworth 2013)."""
+    best: dict[str, Array] = {}
+    for row in rows:
+        key = _thing(row.candidate)
+        if len(best) < _CONTENDERS or key == thing:
+            best.setdefault(key, row.left.sum(axis=0))
+    names, left = list(best), np.array(list(best.values()))
+    count, won = left.shape[1], 0
+    for _ in range(_HALVES):
+        half = rng.permutation(count) < count // 2
+        for chosen in (half, ~half):
+            won += names[int(np.argmin(left[:, chosen].sum(axis=1)))] == thing
+    return won / (2 * _HALVES)
+
+
+def _columns(taken: Sequence[Candidate]) -> Columns:
+    return np.concatenate([*(c.at for c in taken), []]).astype(np.int64)

@@ -1,0 +1,100 @@
+"""Blocks of time that all joints share, and the kinds of motion they are of.
+
+Joints of a robot are logged at once, so that what is left of one is not independent of what is left
+of another: a block is a stretch of time of all joints.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.cluster import KMeans
+from sklearn.preprocessing import StandardScaler
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import Blocks, correlation_time
+from frictionjoint.effects.signals import TIME, A, Q, V
+from frictionjoint.robot.joint import FittedJoint
+
+Index = NDArray[np.int64]
+
+_FEWEST, _MOST = 48, 120
+_CORRELATION_TIMES = 5.0
+# logs from which on a fold is a log, and kinds of motion where there are fewer
+_LOGS, _KINDS = 3, 4
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Blocks of all logs in turn.
+
+    Attributes:
+        length: of each log's blocks, s, shape (logs,). first: number of its first block.
+        fold, log: of each block, shape (B,).
+    """
+
+    length: Array
+    first: Index
+    fold: Index
+    log: Index
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return len(self.log)
+
+    def blocks(self, joint: FittedJoint) -> Blocks:
+        """Of one joint's samples."""
+        return Blocks(self.of_sample(joint), self.fold, self.log, self.log)
+
+    def of_sample(self, joint: FittedJoint) -> Index:
+        """Block of each kept sample of a joint's logs, shape (n,)."""
+        return _of_sample(joint, self.length, self.first, self.count)
+
+
+def clock(joints: Sequence[FittedJoint]) -> Clock:
+    """Blocks several correlation times long, as far as enough of them remain."""
+    spans = np.array([np.ptp(s.signals[:, TIME]) for s in joints[0].prepared.segments])
+    total = float(spans.sum())
+    longest = float(np.median([_correlation_s(joint) for joint in joints]))
+    length = float(np.clip(_CORRELATION_TIMES * longest, total / _MOST, total / _FEWEST))
+    counts = np.maximum(2, np.round(spans / length)).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    log = np.repeat(np.arange(len(spans)), counts)
+    lengths = spans / counts
+    fold = log if len(spans) >= _LOGS else _kinds(joints, lengths, first, len(log))
+    return Clock(lengths, first, fold, log)
+
+
+def _of_sample(joint: FittedJoint, length: Array, first: Index, count: int) -> Index:
+    found, ends = [], np.append(first[1:], count)
+    for i, s in enumerate(joint.prepared.segments):
+        t = s.signals[:: s.step, TIME][s.kept]
+        found.append(np.minimum(first[i] + (t / length[i]).astype(np.int64), ends[i] - 1))
+    return np.concatenate(found)
+
+
+def _correlation_s(joint: FittedJoint) -> float:
+    e = joint.fit.residual * joint.fit.weight
+    return max(
+        correlation_time(e[joint.fit.log_index == i]) * s.dt * s.step
+        for i, s in enumerate(joint.prepared.segments)
+    )
+
+
+def _kinds(joints: Sequence[FittedJoint], length: Array, first: Index, count: int) -> Index:
+    """Kind of motion of each block: speed, acceleration, position and direction of all joints."""
+    rows = []
+    for joint in joints:
+        of_sample = _of_sample(joint, length, first, count)
+        q, v, a = (
+            np.concatenate([s.signals[:: s.step, k][s.kept] for s in joint.prepared.segments])
+            for k in (Q, V, A)
+        )
+        size = np.maximum(np.bincount(of_sample, minlength=count), 1)
+        for x in (v**2, a**2, q, np.sign(v)):
+            rows.append(np.bincount(of_sample, x, count) / size)
+    features = StandardScaler().fit_transform(np.column_stack(rows))
+    found = KMeans(min(_KINDS, count), n_init=4, random_state=0).fit_predict(features)
+    return np.asarray(found, dtype=np.int64)

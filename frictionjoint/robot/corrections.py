@@ -1,0 +1,108 @@
+"""What is changed in a robot's rigid-body model, and the model with it."""
+
+from dataclasses import dataclass, field, replace
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.inertia import of_model, write
+
+# MJCF has six digits: what differs by less is the same body
+_SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """A shaft that turns with two joints at once, as a wrist's motor behind a coupled gear.
+
+    Attributes:
+        joints: names. ratio: of the second joint's turns to the first one's in the shaft's.
+        level, viscous, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2, seen
+            from the first joint.
+    """
+
+    joints: tuple[str, str]
+    ratio: float
+    level: float = 0.0
+    viscous: float = 0.0
+    inertia: float = 0.0
+
+    @property
+    def numbers(self) -> Array:
+        """Level, viscous friction and inertia, shape (3,)."""
+        return np.array([self.level, self.viscous, self.inertia])
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """A rigid-body model as it is corrected.
+
+    Attributes:
+        phi: inertial parameters of all bodies, shape (nbody, 10). gravity: m/s^2, shape (3,).
+        armature: added to a joint's, kg m^2 (kg), by name. offset: added to a joint's measured
+            position, rad (m), by name. shafts: beside the model's own tendons.
+    """
+
+    phi: Array
+    gravity: Array
+    armature: dict[str, float] = field(default_factory=dict)
+    offset: dict[str, float] = field(default_factory=dict)
+    shafts: tuple[Shaft, ...] = ()
+
+    @classmethod
+    def none(cls, model: mujoco.MjModel) -> "Corrections":
+        """The model as it is."""
+        return cls(of_model(model), np.array(model.opt.gravity))
+
+    def with_body(self, body: int, phi: Array) -> "Corrections":
+        """With other parameters of one body."""
+        changed = self.phi.copy()
+        changed[body] = phi
+        return replace(self, phi=changed)
+
+
+def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
+    """Put corrections into a spec of the same model.
+
+    Args:
+        spec: compiles; changed in place.
+    Raises:
+        ModelError: a body could not have its parameters.
+    """
+    model = spec.compile()
+    before = of_model(model)
+    changed = np.abs(found.phi - before).max(axis=1) > _SAME * np.abs(before).max(axis=1)
+    if changed.any():
+        _keep_inertias(spec, model, before)
+    for body in spec.bodies:
+        if body.id > 0 and changed[body.id]:
+            write(body, found.phi[body.id])
+    spec.option.gravity = found.gravity
+    for name, extra in found.armature.items():
+        spec.joint(name).armature = float(model.joint(name).armature[0]) + extra
+    for name, angle in found.offset.items():
+        # at the same measured position the body stands further along its axis
+        joint = spec.joint(name)
+        joint.ref = float(joint.ref) - (np.degrees(angle) if spec.compiler.degree else angle)
+    for shaft in found.shafts:
+        tendon = spec.add_tendon(
+            name=f"shaft of {shaft.joints[0]} and {shaft.joints[1]}",
+            frictionloss=shaft.level,
+            armature=shaft.inertia,
+        )
+        damping = np.zeros_like(tendon.damping)  # a polynomial in newer versions
+        damping.flat[0] = shaft.viscous
+        tendon.damping = damping
+        tendon.wrap_joint(shaft.joints[0], 1.0)
+        tendon.wrap_joint(shaft.joints[1], shaft.ratio)
+
+
+def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> None:
+    """Where the compiler takes every body's inertia from its geoms, state all of them instead."""
+    if int(spec.compiler.inertiafromgeom) != int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE):
+        return
+    spec.compiler.inertiafromgeom = int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO)
+    for body in spec.bodies:
+        if body.id > 0 and model.body_mass[body.id] > 0.0:
+            write(body, phi[body.id])

@@ -1,0 +1,91 @@
+"""A joint of a robot as the search for shared causes sees it: its balance, fitted and corrected."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.design import kept
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.start import settled
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.weights import reweighed
+from frictionjoint.measured.log import JointLog
+from frictionjoint.robot.along import Along
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class FittedJoint:
+    """One joint with the law fitted under the corrections that hold now.
+
+    Attributes:
+        alongs: one a log. prepared: the logs with the corrected load, weighted. fit: of the law.
+    """
+
+    alongs: tuple[Along, ...]
+    prepared: Prepared
+    fit: Fit
+
+    @property
+    def name(self) -> str:
+        """Of the joint."""
+        return self.prepared.joint
+
+    @property
+    def left(self) -> float:
+        """rms of the weighted residual, N m."""
+        return self.fit.drive_rms * self.fit.gain
+
+    def columns(self, pairs: Sequence[tuple[Corrections, Corrections, float]]) -> Array:
+        """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k).
+
+        Args:
+            pairs: the model's state below and above each number's own value, and how far apart.
+        """
+        rows = []
+        for along, segment in zip(self.alongs, self.prepared.segments, strict=True):
+            found = [along.linear(low, high) / apart for low, high, apart in pairs]
+            rows.append(kept(segment, np.column_stack(found)))
+        return np.concatenate(rows)
+
+    def corrected(self, state: Corrections) -> "FittedJoint":
+        """The same logs under other corrections; the fit is still the old one."""
+        alongs = tuple(a.corrected(state) for a in self.alongs)
+        segments = tuple(a.segment(s) for a, s in zip(alongs, self.prepared.segments, strict=True))
+        return FittedJoint(alongs, replace(self.prepared, segments=segments), self.fit)
+
+    def refitted(self, anew: bool = False) -> "FittedJoint":
+        """With the law fitted again, from where it is or from everywhere."""
+        if anew:
+            found = fit(self.prepared, forms=INTEGRATED)
+            prepared, found = reweighed(self.prepared, found)
+            prepared, found = reweighed(*settled(prepared, found))
+            return replace(self, prepared=prepared, fit=found)
+        found = refit(self.prepared, (), self.fit.shape, ROUGH)
+        prepared, found = reweighed(self.prepared, found, ROUGH)
+        return replace(self, prepared=prepared, fit=found)
+
+
+def first_fit(
+    logs: Sequence[JointLog], model: str | Path, joint: str, fixed: Mapping[str, Pose] | None
+) -> FittedJoint:
+    """The law fitted to a joint's logs under the model as it is.
+
+    Raises:
+        LogError: see `prepare`.
+    """
+    body = RigidBody(model, joint, fixed)
+    prepared = prepare(list(logs), body)
+    none = Corrections.none(body.model)
+    alongs = tuple(Along(body, s, none) for s in prepared.segments)
+    base = fit(prepared, forms=INTEGRATED)
+    prepared, base = reweighed(prepared, base)
+    prepared, base = reweighed(*settled(prepared, base))
+    return FittedJoint(alongs, prepared, base)

@@ -1,0 +1,250 @@
+"""Every shared cause and every joint's own effects against what all joints leave."""
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.library import library
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.design import lengths
+from frictionjoint.identify.terms import EffectTerm, Timing
+from frictionjoint.robot.causes.cause import Cause, composed
+from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
+
+# of a sample, from which on a delay may be an effect
+_LATE = 0.9
+# fraction of a joint's squares that an effect of its own must explain to contend
+_LITTLE = 0.02
+_DEPENDENT = 1e-6
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A shared cause, or an effect of one joint that explains the same residual.
+
+    Attributes:
+        cause: None for an effect of one joint. effect, joint: names of that.
+        at: columns of the stack, from `first` on. joints: where it acts.
+        room: how far each number of a cause may move either way, shape (k, 2).
+    """
+
+    at: Columns = field(repr=False)
+    joints: tuple[str, ...]
+    cause: Cause | None = None
+    effect: str = ""
+    first: int = 0
+    room: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    @property
+    def order(self) -> int:
+        """Place among all candidates."""
+        return self.first
+
+    @property
+    def label(self) -> str:
+        """What it is and where."""
+        if self.cause is None:
+            return f"{self.effect} of {self.joints[0]}"
+        place = ", ".join(self.cause.place.values())
+        return f"{self.cause.name} of {place}" if place else self.cause.name
+
+
+@dataclass(frozen=True)
+class Found:
+    """Shared causes in a model, with their numbers.
+
+    Attributes:
+        original: the model as it is.
+    """
+
+    original: Corrections = field(repr=False)
+    causes: tuple[Cause, ...] = ()
+    numbers: tuple[Array, ...] = ()
+
+    @property
+    def state(self) -> Corrections:
+        """The model with them."""
+        return composed(self.causes, self.numbers, self.original)
+
+    def without(self, i: int) -> "Found":
+        """All but one."""
+        return Found(
+            self.original,
+            self.causes[:i] + self.causes[i + 1 :],
+            self.numbers[:i] + self.numbers[i + 1 :],
+        )
+
+    def with_cause(self, cause: Cause, x: Array) -> "Found":
+        """One more."""
+        return Found(self.original, (*self.causes, cause), (*self.numbers, x))
+
+    def pairs(self, i: int) -> list[tuple[Corrections, Corrections, float]]:
+        """States below and above each number of a cause."""
+        found = []
+        for k, step in enumerate(self.causes[i].steps):
+            ends = []
+            for sign in (-1.0, 1.0):
+                x = self.numbers[i].copy()
+                x[k] += sign * step
+                ends.append(
+                    composed(
+                        self.causes,
+                        (*self.numbers[:i], x, *self.numbers[i + 1 :]),
+                        self.original,
+                    )
+                )
+            found.append((ends[0], ends[1], 2.0 * float(step)))
+        return found
+
+
+@dataclass(frozen=True)
+class Screened:
+    """The stack and what its columns are.
+
+    Attributes:
+        taken: of the causes in the model already. candidates: of what may come.
+    """
+
+    stack: Stack
+    taken: tuple[Candidate, ...]
+    candidates: tuple[Candidate, ...]
+
+
+def screen(
+    joints: Sequence[FittedJoint],
+    clock: Clock,
+    found: Found,
+    causes: Sequence[Cause],
+    own: Callable[[str], bool] = lambda label: True,
+) -> Screened:
+    """Columns of all causes and of the joints' own effects.
+
+    Args:
+        found: causes in the model. causes: those that may come.
+        own: which of the joints' own effects contend, by label.
+    """
+    return _screen(joints, clock, found, causes, _starts(joints, clock, found, causes), own)
+
+
+def _screen(
+    joints: Sequence[FittedJoint],
+    clock: Clock,
+    found: Found,
+    causes: Sequence[Cause],
+    starts: Sequence[Array],
+    own: Callable[[str], bool],
+) -> Screened:
+    models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
+    pairs = [found.pairs(i) for i in range(len(found.causes))]
+    pairs += [m.pairs(len(found.causes)) for m in models]
+    edges = np.cumsum([0, *(len(p) for p in pairs)])
+    shared = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
+    size = int(edges[-1])
+    parts = []
+    effects: list[Candidate] = []
+    for joint in joints:
+        columns = joint.columns([pair for several in pairs for pair in several])
+        for candidate, x in _own_effects(joint, clock, own):
+            at = size + np.arange(x.shape[1])
+            effects.append(replace(candidate, at=at, first=int(at[0])))
+            columns, size = _beside(columns, x, size), size + x.shape[1]
+        parts.append(columns)
+    norms = [np.linalg.norm(x, axis=0) for x in parts]
+    grams = []
+    acts: dict[int, list[str]] = {}
+    for joint, x, norm in zip(joints, parts, norms, strict=True):
+        at = np.flatnonzero(norm > 0.0)
+        for k in at:
+            acts.setdefault(int(k), []).append(joint.name)
+        grams.append(_gram(joint, x, at, clock))
+    stack = Stack(grams, clock, size)
+    sets = []
+    numbers = [*found.numbers, *(c.start for c in causes)]
+    for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
+        where = {name for k in at for name in acts.get(int(k), [])}
+        named = tuple(j.name for j in joints if j.name in where)
+        room = np.array(cause.bounds) - x[:, None]
+        sets.append(Candidate(at, named, cause, first=int(at[0]), room=room))
+    n = len(found.causes)
+    candidates = [c for c in sets[n:] if c.joints]
+    return Screened(stack, tuple(sets[:n]), (*candidates, *effects))
+
+
+def _starts(
+    joints: Sequence[FittedJoint], clock: Clock, found: Found, causes: Sequence[Cause]
+) -> list[Array]:
+    """Numbers where each cause's columns are taken.
+
+    Those of a cause that is homogeneous in its numbers are exact along a ray from where it is
+    nothing: they are taken at the end of it that a first solution points to.
+    """
+    rays = [c for c in causes if c.homogeneous]
+    if not rays:
+        return [c.start for c in causes]
+    first = _screen(joints, clock, found, rays, [c.start for c in rays], lambda label: False)
+    ends = {id(c.cause): first.stack.solution(c.at) for c in first.candidates}
+    return [ends.get(id(c), c.start) for c in causes]
+
+
+def _beside(columns: Array, more: Array, size: int) -> Array:
+    """Columns with others from a number on, zero between."""
+    room = np.zeros((len(columns), size - columns.shape[1]))
+    return np.column_stack([columns, room, more])
+
+
+def _own_effects(
+    joint: FittedJoint, clock: Clock, own: Callable[[str], bool]
+) -> list[tuple[Candidate, Array]]:
+    """Each of the joint's own effects that explains some of its residual, and its columns."""
+    named = {
+        e.name: Candidate(np.zeros(0, dtype=np.int64), (joint.name,), effect=e.name)
+        for e in CATALOGUE
+    }
+    wanted = {name for name, candidate in named.items() if own(candidate.label)}
+    if not wanted:
+        return []
+    law, e = _law(joint), joint.fit.residual * joint.fit.weight
+    base, _ = np.linalg.qr(law / lengths(law))
+    best: dict[str, tuple[float, Array]] = {}
+    for candidate in library(joint.prepared, joint.fit, clock.blocks(joint)):
+        term = candidate.term
+        if not isinstance(term, EffectTerm) or term.effect.delays or term.name not in wanted:
+            continue
+        x = candidate.columns * joint.fit.weight[:, None]
+        x = x - base @ (base.T @ x)
+        explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=_DEPENDENT)[0])
+        if explained > max(best.get(term.name, (_LITTLE * float(e @ e),))[0], 0.0):
+            best[term.name] = (explained, candidate.columns)
+    return [(named[name], x) for name, (_, x) in best.items()]
+
+
+def _law(joint: FittedJoint) -> Array:
+    """Weighted columns of the joint's own law, shape (n, p)."""
+    fitted = joint.fit
+    free = ~fitted.bound
+    for i, term in enumerate(fitted.terms):
+        # a delay at the end of its sample is no longer one of sampling
+        if isinstance(term, Timing) and abs(term.delay) > _LATE * term.most:
+            free[fitted.layout.numbers(i)] = False
+    return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
+
+
+def _gram(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
+    fitted = joint.fit
+    unit = (fitted.weight / joint.left)[:, None]
+    grams = joint_gram(
+        _law(joint) / joint.left,
+        columns * unit,
+        fitted.residual * unit[:, 0],
+        at,
+        clock.of_sample(joint),
+        clock.count,
+    )
+    friction = float(np.sqrt(np.mean((fitted.friction * fitted.weight) ** 2)))
+    return JointGram(joint.name, len(fitted.residual), grams, at, joint.left, friction)

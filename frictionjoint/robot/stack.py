@@ -1,0 +1,159 @@
+"""Gram matrices of all joints together: what columns shared by joints explain of all residuals.
+
+Each joint's own law is projected out of its columns, and its rows are in units of what its fit
+leaves, so that joints count alike. A sum of squares over joints is then one of rows stacked.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.design import lengths
+from frictionjoint.robot.clock import Clock
+
+Columns = NDArray[np.int64]
+
+FLIPS = 999
+_RCOND = 1e-8
+
+
+@dataclass(frozen=True)
+class JointGram:
+    """Of one joint.
+
+    Attributes:
+        grams: by block, the law projected out, the residual last, shape (B, c + 1, c + 1).
+        columns: of the stack that it has, shape (c,).
+        name: of the joint. samples: number of its rows.
+        left: what its fit leaves, and friction: rms of its friction, N m: weighted both.
+    """
+
+    name: str
+    samples: int
+
+    grams: Array = field(repr=False)
+    columns: Columns
+    left: float
+    friction: float
+
+
+def joint_gram(
+    law: Array, columns: Array, residual: Array, at: Columns, of_block: Columns, blocks: int
+) -> Array:
+    """Gram matrices by block with the law's columns projected out, shape (B, c + 1, c + 1).
+
+    Args:
+        law: shape (n, p); columns: (n, c); residual: (n,), all weighted alike.
+        at: the columns that go in. of_block: block of each sample, shape (n,). blocks: how many.
+    """
+    base, _ = np.linalg.qr(law / lengths(law))
+    U = np.column_stack([columns[:, at], residual])
+    U -= base @ (base.T @ U)
+    grams = np.zeros((blocks, U.shape[1], U.shape[1]))
+    order = np.argsort(of_block, kind="stable")
+    edges = np.searchsorted(of_block[order], np.arange(blocks + 1))
+    for b in range(blocks):
+        rows = U[order[edges[b] : edges[b + 1]]]
+        grams[b] = rows.T @ rows
+    return grams
+
+
+class Stack:
+    """All joints' Gram matrices.
+
+    Args:
+        joints: one each. clock: the blocks. size: columns of the stack.
+    """
+
+    def __init__(self, joints: Sequence[JointGram], clock: Clock, size: int) -> None:
+        self.joints = tuple(joints)
+        self.clock = clock
+        self.size = size
+        self.squares = np.array([j.grams[:, -1, -1] for j in joints])
+        self.folds = np.unique(clock.fold)
+        self.outside = [self._sum(clock.fold != fold) for fold in self.folds]
+        self.total = self._sum(np.ones(clock.count, dtype=bool))
+
+    def _sum(self, blocks: NDArray[np.bool_]) -> Array:
+        """The whole stack's matrix over some blocks, the residual last."""
+        G = np.zeros((self.size + 1, self.size + 1))
+        for joint in self.joints:
+            at = np.append(joint.columns, self.size)
+            G[np.ix_(at, at)] += joint.grams[blocks].sum(axis=0)
+        return G
+
+    def restored(self, at: Columns, x: Array) -> "Stack":
+        """The stack as it was before columns with these coefficients had explained their part."""
+        joints = []
+        for joint in self.joints:
+            own, weights = self._own(joint, at, x)
+            T = np.eye(len(joint.columns) + 1)
+            T[own, -1] = weights
+            joints.append(replace(joint, grams=T.T @ joint.grams @ T))
+        return Stack(joints, self.clock, self.size)
+
+    def held_out(self, at: Columns) -> Array:
+        """Squares of each joint and block under coefficients fitted without its fold, (J, B)."""
+        left = self.squares.copy()
+        for fold, G in zip(self.folds, self.outside, strict=True):
+            beta = least_squares(G[np.ix_(at, at)], G[at, -1])
+            inside = self.clock.fold == fold
+            for k, joint in enumerate(self.joints):
+                own, weights = self._own(joint, at, beta)
+                part = joint.grams[inside]
+                cross = part[:, own, -1] @ weights
+                quadratic = np.einsum("i,bij,j->b", weights, part[:, own[:, None], own], weights)
+                left[k, inside] += quadratic - 2.0 * cross
+        return left
+
+    def solution(self, at: Columns) -> Array:
+        """Coefficients of columns fitted to all that is left, shape (k,)."""
+        return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
+
+    def scores(self, at: Columns, known: Columns) -> Array:
+        """Score of each block for columns, with others known, summed over joints, (B, k)."""
+        G = self.total
+        inner = G[np.ix_(known, known)]
+        beta = least_squares(inner, G[known, -1])
+        through = np.linalg.pinv(inner, rcond=_RCOND, hermitian=True) @ G[np.ix_(known, at)]
+        both = np.concatenate([known, at])
+        slopes = np.vstack([-through, np.eye(len(at))])
+        found = np.zeros((self.clock.count, len(both)))
+        for joint in self.joints:
+            place = {int(c): i for i, c in enumerate(joint.columns)}
+            here = [i for i, c in enumerate(both) if int(c) in place]
+            own = np.array([place[int(both[i])] for i in here], dtype=np.int64)
+            base, weights = self._own(joint, known, beta)
+            left = joint.grams[:, own, -1] - joint.grams[:, own[:, None], base] @ weights
+            found[:, here] += left
+        return np.asarray(found @ slopes)
+
+    def _own(self, joint: JointGram, at: Columns, beta: Array) -> tuple[Columns, Array]:
+        """Where a joint has some columns of the stack, and their coefficients."""
+        place = {int(c): i for i, c in enumerate(joint.columns)}
+        here = [i for i, c in enumerate(at) if int(c) in place]
+        return np.array([place[int(at[i])] for i in here], dtype=np.int64), beta[here]
+
+
+def surprises(scores: Array, signs: Array) -> Array:
+    """How far out the sum of a candidate's scores is under each row of signs, in nats, (rows,)."""
+    spread = scores.T @ scores
+    scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
+    unit = spread / np.outer(scale, scale)
+    inverse = np.linalg.pinv(unit, rcond=1e-9, hermitian=True)
+    s = (signs @ scores) / scale
+    freedom = max(1, round(float(np.trace(inverse @ unit))))
+    return np.asarray(-np.log(np.maximum(chdtrc(freedom, np.sum((s @ inverse) * s, 1)), 1e-300)))
+
+
+def least_squares(A: Array, b: Array) -> Array:
+    """Solution of normal equations, the shortest where they are singular."""
+    if not len(b):
+        return b
+    scale = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    inverse = np.linalg.pinv(A / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
+    return np.asarray(inverse @ (b / scale) / scale)
