@@ -38,27 +38,3 @@ def demo_report():
     logs, held_out = ("pick_and_place", "ramps"), ("multisine",)
     fitted, kept = ([demo / f"{name}.csv" for name in names] for names in (logs, held_out))
     return close_loop(fitted, demo / "joint.xml", "joint", kept)
-
-
-# What the rebuilt search and its neighbours do not meet yet: run and reported, not hidden.
-NOT_MET = (
-    "test_effects_on_plants.py",
-    "test_hidden_causes.py",
-    "test_measurement_delay.py::test_a_planned_motion",
-    "test_motor.py::test_logs_let_go_and_logs_that_are_not",
-    "test_noise.py::test_a_coarser_encoder",
-    "test_proposals.py",
-    "test_remembered.py::test_a_simulated_joint",
-    "test_search.py",
-    "test_layout.py::test_the_jacobian_is",
-    "test_layout.py::test_the_viscosity_is",
-    "test_start.py",
-    "test_uncertainty.py::test_a_level_of_its_own",
-    "test_weights.py",
-)
-
-
-def pytest_collection_modifyitems(items):
-    for item in items:
-        if any(part in item.nodeid for part in NOT_MET):
-            item.add_marker(pytest.mark.xfail(reason="not met yet by the rebuilt search"))
