@@ -36,6 +36,8 @@ def answer(trial: Trial) -> dict[str, Any]:
     outside = [kind for kind in kinds if kind in catalogue.UNKNOWN]
     accept = {kind: sorted({kind}.union(*(s for s in SAME if kind in s))) for kind in kinds}
     accept |= {kind: sorted(catalogue.also(kind)) for kind in outside}
+    if "gravity-error" in accept:  # a mass that is added has inertia too
+        accept["gravity-error"] = ["gravity-error", "inertia-error"]
     noise = trial.spec.instrument.torque_noise
     return {
         "family": OURS,

@@ -175,7 +175,7 @@ def _taken(
             )
         )
     _drop_idle(state)
-    _simplify(state)
+    _weigh_others(state)
     names = {t.name for t in state.fit.effects}
     state.findings = [f for f in state.findings if f.term.name in names]
     return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
@@ -230,7 +230,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         t
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
-        and not (best.score.better(t.score) and best.score.gain(t.score) >= _APART)
+        and not _apart(best.score, t.score)
         and t.score.gain(now) >= (1.0 - _TIE) * gain
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
@@ -284,34 +284,52 @@ def _drop_idle(state: _State) -> None:
         state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
 
 
+def _apart(one: Scored, other: Scored) -> bool:
+    """Whether the logs distinguish a model from one that leaves more."""
+    return one.better(other) and one.gain(other) >= _APART
+
+
 def _needed(now: Scored, other: Scored) -> bool:
     """Whether a model predicts better than another, and by more than the law's own error."""
     enough = now.gain(other) >= SMALLEST_GAIN and now.better(other)
     return enough and now.moved(other) >= DISCREPANCY
 
 
-def _simplify(state: _State) -> None:
-    """Exchange effects for simpler ones that explain as much beside all others."""
+def _weigh_others(state: _State) -> None:
+    """Exchange each effect for the best other one of no more numbers, beside all others.
+
+    A simpler one that explains as much stays; one as simple is a tie.
+    """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
         looks = [f.look for f in state.findings if f.term.name == own[i].name]
-        simpler = [
+        others = [
             c
             for c in library(state.prepared, state.fit, blocks)
-            if not c.unnamed and numbers_of(c.term) < numbers_of(own[i])
+            if not c.unnamed and numbers_of(c.term) <= numbers_of(own[i])
             if all(look.holds(c) for look in looks)
         ]
-        if not simpler or is_unnamed(own[i]):
+        if not others or is_unnamed(own[i]):
             continue
-        seen = screen(state.fit, blocks, simpler)
+        seen = screen(state.fit, blocks, others)
         rest = [at for k, at in enumerate(seen.terms) if k != i]
         left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
-        best = simpler[int(np.argmin(left))]
+        best = others[int(np.argmin(left))]
         terms = (*own[:i], best.term, *own[i + 1 :])
         other = refit(state.prepared, terms, state.fit.shape, ROUGH, _TRIED_STEPS)
-        if not _needed(scored(state.fit, blocks), scored(other, blocks)):
+        now, instead = scored(state.fit, blocks), scored(other, blocks)
+        if numbers_of(best.term) < numbers_of(own[i]) and not _needed(now, instead):
             state.findings = [_instead(f, own[i], best) for f in state.findings]
             state.prepared, state.fit = reweighed(state.prepared, other)
+        elif not _apart(now, instead):
+            state.findings = [_tied(f, own[i], best) for f in state.findings]
+
+
+def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
+    """A finding of an effect, with one that explains as much."""
+    if finding.term.name != term.name or candidate.term.name in finding.ties:
+        return finding
+    return replace(finding, ties=(*finding.ties, candidate.term.name))
 
 
 def _instead(finding: Finding, term: Term, candidate: Candidate) -> Finding:
