@@ -1,6 +1,6 @@
 """Logs of a whole robot: every joint of every log, fitted or held out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,9 +12,8 @@ from frictionjoint.identify.held import joint_label
 from frictionjoint.identify.rigid_body import ONE_DOF
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
-from frictionjoint.measured.readers import joints_with_drive
-
-Reader = Callable[[Path, str], JointLog]
+from frictionjoint.measured.readers import joints_with_drive, read_log
+from frictionjoint.model_files import compile_model
 
 
 @dataclass(frozen=True)
@@ -23,6 +22,14 @@ class RobotLogs:
 
     fit: dict[str, list[JointLog]]
     held_out: dict[str, list[JointLog]]
+
+    @classmethod
+    def of(cls, joints: Mapping[str, tuple[Sequence[JointLog], Sequence[JointLog]]]) -> "RobotLogs":
+        """From logs fitted and held out by joint, base first; what is too long is made shorter."""
+        return cls(
+            {name: bounded(fitted) for name, (fitted, _) in joints.items()},
+            {name: bounded(kept) for name, (_, kept) in joints.items()},
+        )
 
     @property
     def joints(self) -> list[str]:
@@ -50,34 +57,34 @@ class RobotLogs:
 
 
 def read_robot(
-    logs: Sequence[Path],
-    held_out: Sequence[Path] | float,
-    joints: Sequence[str],
-    read: Reader,
+    logs: Sequence[str | Path],
+    model: str | Path,
+    held_out: Sequence[str | Path] | float = 0.25,
+    joints: Sequence[str] | None = None,
 ) -> RobotLogs:
     """Read every joint of every log.
 
     Args:
+        model: path or text of the MJCF or URDF.
         held_out: logs, or the fraction to cut off every log's end.
-        joints: names. read: reads one joint of one log.
+        joints: names; None: all of the model whose drive the logs hold.
     Raises:
-        LogError: see `read_log`, or the joints of a log are not of one clock.
+        LogError: see `read_log` and `joints_to_explain`.
     """
-    fit: dict[str, list[JointLog]] = {}
-    kept: dict[str, list[JointLog]] = {}
-    for joint in joints:
-        whole = [read(path, joint) for path in logs]
+    files = held_out if not isinstance(held_out, float | int) else []
+    names = joints or joints_to_explain([*logs, *files], compile_model(model))
+    found = {}
+    for joint in names:
+        whole, kept = ([read_log(path, joint) for path in paths] for paths in (logs, files))
         if isinstance(held_out, float | int):
             pairs = [split_in_time(log, held_out) for log in whole]
-            whole, rest = [a for a, _ in pairs], [b for _, b in pairs]
-        else:
-            rest = [read(path, joint) for path in held_out]
-        fit[joint], kept[joint] = bounded(whole), bounded(rest)
-    return RobotLogs(fit, kept)
+            whole, kept = [a for a, _ in pairs], [b for _, b in pairs]
+        found[joint] = (whole, kept)
+    return RobotLogs.of(found)
 
 
 def joints_to_explain(
-    logs: Sequence[Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
+    logs: Sequence[str | Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
 ) -> list[str]:
     """Hinges and slides of a model whose drive all logs hold, base first.
 
