@@ -31,6 +31,7 @@ from frictionjoint.cli.logs import (
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.laws import LAWS
@@ -68,6 +69,14 @@ Model = Annotated[
 ]
 Joint = Annotated[
     str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
+]
+Joints = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joint",
+        metavar="NAME",
+        help="A joint in the model and in the logs. Repeatable. Default: all with a drive.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 _LAW = "Friction law to fit: " + ", ".join(LAWS) + "."
@@ -132,8 +141,8 @@ def demo() -> None:
 def close_loop_command(
     logs: Logs,
     model: Model,
-    joint: Joint,
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the report goes.")],
+    joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
         typer.Option(
@@ -162,16 +171,24 @@ def close_loop_command(
 
     `frictionjoint close-loop a.csv --held-out 0.3 --column time_s=t --model arm.xml --joint elbow
     --out out --json`
+
+    A whole robot, every joint whose drive the logs hold: `frictionjoint close-loop a.csv b.csv
+    --held-out c.csv --model arm.urdf --out out`
     """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import FILES, write_report
 
+    if joint is None or len(joint) != 1:
+        reading = Reading.of("", column, signal, wrap, gain)
+        request = RobotRequest(logs, held_out or ["0.25"], model, joint or [], reading)
+        close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json)
+        return
     with progress() as told:
         read = [*logs, *(Path(text) for text in held_out or []), model]
         require_writable(out, read, force, FILES)
-        reading = Reading.of(joint, column, signal, wrap, gain)
+        reading = Reading.of(joint[0], column, signal, wrap, gain)
         fitted, kept = split(logs, held_out or ["0.25"], reading)
-        report = close_loop(fitted, model, joint, kept, seed, told, law, poses(fixed))
+        report = close_loop(fitted, model, joint[0], kept, seed, told, law, poses(fixed))
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:

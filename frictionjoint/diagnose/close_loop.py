@@ -90,12 +90,32 @@ def close_loop(
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument is of a wrong type.
     """
-    begin = time.perf_counter()
     require_logs(logs, held_out)
     require_seed(seed)
     forms_of(law or INTEGRATED_LAW)
     body = RigidBody(model, joint, fixed)
     logs, held_out = _parted(logs, held_out, joint)
+    return explain(logs, held_out, body, seed, progress, law)[0]
+
+
+@one_thread
+def explain(
+    logs: Sequence[JointLog],
+    held_out: Sequence[JointLog],
+    body: RigidBody,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+    law: str | None = None,
+) -> tuple[Report, Trace]:
+    """The loop on logs that were read: the report, and what the search found.
+
+    Args:
+        held_out: may be none. body: the model around the joint. Others: see `close_loop`.
+    Raises:
+        FrictionJointError: bad logs, in one line.
+    """
+    begin = time.perf_counter()
+    joint = body.joint
     said = check_logs(logs, body, held_out)
     progress("rigid-body torque")
     fitted_on = prepare(list(logs), body)
@@ -135,7 +155,7 @@ def close_loop(
     if scaled:  # else no motion says which torque it asks of the drive
         planner = Planner(moving, found.final, body)
         computed = computed_proposals(planner, _rivals(found), cov, final)
-    return Report(
+    report = Report(
         joint=joint,
         slide=body.slide,
         units=units_of(found.final, body.slide),
@@ -154,7 +174,7 @@ def close_loop(
         noise_floor=floor,
         unexplained=unexplained,
         verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
-        mjcf=model_text(spec, model),
+        mjcf=model_text(spec, body.mjcf),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=_curves(moving, kept_moving, found),
@@ -162,6 +182,7 @@ def close_loop(
         proposals=(*open_questions, *computed),
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
     )
+    return report, found
 
 
 def _parted(

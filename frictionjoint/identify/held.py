@@ -96,9 +96,9 @@ def take_pose(model: mujoco.MjModel, poses: Mapping[int, Array]) -> None:
         mujoco.mj_setConst(model, mujoco.MjData(model))
 
 
-def lock(model: mujoco.MjModel, joint_id: int) -> None:
-    """Hold every joint of a model but one where it is."""
-    others = model.dof_jntid != joint_id
+def lock(model: mujoco.MjModel, *free: int) -> None:
+    """Hold every joint of a model but some, given by number, where it is."""
+    others = ~np.isin(model.dof_jntid, free)
     model.dof_armature[others] = _IMMOVABLE
     mujoco.mj_setConst(model, mujoco.MjData(model))
 

@@ -49,6 +49,16 @@ def joints_in(table: dict[str, str]) -> list[str]:
     return sorted({joint for joint, dot, unit in parts if dot and joint and unit in KNOWN})
 
 
+def driven_joints(table: dict[str, str]) -> list[str]:
+    """Joints whose position and drive both have a column."""
+    positions = ("position_rad", "position_m")
+    return [
+        joint
+        for joint in joints_in(table)
+        if all(any(f"{joint}.{c}" in table for c in kind) for kind in (positions, _DRIVES))
+    ]
+
+
 def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
     """The joint to read: the one asked for, or the only one.
 

@@ -15,7 +15,7 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.validate import check_finite
 
-_JOINTS = tuple(f"joint{i}" for i in range(1, 8))
+JOINTS = tuple(f"joint{i}" for i in range(1, 8))
 _FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}
 
 
@@ -30,18 +30,18 @@ def read_panda(folder: Path, joint: str | None) -> JointLog:
     Raises:
         LogError: an unknown joint, or a file is missing or corrupt.
     """
-    if joint not in _JOINTS:
+    if joint not in JOINTS:
         what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{folder.name}: {what} {', '.join(_JOINTS)}")
+        raise LogError(f"{folder.name}: {what} {', '.join(JOINTS)}")
     parts = {name: _numbers(_file(folder, name), width) for name, width in _FILES.items()}
-    own = _JOINTS.index(joint)
+    own = JOINTS.index(joint)
 
     quantities = {"position_rad": "positions", "velocity_rad_s": "velocity"}
     columns = {
         "time_s": parts["time"][:, 0].copy(),
         "torque_nm": parts["torques"][:, own].copy(),
     }
-    for i, name in enumerate(_JOINTS):
+    for i, name in enumerate(JOINTS):
         prefix = "" if i == own else f"{name}."
         columns |= {f"{prefix}{c}": parts[file][:, i].copy() for c, file in quantities.items()}
     return log_of(folder, joint, columns)

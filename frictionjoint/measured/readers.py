@@ -11,12 +11,15 @@ from typing import Any
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arguments import expect
+from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.emps import is_emps, read_emps
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.odrive import read_odrive
+from frictionjoint.measured.panda import JOINTS as PANDA
 from frictionjoint.measured.panda import is_panda, read_panda
-from frictionjoint.measured.rosbag import SUFFIXES, is_bag, read_rosbag
+from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
 from frictionjoint.measured.table import column_names, read_table
+from frictionjoint.measured.tx40 import JOINTS as TX40
 from frictionjoint.measured.tx40 import is_tx40, read_tx40
 from frictionjoint.measured.xl330 import read_xl330
 
@@ -79,6 +82,27 @@ def _read_folder(path: Path, joint: str | None) -> JointLog:
     if is_tx40(path):
         return read_tx40(path, joint)
     raise LogError(f"{path.name}: a folder, but no ROS 2 bag, Panda or TX40 log: name a file in it")
+
+
+def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
+    """Names of the joints of a log whose drive it holds, none where its columns name no joint.
+
+    Args:
+        path, columns: see `read_log`.
+    Raises:
+        LogError: see `read_log`.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise LogError(f"{path}: no such log, check the path")
+    if is_bag(path):
+        return joints_of_bag(path, columns)
+    if path.is_dir():
+        return list(PANDA if is_panda(path) else TX40 if is_tx40(path) else ())
+    if path.suffix.lower() not in _TABLES:
+        return []
+    names = column_names(path)
+    return driven_joints(check_names(path.name, names, dict(columns or {})))
 
 
 def require_logs(logs: Any, held_out: Any) -> None:

@@ -69,6 +69,16 @@ def read_rosbag(
     return log_of(path, joint, data)
 
 
+def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+    """Names of the joints whose effort a bag holds.
+
+    Raises:
+        LogError: see `read_rosbag`.
+    """
+    samples = _by_joint(path, dict(columns or {}).get("topic"))
+    return [name for name, x in samples.items() if not np.isnan(x[:, 3]).all()]
+
+
 def _by_joint(path: Path, topic: str | None) -> dict[str, Array]:
     """Rows of time, position, velocity, effort by joint; what a message leaves out is NaN."""
     rows: dict[str, list[tuple[float, ...]]] = {}

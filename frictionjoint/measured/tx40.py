@@ -19,7 +19,7 @@ from frictionjoint.measured.table import log_of
 _POSITIONS, _CURRENTS = "pos_read_data.csv", "curr_data.csv"
 _RATE_HZ = 5000.0
 _IN_FILE = [f"Joint_{i}" for i in range(1, 7)]
-_JOINTS = [name.lower() for name in _IN_FILE]
+JOINTS = [name.lower() for name in _IN_FILE]
 _K = np.diag([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
 _K[5, 4] = 32.0
 
@@ -36,9 +36,9 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
         LogError: an unknown joint, a missing file, or see `validate`.
     """
     name = (joint or "").lower()
-    if name not in _JOINTS:
+    if name not in JOINTS:
         what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{folder.name}: {what} {', '.join(_JOINTS)}")
+        raise LogError(f"{folder.name}: {what} {', '.join(JOINTS)}")
     motor = _six(folder / _POSITIONS)
     current = _six(folder / _CURRENTS)
     if len(motor) != len(current):
@@ -46,7 +46,7 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
             f"{folder.name}: {_POSITIONS} has {len(motor)} samples, {_CURRENTS} {len(current)}"
         )
     position = np.linalg.solve(_K, motor.T)
-    own = _JOINTS.index(name)
+    own = JOINTS.index(name)
     columns = {
         "time_s": np.arange(len(motor)) / _RATE_HZ,
         "position_rad": position[own],
@@ -54,7 +54,7 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
         # a motor that turns against its joint pushes against it too
         "current_a": current[:, own] * np.sign(_K[own, own]),
     }
-    columns |= {f"{_JOINTS[i]}.position_rad": position[i] for i in range(6) if i != own}
+    columns |= {f"{JOINTS[i]}.position_rad": position[i] for i in range(6) if i != own}
     return log_of(folder, name, columns)
 
 

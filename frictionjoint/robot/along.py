@@ -10,14 +10,12 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
 from frictionjoint.identify.prepare import Segment
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.corrections import Corrections, Shaft, direction
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor, gravity_columns
 
 # step of an encoder's zero in a difference, rad (m)
 _STEP = 1e-5
-# a shaft's friction turns over at this part of its top speed
-_TURNS = 0.01
 
 
 @dataclass(frozen=True)
@@ -85,10 +83,8 @@ class Along:
         """Torque per unit of a shaft's level, viscous friction and inertia, shape (n, 3)."""
         first, second = (self._motion(name) for name in shaft.joints)
         v, a = (x + shaft.ratio * y for x, y in zip(first[1:], second[1:], strict=True))
-        top = float(np.quantile(np.abs(v), 0.99)) or 1.0
-        columns = np.column_stack([np.tanh(v / (_TURNS * top)), v, a])
-        per_turn = {shaft.joints[0]: 1.0, shaft.joints[1]: shaft.ratio}
-        return columns * per_turn.get(self.body.joint, 0.0)
+        columns = np.column_stack([direction(v), v, a])
+        return columns * shaft.per_turn(self.body.joint)
 
     def linear(self, before: Corrections, after: Corrections) -> Array:
         """Change of torque between two corrections next to this state, to first order, (n,)."""

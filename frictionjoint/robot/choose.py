@@ -195,7 +195,7 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
 
 
 def _gain(before: Array, after: Array) -> float:
-    """Fraction of a joint's squares that a candidate takes away, of the joint where that is most."""
+    """Fraction of a joint's squares that a candidate takes away, where that is most."""
     whole = np.maximum(before.sum(axis=1), 1e-300)
     return float((1.0 - after.sum(axis=1) / whole).max())
 

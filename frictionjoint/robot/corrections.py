@@ -10,6 +10,8 @@ from frictionjoint.robot.inertia import of_model, write
 
 # MJCF has six digits: what differs by less is the same body
 _SAME = 1e-9
+# part of a shaft's top speed over which its friction turns over
+_TURNS = 0.01
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,16 @@ class Shaft:
     def numbers(self) -> Array:
         """Level, viscous friction and inertia, shape (3,)."""
         return np.array([self.level, self.viscous, self.inertia])
+
+    def per_turn(self, joint: str) -> float:
+        """Turns of the shaft per turn of a joint."""
+        return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
+
+
+def direction(velocity: Array) -> Array:
+    """Direction of a shaft's friction, which turns over at a small part of the top speed, (n,)."""
+    top = float(np.quantile(np.abs(velocity), 0.99)) or 1.0
+    return np.asarray(np.tanh(velocity / (_TURNS * top)))
 
 
 @dataclass(frozen=True)

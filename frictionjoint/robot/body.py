@@ -1,0 +1,54 @@
+"""The rigid body around one joint of a corrected model.
+
+A shaft's Coulomb friction is a tendon's `frictionloss` in the corrected model. That is a
+constraint, which the rigid body leaves out with all friction of the joint under study; here it is
+known, and a load of that joint.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.rigid_body import RigidBody, RigidBodyTorque
+from frictionjoint.robot.corrections import Shaft, direction
+
+
+class CorrectedBody(RigidBody):
+    """A `RigidBody` of a corrected MJCF.
+
+    Args:
+        shafts: that the MJCF has as tendons.
+    """
+
+    def __init__(
+        self,
+        mjcf: str | Path,
+        joint: str,
+        fixed: Mapping[str, Pose] | None = None,
+        shafts: Sequence[Shaft] = (),
+    ) -> None:
+        super().__init__(mjcf, joint, fixed)
+        self.shafts = tuple(shafts)
+
+    def torque(
+        self,
+        position: Array,
+        velocity: Array,
+        acceleration: Array,
+        others: Mapping[str, tuple[Array, Array, Array]] | None = None,
+    ) -> RigidBodyTorque:
+        """See `RigidBody`."""
+        found = super().torque(position, velocity, acceleration, others)
+        speeds = {name: v for name, (_, v, _) in (others or {}).items()} | {self.joint: velocity}
+        load = found.load
+        for shaft in self.shafts:
+            per_turn = shaft.per_turn(self.joint)
+            if per_turn:
+                first, second = (speeds.get(name, np.zeros_like(velocity)) for name in shaft.joints)
+                turn = first + shaft.ratio * second
+                load = load + per_turn * shaft.level * direction(turn)
+        return replace(found, load=load)

@@ -1,0 +1,218 @@
+"""From logs and a model of a whole robot to one report and one model."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.replay import friction_spec
+from frictionjoint.diagnose.report_data import Evidence, Rms
+from frictionjoint.errors import FrictionJointError, LogError
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.result import Estimate
+from frictionjoint.model_files import compile_model, read_spec
+from frictionjoint.model_text import model_text
+from frictionjoint.robot.causes.cause import composed
+from frictionjoint.robot.choose import Choice
+from frictionjoint.robot.corrections import Corrections, write_corrections
+from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
+from frictionjoint.robot.joint import FittedJoint, first_fit
+from frictionjoint.robot.logs import RobotLogs
+from frictionjoint.robot.replay import replay_robot
+from frictionjoint.robot.report_data import RobotErrors, RobotReport, SharedCause, mean_percent
+from frictionjoint.robot.screen import Found
+from frictionjoint.robot.shared import Shared, shared_causes
+from frictionjoint.robot.workers import Each, processes, workers
+from frictionjoint.threads import one_thread
+
+
+@one_thread
+def close_loop_robot(
+    logs: RobotLogs,
+    model: str | Path,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+    law: str | None = None,
+    fixed: Mapping[str, Pose] | None = None,
+    jobs: int | None = None,
+) -> RobotReport:
+    """Fit every joint, find what they show together, then what each lacks; report.
+
+    Args:
+        logs: of every joint. model: path or text of the MJCF or URDF the user believes in.
+        seed, progress, law, fixed: see `diagnose.close_loop`.
+        jobs: processes; None: one for each core. The result does not depend on it.
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+    """
+    begin = time.perf_counter()
+    compile_model(model)
+    user = State(model)
+    tasks = {n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law) for n in logs.joints}
+    with workers(processes(len(tasks)) if jobs is None else jobs) as each:
+        progress(f"base fit of {len(tasks)} joints")
+        firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
+        failed = {n: x for n, x in firsts.items() if isinstance(x, str)}
+        fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
+        if not fitted:
+            raise LogError(next(iter(failed.values())))
+        shared = shared_causes(list(fitted.values()), logs.moving, each, seed, progress)
+        ready = _with_causes([tasks[n] for n in fitted], fitted, shared, model)
+        outcomes = dict(_side_by_side(ready, each, progress))
+    done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
+    failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
+    if not done:
+        raise LogError(next(iter(failed.values())))
+    corrected = ready[0].corrected
+    assert corrected is not None
+    progress("replay of all joints together")
+    poses = _poses(next(iter(fitted.values())))
+    spec = _with_friction(corrected, {n: x.after.fit for n, x in done.items()})
+    spec.compile()
+    results = {n: x.result for n, x in done.items()}
+    sizes = {n: r.report.measured_rms for n, r in results.items()}
+    return RobotReport(
+        logs=logs.entries,
+        joints=results,
+        failed=failed,
+        shared=_stated(shared, done),
+        before=RobotErrors(
+            mean_percent([(r.before_torque, sizes[n]) for n, r in results.items()]),
+            _replay(user, {n: x.before for n, x in done.items()}, poses),
+        ),
+        after=RobotErrors(
+            mean_percent([(r.report.after_torque, sizes[n]) for n, r in results.items()]),
+            _replay(corrected, {n: x.after for n, x in done.items()}, poses),
+        ),
+        undetermined=(),
+        mjcf=model_text(spec, corrected.mjcf),
+        seconds=time.perf_counter() - begin,
+        notes=tuple(dict.fromkeys(n for r in results.values() for n in r.report.notes)),
+    )
+
+
+def _first(task: Task) -> FittedJoint | str:
+    try:
+        return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed)
+    except FrictionJointError as error:
+        return str(error)
+
+
+def _with_causes(
+    tasks: list[Task], fitted: Mapping[str, FittedJoint], shared: Shared, model: str | Path
+) -> list[Task]:
+    """Tasks with the corrected model, and the models without each cause."""
+    found = shared.settled.found
+    corrected = _state(model, found)
+    without = {i: _state(model, found.without(i)) for i in range(len(found.causes))}
+    return [
+        replace(
+            task,
+            corrected=corrected,
+            without={
+                i: state
+                for i, state in without.items()
+                if task.joint in shared.choices[i].candidate.joints
+            },
+            shape=fitted[task.joint].fit.shape,
+        )
+        for task in tasks
+    ]
+
+
+def _state(model: str | Path, found: Found) -> State:
+    """The user's model with causes in it."""
+    if not found.causes:
+        return State(model)
+    state: Corrections = found.state
+    spec = read_spec(model)
+    write_corrections(spec, state)
+    return State(model_text(spec, model), state.shafts)
+
+
+def _side_by_side(
+    tasks: list[Task], each: Each[Task, Explained | str], progress: Callable[[str], None]
+) -> list[tuple[str, Explained | str]]:
+    found = []
+    progress(f"joint 1 of {len(tasks)}: {tasks[0].joint}")
+    for i, (task, one) in enumerate(zip(tasks, each(explain_joint, tasks), strict=True)):
+        found.append((task.joint, one))
+        if i + 1 < len(tasks):
+            progress(f"joint {i + 2} of {len(tasks)}: {tasks[i + 1].joint}")
+    return found
+
+
+def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
+    """A model with the friction of all joints whose torque is known."""
+    spec = read_spec(state.mjcf)
+    for joint, fitted in fits.items():
+        if not fitted.in_drive_units:
+            friction_spec(spec, joint, fitted)
+    return spec
+
+
+def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Array]) -> Rms:
+    """Of all joints together, on the logs fitted and on those held out."""
+    if any(x.fit.in_drive_units for x in joints.values()):
+        return Rms(None, None)
+    fits = {n: x.fit for n, x in joints.items()}
+    run = partial(replay_robot, poses=poses)
+    fit = run(_with_friction(state, fits), {n: (x.prepared, x.fit) for n, x in joints.items()})
+    kept = {n: (x.kept_back, x.fit) for n, x in joints.items() if x.kept_back}
+    return Rms(fit, run(_with_friction(state, fits), kept) if kept else None)
+
+
+def _poses(joint: FittedJoint) -> dict[str, Array]:
+    body = joint.alongs[0].body
+    return {body.model.joint(j).name: pose for j, pose in body.poses.items()}
+
+
+def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
+    """The causes as the report has them."""
+    found = shared.settled.found
+    return tuple(
+        SharedCause(
+            cause=found.causes[i].name,
+            place=found.causes[i].place,
+            parameters=_estimates(found, i, shared.settled.covariance[i]),
+            evidence=_evidence(choice),
+            joints={n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without},
+        )
+        for i, choice in enumerate(shared.choices)
+    )
+
+
+def _evidence(choice: Choice) -> Evidence:
+    return Evidence(
+        choice.gain,
+        choice.p_value,
+        choice.frequency,
+        choice.runner_up,
+        choice.margin,
+        choice.ties,
+    )
+
+
+def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
+    """A cause's values with their standard errors, to first order."""
+    cause, x = found.causes[i], found.numbers[i]
+    others = found.without(i)
+    state = composed(others.causes, others.numbers, found.original)
+    values = cause.values(state, x)
+    slopes = {name: np.zeros(len(x)) for name in values}
+    for k, step in enumerate(cause.steps):
+        moved = np.zeros(len(x))
+        moved[k] = step
+        above, below = cause.values(state, x + moved), cause.values(state, x - moved)
+        for name in values:
+            slopes[name][k] = (above[name][0] - below[name][0]) / (2.0 * step)
+    return {
+        name: Estimate(value, float(np.sqrt(np.abs(slopes[name] @ cov @ slopes[name]))), unit)
+        for name, (value, unit) in values.items()
+    }

@@ -1,0 +1,161 @@
+"""One joint of a robot under the corrected model, and what it was before."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from frictionjoint.diagnose.close_loop import explain
+from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.replay import replay
+from frictionjoint.diagnose.report_data import Rms
+from frictionjoint.errors import FrictionJointError
+from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.start import predict, settled
+from frictionjoint.identify.weights import errors_of, weighted
+from frictionjoint.measured.log import JointLog
+from frictionjoint.robot.body import CorrectedBody
+from frictionjoint.robot.corrections import Shaft
+from frictionjoint.robot.report_data import JointResult
+
+Model = str | Path
+
+
+@dataclass(frozen=True)
+class State:
+    """A robot's model: path or text, and the shafts among its tendons."""
+
+    mjcf: Model
+    shafts: tuple[Shaft, ...] = ()
+
+    def body(self, joint: str, fixed: Mapping[str, Pose] | None) -> RigidBody:
+        """Around a joint."""
+        return CorrectedBody(self.mjcf, joint, fixed, self.shafts)
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a process needs to explain one joint.
+
+    Attributes:
+        user: the model as it is. corrected: with all shared causes; without: with all but one
+            that acts on this joint, by its number.
+        shape: of the law fitted under the user's model.
+    """
+
+    joint: str
+    logs: list[JointLog]
+    held_out: list[JointLog]
+    user: State
+    fixed: Mapping[str, Pose] | None
+    seed: int
+    law: str | None
+    corrected: State | None = None
+    without: Mapping[int, State] = field(default_factory=dict)
+    shape: Shape | None = None
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Logs, those held out, and a fit."""
+
+    prepared: Prepared
+    kept_back: Prepared | None
+    fit: Fit
+
+
+@dataclass(frozen=True)
+class Explained:
+    """One joint explained.
+
+    Attributes:
+        before, after: fits under the user's model and under the corrected one.
+        without: torque errors of the law without each shared cause; with_all: with all of them.
+    """
+
+    result: JointResult
+    before: Fitted
+    after: Fitted
+    without: dict[int, Rms]
+    with_all: Rms
+
+
+def explain_joint(task: Task) -> Explained | str:
+    """The loop under the corrected model; a line that says why not."""
+    try:
+        return _explained(task)
+    except FrictionJointError as error:
+        return str(error)
+
+
+def _explained(task: Task) -> Explained:
+    assert task.corrected is not None
+    body = task.corrected.body(task.joint, task.fixed)
+    report, trace = explain(task.logs, task.held_out, body, task.seed, law=task.law)
+    kept_back = _kept_back(task, body, trace)
+    after = Fitted(trace.prepared, kept_back, trace.final)
+    if task.corrected == task.user:
+        before, base = Fitted(trace.prepared, kept_back, trace.base), trace.base
+        torque, place = report.before_torque, report.before_replay
+    else:
+        before = _law_alone(task, task.user, trace)
+        base = before.fit
+        torque, place = _torque(before, trace), _replay(before, task)
+    cov = stated_covariance(before.prepared, base)
+    result = JointResult(
+        report=report,
+        base=law_estimates(base, cov, body.slide),
+        law=law_parameters(base).law,
+        before_torque=torque,
+        before_replay=place,
+    )
+    without = {
+        i: _torque(_law_alone(task, state, trace), trace) for i, state in task.without.items()
+    }
+    return Explained(result, before, after, without, report.before_torque)
+
+
+def _kept_back(task: Task, body: RigidBody, trace: Trace) -> Prepared | None:
+    """Logs held out, weighted as the final fit has it."""
+    if not task.held_out:
+        return None
+    prepared = prepare(list(task.held_out), body, trace.prepared.band)
+    return weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
+
+
+def _law_alone(task: Task, state: State, trace: Trace) -> Fitted:
+    """The law under another model, on the same samples with the same weights."""
+    assert task.shape is not None
+    body = state.body(task.joint, task.fixed)
+    prepared = prepare(list(task.logs), body, trace.prepared.band)
+    prepared = weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
+    fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
+    prepared, best = settled(prepared, min(fits, key=lambda f: f.drive_rms))
+    return Fitted(prepared, _kept_back(task, body, trace), best)
+
+
+def _torque(fitted: Fitted, trace: Trace) -> Rms:
+    """rms torque error in motion, by the gain of the final fit."""
+
+    def rms(prepared: Prepared) -> float:
+        found = predict(prepared, fitted.fit)
+        e = found.error[found.in_motion] * (trace.final.gain / fitted.fit.gain)
+        return float(np.sqrt(np.mean(e**2)))
+
+    held = rms(fitted.kept_back) if fitted.kept_back else None
+    return Rms(rms(fitted.prepared), held)
+
+
+def _replay(fitted: Fitted, task: Task) -> Rms:
+    if fitted.fit.in_drive_units:
+        return Rms(None, None)
+    body = task.user.body(task.joint, task.fixed)
+    held = replay(fitted.kept_back, body, fitted.fit).stated if fitted.kept_back else None
+    return Rms(replay(fitted.prepared, body, fitted.fit).stated, held)

@@ -1,0 +1,105 @@
+"""Logs of a whole robot: every joint of every log, fitted or held out."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+
+from frictionjoint.diagnose.report_data import LogEntry
+from frictionjoint.errors import LogError
+from frictionjoint.identify.held import joint_label
+from frictionjoint.identify.rigid_body import ONE_DOF
+from frictionjoint.measured.bounded import bounded
+from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.readers import joints_with_drive, read_log
+from frictionjoint.model_files import compile_model
+
+
+@dataclass(frozen=True)
+class RobotLogs:
+    """Attributes: fit, held_out: logs of each joint by its name, in the same order for all."""
+
+    fit: dict[str, list[JointLog]]
+    held_out: dict[str, list[JointLog]]
+
+    @classmethod
+    def of(cls, joints: Mapping[str, tuple[Sequence[JointLog], Sequence[JointLog]]]) -> "RobotLogs":
+        """From logs fitted and held out by joint, base first; what is too long is made shorter."""
+        return cls(
+            {name: bounded(fitted) for name, (fitted, _) in joints.items()},
+            {name: bounded(kept) for name, (_, kept) in joints.items()},
+        )
+
+    @property
+    def joints(self) -> list[str]:
+        """Names, base first."""
+        return list(self.fit)
+
+    @property
+    def moving(self) -> list[str]:
+        """Joints whose motion the logs hold, those with a drive first."""
+        names = dict.fromkeys(self.fit)
+        for logs in self.fit.values():
+            for log in logs:
+                names |= dict.fromkeys(log.other_positions)
+        return list(names)
+
+    @property
+    def entries(self) -> tuple[LogEntry, ...]:
+        """Lines of the report."""
+        first = self.joints[0]
+        return tuple(
+            LogEntry(log.name, len(log.time), log.duration, role)  # type: ignore[arg-type]
+            for role, logs in (("fit", self.fit[first]), ("held-out", self.held_out[first]))
+            for log in logs
+        )
+
+
+def read_robot(
+    logs: Sequence[str | Path],
+    model: str | Path,
+    held_out: Sequence[str | Path] | float = 0.25,
+    joints: Sequence[str] | None = None,
+) -> RobotLogs:
+    """Read every joint of every log.
+
+    Args:
+        model: path or text of the MJCF or URDF.
+        held_out: logs, or the fraction to cut off every log's end.
+        joints: names; None: all of the model whose drive the logs hold.
+    Raises:
+        LogError: see `read_log` and `joints_to_explain`.
+    """
+    files = held_out if not isinstance(held_out, float | int) else []
+    names = joints or joints_to_explain([*logs, *files], compile_model(model))
+    found = {}
+    for joint in names:
+        whole, kept = ([read_log(path, joint) for path in paths] for paths in (logs, files))
+        if isinstance(held_out, float | int):
+            pairs = [split_in_time(log, held_out) for log in whole]
+            whole, kept = [a for a, _ in pairs], [b for _, b in pairs]
+        found[joint] = (whole, kept)
+    return RobotLogs.of(found)
+
+
+def joints_to_explain(
+    logs: Sequence[str | Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
+) -> list[str]:
+    """Hinges and slides of a model whose drive all logs hold, base first.
+
+    Raises:
+        LogError: there is none.
+    """
+    found = [set(joints_with_drive(path, columns)) for path in logs]
+    in_all = set.intersection(*found) if found else set()
+    kinds = [(model.joint(j).name, int(model.jnt_type[j])) for j in range(model.njnt)]
+    names = [name for name, kind in kinds if kind in ONE_DOF and name in in_all]
+    if not names:
+        held = ", ".join(sorted(set.union(*found))) if found and set.union(*found) else "none"
+        has = ", ".join(joint_label(model, j) for j in range(model.njnt)) or "none"
+        raise LogError(
+            f"{Path(logs[0]).name}: no joint of the model has a position and a drive in every log: "
+            f"the logs name {held}, the model {has}; name one with --joint"
+        )
+    return names

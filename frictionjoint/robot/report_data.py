@@ -1,0 +1,157 @@
+"""What was found of a whole robot, as plain data: the content of report.json and of the pages."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Rms, Verdict
+from frictionjoint.identify.result import Estimate
+
+SCHEMA = "frictionjoint/report-2"
+
+
+@dataclass(frozen=True)
+class JointResult:
+    """One joint.
+
+    Attributes:
+        report: of the loop under the corrected model.
+        base, law: the law alone under the user's model, and its name.
+        before_torque, before_replay: its errors. measured_rms: of the torque, as the report's.
+    """
+
+    report: Report = field(repr=False)
+    base: dict[str, Estimate]
+    law: str
+    before_torque: Rms
+    before_replay: Rms
+
+    @property
+    def worse(self) -> bool:
+        """Whether held-out logs have more torque or position error after than before."""
+        r = self.report
+        pairs = ((r.after_torque, self.before_torque), (r.after_replay, self.before_replay))
+        return any(after.worse_than(before) for after, before in pairs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json: report-1 without what belongs to the robot."""
+        found = self.report.to_dict()
+        for key in ("schema", "joint", "logs"):
+            del found[key]
+        found["base"] = {
+            "law": self.law,
+            "parameters": {name: x.to_dict() for name, x in self.base.items()},
+        }
+        found["before"] = {
+            "torque_rms": self.before_torque.to_dict(),
+            "replay_rms": self.before_replay.to_dict(),
+        }
+        found["measured_rms"] = self.report.measured_rms
+        return found
+
+
+@dataclass(frozen=True)
+class SharedCause:
+    """A cause that acts on several joints, in the model now.
+
+    Attributes:
+        place: body or joints where it is, by key.
+        joints: torque errors of the joints where it acts, without it and with it.
+    """
+
+    cause: str
+    place: dict[str, str]
+    parameters: dict[str, Estimate]
+    evidence: Evidence
+    joints: dict[str, tuple[Rms, Rms]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "cause": self.cause,
+            **self.place,
+            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
+            "evidence": self.evidence.to_dict(),
+            "joints": {
+                name: {
+                    "before": {"torque_rms": before.to_dict()},
+                    "after": {"torque_rms": after.to_dict()},
+                }
+                for name, (before, after) in self.joints.items()
+            },
+        }
+
+
+@dataclass(frozen=True)
+class RobotErrors:
+    """Errors over the robot.
+
+    Attributes:
+        torque_percent: of each joint's rms torque, averaged over joints.
+        replay: rms position error of free runs of all joints together, rad (m).
+    """
+
+    torque_percent: Rms
+    replay: Rms
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "torque_percent": self.torque_percent.to_dict(),
+            "replay_rms": self.replay.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class RobotReport:
+    """Outcome of `close_loop` for several joints.
+
+    Attributes follow report.json. `failed`: one line for each joint that could not be explained.
+    """
+
+    logs: tuple[LogEntry, ...]
+    joints: dict[str, JointResult]
+    failed: dict[str, str]
+    shared: tuple[SharedCause, ...]
+    before: RobotErrors
+    after: RobotErrors
+    undetermined: tuple[dict[str, Any], ...]
+    mjcf: str = field(repr=False)
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the robot: explained where every joint is, or has nothing to explain."""
+        found = {result.report.verdict for result in self.joints.values()}
+        if self.failed or any(result.worse for result in self.joints.values()):
+            return "partly-explained"
+        if len(found) == 1 and not self.shared:
+            return found.pop()
+        return "explained" if found <= {"explained", "no-effect-found"} else "partly-explained"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of report.json."""
+        return {
+            "schema": SCHEMA,
+            "logs": [log.to_dict() for log in self.logs],
+            "joints": {name: result.to_dict() for name, result in self.joints.items()},
+            "failed": self.failed,
+            "shared": [cause.to_dict() for cause in self.shared],
+            "before": self.before.to_dict(),
+            "after": self.after.to_dict(),
+            "undetermined": list(self.undetermined),
+            "notes": list(self.notes),
+            "verdict": self.verdict,
+        }
+
+
+def mean_percent(pairs: list[tuple[Rms, float]]) -> Rms:
+    """Errors over the rms of what was measured, in per cent, averaged over joints."""
+
+    def mean(values: list[float | None]) -> float | None:
+        known = [x / size for x, (_, size) in zip(values, pairs, strict=True) if x is not None]
+        return 100.0 * float(np.mean(known)) if known else None
+
+    return Rms(mean([rms.fit for rms, _ in pairs]), mean([rms.held_out for rms, _ in pairs]))

@@ -1,0 +1,137 @@
+"""Corrections of a rigid-body model: the search's columns and load against the corrected MJCF."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint.effects.signals import GEAR, LOAD
+from frictionjoint.identify.design import kept
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+from frictionjoint.model_files import read_spec
+from frictionjoint.robot.along import Along
+from frictionjoint.robot.body import CorrectedBody
+from frictionjoint.robot.causes.base_tilt import BaseTilt
+from frictionjoint.robot.causes.body_inertia import BodyInertia
+from frictionjoint.robot.causes.catalogue import catalogue
+from frictionjoint.robot.causes.joint_offset import JointOffset
+from frictionjoint.robot.causes.payload import Payload
+from frictionjoint.robot.causes.rotor_inertia import RotorInertia
+from frictionjoint.robot.corrections import Corrections, Shaft, write_corrections
+from frictionjoint.robot.inertia import of_model, possible
+from tests.arms.arm import random_arm
+from tests.arms.run import motion
+
+JOINTS = ("j1", "j2", "j3")
+
+
+@pytest.fixture(scope="module")
+def arm() -> str:
+    return random_arm(5, 3).believed
+
+
+@pytest.fixture(scope="module")
+def logs() -> dict[str, JointLog]:
+    time = np.arange(0.0, 3.0, 4e-3)
+    q, _, _ = motion(np.random.default_rng(0), time, 3)
+    tracks = dict(zip(JOINTS, q.T, strict=True))
+    rng = np.random.default_rng(1)
+    return {
+        name: JointLog(
+            name="log",
+            joint=name,
+            time=time,
+            position=tracks[name],
+            torque=rng.normal(size=len(time)),
+            other_positions={n: x for n, x in tracks.items() if n != name},
+        )
+        for name in JOINTS
+    }
+
+
+CAUSES = {
+    "payload": (Payload(3, "link3"), [0.7, 0.05, -0.02, 0.03, 1e-3]),
+    "mass": (BodyInertia(2, "link2", "mass"), [0.3]),
+    "mass and centre": (BodyInertia(2, "link2", "mass and centre"), [0.2, 0.03, -0.01, 0.02]),
+    "all ten": (BodyInertia(3, "link3", "all ten"), list(0.1 * np.arange(-5, 5))),
+    "rotor": (RotorInertia("j2", 0.01), [0.2]),
+    "tilt": (BaseTilt(), [0.1, -0.05]),
+    "offset": (JointOffset("j2"), [0.07]),
+}
+
+
+@pytest.mark.parametrize("kind", CAUSES)
+@pytest.mark.parametrize("joint", JOINTS)
+def test_load_under_corrections_is_that_of_the_corrected_model(arm, logs, kind, joint):
+    cause, x = CAUSES[kind]
+    body = RigidBody(arm, joint)
+    prepared = prepare([logs[joint]], body)
+    (segment,) = prepared.segments
+    state = cause.applied(Corrections.none(body.model), np.array(x))
+    found = Along(body, segment, state).segment(segment)
+    spec = read_spec(arm)
+    write_corrections(spec, state)
+    other = prepare([logs[joint]], RigidBody(spec.to_xml(), joint), prepared.band).segments[0]
+    for column in (LOAD, GEAR):
+        size = np.abs(other.signals[:, LOAD]).max()
+        # six digits of an MJCF's numbers
+        assert np.abs(found.signals[:, column] - other.signals[:, column]).max() < 1e-4 * size
+
+
+@pytest.mark.parametrize("kind", CAUSES)
+def test_columns_are_the_change_of_the_load_with_the_numbers(arm, logs, kind):
+    cause, x = CAUSES[kind]
+    joint = "j2" if kind == "rotor" else "j1" if kind == "tilt" else "j2"
+    body = RigidBody(arm, joint)
+    (segment,) = prepare([logs[joint]], body).segments
+    none = Corrections.none(body.model)
+    here = cause.applied(none, np.array(x))
+    along = Along(body, segment, here)
+    for k in range(len(x)):
+        moved = np.array(x)
+        moved[k] += 1e-5
+        after = cause.applied(none, moved)
+        expected = Along(body, segment, after).segment(segment).signals[:, LOAD]
+        expected = expected - along.segment(segment).signals[:, LOAD]
+        assert np.allclose(along.linear(here, after), expected, atol=1e-3 * np.ptp(expected) + 1e-9)
+
+
+def test_a_shafts_torque_is_the_tendons(arm, logs):
+    """Viscous friction and inertia through MuJoCo's tendon; Coulomb friction is added to it."""
+    shaft = Shaft(("j2", "j3"), -1.0, level=0.3, viscous=0.2, inertia=0.05)
+    for joint in JOINTS:
+        body = RigidBody(arm, joint)
+        prepared = prepare([logs[joint]], body)
+        (segment,) = prepared.segments
+        state = replace(Corrections.none(body.model), shafts=(shaft,))
+        found = Along(body, segment, state).segment(segment)
+        spec = read_spec(arm)
+        write_corrections(spec, state)
+        other = CorrectedBody(spec.to_xml(), joint, shafts=(shaft,))
+        expected = prepare([logs[joint]], other, prepared.band).segments[0].signals[:, LOAD]
+        assert np.abs(found.signals[:, LOAD] - expected).max() < 1e-4 * np.abs(expected).max()
+    assert np.abs(kept(segment, expected[:, None])).max() > 0.0
+
+
+def test_every_change_of_a_body_leaves_a_possible_one(arm):
+    model = mujoco.MjModel.from_xml_string(arm)
+    none, rng = Corrections.none(model), np.random.default_rng(0)
+    cause = BodyInertia(2, "link2", "all ten")
+    for _ in range(50):
+        state = cause.applied(none, rng.normal(size=10))
+        assert possible(state.phi[2])
+    assert np.array_equal(cause.applied(none, np.zeros(10)).phi, of_model(model))
+
+
+def test_causes_speak_of_the_joints_that_are_logged(arm):
+    model = mujoco.MjModel.from_xml_string(arm)
+    found = catalogue(model, ["j1", "j2"], ["j1", "j2"])
+    places = {(c.name, *c.place.values()) for c in found}
+    assert ("rotor-inertia", "j2") in places
+    assert ("rotor-inertia", "j3") not in places
+    # link3 stands still behind link2: the hand is link2
+    assert {place[1] for place in places if place[0] == "payload"} == {"link2"}
+    assert ("gear-coupling", "j1", "j2") in places

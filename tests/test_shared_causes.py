@@ -1,0 +1,83 @@
+"""What joints of simulated arms show together: named, in the right place, with its size."""
+
+import numpy as np
+import pytest
+
+from frictionjoint.measured.log import JointLog
+from frictionjoint.robot.joint import first_fit
+from frictionjoint.robot.shared import Shared, shared_causes
+from tests.arms.arm import Arm, hide_mass, hide_payload, hide_rotor, hide_tilt, random_arm
+from tests.arms.run import run
+
+SECONDS = 8.0
+
+
+def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2)) -> Shared:
+    """Shared causes in two short logs of an arm."""
+    logs = [run(arm, seed, SECONDS) for seed in seeds]
+    joints = [
+        first_fit(
+            [
+                JointLog(
+                    name=f"log{i}",
+                    joint=j,
+                    time=x["time_s"],
+                    position=x[f"{j}.position_rad"],
+                    torque=x[f"{j}.torque_nm"],
+                    other_positions={n: x[f"{n}.position_rad"] for n in arm.joints if n != j},
+                )
+                for i, x in enumerate(logs)
+            ],
+            arm.believed,
+            j,
+            None,
+        )
+        for j in arm.joints
+    ]
+    return shared_causes(joints, arm.joints, map)
+
+
+def values(found: Shared) -> list[tuple[str, dict[str, str], dict[str, float]]]:
+    """Name, place and values of each cause."""
+    settled = found.settled.found
+    return [
+        (c.name, c.place, {n: v for n, (v, _) in c.values(settled.original, x).items()})
+        for c, x in zip(settled.causes, settled.numbers, strict=True)
+    ]
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    assert not found_in(random_arm(21, 2)).choices
+
+
+def test_a_payload_and_a_missing_rotor_are_named_with_their_sizes():
+    arm = random_arm(22, 3)
+    hide_payload(arm, 0.8, [0.02, 0.0, 0.05])
+    hide_rotor(arm, "j1")
+    found = {name: (place, v) for name, place, v in values(found_in(arm))}
+    assert set(found) == {"payload", "rotor-inertia"}
+    place, payload = found["payload"]
+    _, mass, centre = arm.hidden["payload"]
+    assert place == {"body": "link3"}
+    assert payload["mass"] == pytest.approx(mass, rel=0.05)
+    measured = [payload[f"centre_{axis}"] for axis in "xyz"]
+    assert np.linalg.norm(measured - centre) < 0.01
+    place, rotor = found["rotor-inertia"]
+    assert place == {"joint": "j1"}
+    assert rotor["added"] == pytest.approx(arm.hidden["rotor-inertia"]["j1"], rel=0.1)
+
+
+def test_a_heavier_link_is_told_from_its_neighbours():
+    arm = random_arm(23, 3)
+    hide_mass(arm, "link2", 1.4)
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("body-inertia", {"body": "link2"})
+    assert found["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.1)
+
+
+def test_a_leaning_base_is_told_from_wrong_masses():
+    arm = random_arm(24, 3)
+    hide_tilt(arm, 0.06, 1.0)
+    ((name, _, found),) = values(found_in(arm))
+    assert name == "base-tilt"
+    assert found["angle"] == pytest.approx(0.06, rel=0.1)
