@@ -20,11 +20,15 @@ from frictionjoint.cli.data import data
 from frictionjoint.cli.export import export
 from frictionjoint.cli.logs import (
     Columns,
+    ControllerFile,
     Fixed,
     Gain,
+    Model,
     Reading,
     Signals,
     Wrap,
+    model_files,
+    models_of,
     poses,
     split,
 )
@@ -33,7 +37,7 @@ from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
-from frictionjoint.errors import FrictionJointError
+from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130
@@ -63,9 +67,6 @@ app = typer.Typer(
 Logs = Annotated[
     list[Path],
     typer.Argument(metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."),
-]
-Model = Annotated[
-    Path, typer.Option("--model", metavar="MJCF", help="The robot, without its friction.")
 ]
 Joint = Annotated[
     str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
@@ -153,6 +154,7 @@ def close_loop_command(
     ] = None,
     law: LawOrBest = None,
     fixed: Fixed = None,
+    controller: ControllerFile = None,
     gain: Gain = None,
     column: Columns = None,
     signal: Signals = None,
@@ -180,15 +182,20 @@ def close_loop_command(
 
     if joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
-        request = RobotRequest(logs, held_out or ["0.25"], model, joint or [], reading)
+        robot = models_of(model)
+        if isinstance(robot, dict):
+            raise ModelError("--model: several joints share one model, give one without a pattern")
+        request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
         close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json)
         return
     with progress() as told:
-        read = [*logs, *(Path(text) for text in held_out or []), model]
+        read = [*logs, *(Path(text) for text in held_out or []), *model_files(model)]
         require_writable(out, read, force, FILES)
         reading = Reading.of(joint[0], column, signal, wrap, gain)
         fitted, kept = split(logs, held_out or ["0.25"], reading)
-        report = close_loop(fitted, model, joint[0], kept, seed, told, law, poses(fixed))
+        report = close_loop(
+            fitted, models_of(model), joint[0], kept, seed, told, law, poses(fixed), controller
+        )
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
@@ -206,6 +213,7 @@ def identify(
     out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
     law: Law = LAWS[0],
     fixed: Fixed = None,
+    controller: ControllerFile = None,
     gain: Gain = None,
     column: Columns = None,
     signal: Signals = None,
@@ -219,12 +227,14 @@ def identify(
 
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
+    from frictionjoint.control.controller import read_controller
+    from frictionjoint.control.reconstruct import check_drive
     from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text, toml_text_without_scale
+    from frictionjoint.identify.bodies import Bodies
     from frictionjoint.identify.fit import without_scale
     from frictionjoint.identify.gate import check as check_balance
     from frictionjoint.identify.gate import check_fit, scale_is_determined
-    from frictionjoint.identify.matching import check_logs
     from frictionjoint.identify.prepare import prepare
     from frictionjoint.identify.result import (
         law_estimates,
@@ -232,7 +242,6 @@ def identify(
         scale_note,
         units_of,
     )
-    from frictionjoint.identify.rigid_body import RigidBody
     from frictionjoint.identify.rival_shape import forms_of
     from frictionjoint.identify.starts import fit
     from frictionjoint.identify.weights import reweighed
@@ -240,13 +249,17 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as told:
-        require_writable(out, [*logs, model], force)
+        require_writable(out, [*logs, *model_files(model)], force)
         forms = forms_of(law)
-        body = RigidBody(model, joint, poses(fixed))
+        bodies = Bodies(models_of(model), joint, poses(fixed))
+        driven_by = read_controller(controller) if controller else None
         reading = Reading.of(joint, column, signal, wrap, gain)
         read = bounded([reading.read(path) for path in logs])
-        said = check_logs(read, body)
-        prepared = prepare(read, body)
+        said = bodies.check(read, ())
+        body = bodies.of(read)[0]
+        if driven_by:
+            said += tuple(note for log in read for note in check_drive(log, driven_by))
+        prepared = prepare(read, bodies.of(read), controller=driven_by)
         check_balance(prepared)
         found = fit(prepared, forms=forms, progress=told)
         prepared, fitted = reweighed(prepared, found)

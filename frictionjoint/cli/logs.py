@@ -53,6 +53,48 @@ Fixed = Annotated[
     ),
 ]
 
+ControllerFile = Annotated[
+    str | None,
+    typer.Option(
+        "--controller",
+        metavar="FILE|PRESET",
+        help="TOML file of what drove the joint to its target, or xl330, sts3215, unitree, mit. "
+        "Logs of target and position alone need it.",
+    ),
+]
+Model = Annotated[
+    list[str],
+    typer.Option(
+        "--model",
+        metavar="MJCF",
+        help="The robot, without its friction; PATTERN=MJCF for logs of other loads, by their "
+        "names. Repeatable.",
+    ),
+]
+
+
+def models_of(model: list[str]) -> str | dict[str, str]:
+    """An MJCF, or one by a pattern of the names of logs.
+
+    Raises:
+        ModelError: several without a pattern.
+    """
+    if len(model) == 1 and "=" not in model[0]:
+        return model[0]
+    found = {}
+    for text in model:
+        pattern, equals, path = text.partition("=")
+        if not (pattern and equals and path):
+            raise ModelError(f"--model {text}: of several, write PATTERN=MJCF, e.g. 'heavy*=b.xml'")
+        found[pattern] = path
+    return found
+
+
+def model_files(model: list[str]) -> list[Path]:
+    """The files of `models_of`."""
+    found = models_of(model)
+    return [Path(path) for path in (found.values() if isinstance(found, dict) else [found])]
+
 
 @dataclass(frozen=True)
 class Reading:

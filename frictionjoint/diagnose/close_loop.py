@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller, read_controller
+from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.moves import Look
@@ -22,6 +25,7 @@ from frictionjoint.diagnose.report_data import (
     Intervals,
     LogEntry,
     Looked,
+    LoopErrors,
     Report,
     Rms,
     Role,
@@ -31,10 +35,10 @@ from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.held import Pose
-from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.result import (
     law_estimates,
@@ -46,7 +50,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import IN_MOTION, Prediction, predict
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
@@ -67,25 +71,30 @@ LogLike = JointLog | str | Path
 @one_thread
 def close_loop(
     logs: Sequence[LogLike],
-    model: str | Path,
+    model: str | Path | Mapping[str, str | Path],
     joint: str,
     held_out: Sequence[LogLike] | float = 0.25,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
+    controller: Controller | str | Path | None = None,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
     Args:
         logs: to fit and to choose on, at least one; logs or their files.
-        model: path or text of the MJCF the user believes in. joint: its name.
+        model: path or text of the MJCF the user believes in; where the logs are of different loads,
+            one by a pattern of the logs' names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
+        joint: its name.
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: called with what is being done.
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
+        controller: what drove the joint to its target, its file, or the name of a preset. Logs
+            without torque, voltage or current need it; all are simulated with it.
     Raises:
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument is of a wrong type.
@@ -93,38 +102,47 @@ def close_loop(
     require_logs(logs, held_out)
     require_seed(seed)
     forms_of(law or INTEGRATED_LAW)
-    body = RigidBody(model, joint, fixed)
+    bodies = Bodies(model, joint, fixed)
+    if controller is not None and not isinstance(controller, Controller):
+        controller = read_controller(controller)
     logs, held_out = _parted(logs, held_out, joint)
-    return explain(logs, held_out, body, seed, progress, law)[0]
+    return explain(logs, held_out, bodies, seed, progress, law, controller)[0]
 
 
 @one_thread
 def explain(
     logs: Sequence[JointLog],
     held_out: Sequence[JointLog],
-    body: RigidBody,
+    bodies: Bodies,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
+    controller: Controller | None = None,
 ) -> tuple[Report, Trace]:
     """The loop on logs that were read: the report, and what the search found.
 
     Args:
-        held_out: may be none. body: the model around the joint. Others: see `close_loop`.
+        held_out: may be none. bodies: the model around the joint. Others: see `close_loop`.
     Raises:
         FrictionJointError: bad logs, in one line.
     """
     begin = time.perf_counter()
+    mine, theirs = bodies.of(logs), bodies.of(held_out)
+    body = mine[0]
     joint = body.joint
-    said = check_logs(logs, body, held_out)
+    said = bodies.check(logs, held_out)
+    if controller:
+        said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
     progress("rigid-body torque")
-    fitted_on = prepare(list(logs), body)
+    fitted_on = prepare(list(logs), mine, controller=controller)
     check(fitted_on)
-    kept_back = prepare(list(held_out), body, fitted_on.band) if held_out else None
+    kept_back = None
+    if held_out:
+        kept_back = prepare(list(held_out), theirs, fitted_on.band, controller)
 
     def replayed(fitted: Fit) -> float | None:
         known = scale_is_determined(fitted_on, fitted)
-        return replayed_whole(fitted_on, body, fitted) if known else None
+        return replayed_whole(fitted_on, mine, fitted) if known else None
 
     found = trace(fitted_on, seed, progress, law, replayed)
     scaled = load_shows(found.base) and scale_is_determined(found.prepared, found.final)
@@ -139,10 +157,19 @@ def explain(
     if scaled:
         friction_spec(spec, joint, found.final)
     spec.compile()
-    runs = [_replays(fitted_on, kept_back, body, f) for f in (found.base, found.final) if scaled]
+    runs = [
+        (replay(fitted_on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
+        for f in (found.base, found.final)
+        if scaled
+    ]
     before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
-    gain = found.final.gain
+    gain = found.final.scale
+    loops = None
+    if controller and scaled:
+        progress("closed loop")
+        pairs = ((logs, mine), (held_out, theirs))
+        loops = _closed_loops(pairs, controller, (found.base, found.final))
     torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = found.unexplained
@@ -181,6 +208,8 @@ def explain(
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
+        closed_loops=loops,
+        controller=found_controller(controller, found.final) if controller else None,
     )
     return report, found
 
@@ -204,11 +233,16 @@ def _read(log: LogLike, joint: str) -> JointLog:
     return log if isinstance(log, JointLog) else read_log(log, joint)
 
 
-def _replays(
-    fitted_on: Prepared, kept_back: Prepared | None, body: RigidBody, f: Fit
-) -> tuple[Replay, Replay | None]:
-    """Of the logs fitted and of those held out."""
-    return replay(fitted_on, body, f), replay(kept_back, body, f) if kept_back else None
+def _closed_loops(
+    pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
+    controller: Controller,
+    fits: Sequence[Fit],
+) -> tuple[LoopErrors, ...] | None:
+    """Before and after, of the logs fitted and of those held out; None where one has no target."""
+    if any(log.target is None for logs, _ in pairs for log in logs):
+        return None
+    courses = [courses_of(logs, bodies, controller) for logs, bodies in pairs]
+    return tuple(LoopErrors(*(closed_loop(c, f) if c else None for c in courses)) for f in fits)
 
 
 def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
@@ -218,7 +252,7 @@ def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
     """Of the torque in motion, N m, all by one gain of the drive: less of it makes none better."""
     found: Prediction = predict(prepared, fitted)
-    return np.asarray(found.error[found.in_motion] * (gain / fitted.gain))
+    return np.asarray(found.error[found.in_motion] * (gain / fitted.scale))
 
 
 def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
@@ -236,7 +270,7 @@ def _intervals(prepared: Prepared, found: Trace) -> Intervals:
     first = prepared.segments[0]
     length = max(1, round(_BLOCK_S / (first.dt * first.step)))
     for fitted in (found.base, found.final):
-        e = _errors(prepared, fitted, found.final.gain)
+        e = _errors(prepared, fitted, found.final.scale)
         pair.append(rms_interval(e, np.arange(len(e)) // length))
     return pair[0], pair[1]
 
@@ -263,7 +297,7 @@ def _added(
     for i, step in enumerate(found.findings):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)
         name = step.term.name
-        rms = _torque_rms(fitted_on, kept_back, step.fit, found.final.gain)
+        rms = _torque_rms(fitted_on, kept_back, step.fit, found.final.scale)
         if name in entries:
             first = entries[name]
             number = 2 + sum(1 for s in found.findings[:i] if s.term.name == name) - 1
@@ -294,7 +328,7 @@ def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tu
             continue
         # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
         # gain that the residual before is stated by.
-        scale = found.final.gain / found.base.gain
+        scale = found.final.scale / found.base.scale
         own, base, *_ = predict(prepared, found.base)
         measured, after, friction, weight = predict(prepared, found.final)
         before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
@@ -357,4 +391,5 @@ def _rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
         for i, f in enumerate(found.findings)
         for term in f.rivals
         if isinstance(term, EffectTerm) and term.name not in taken
+        if not isinstance(term, DriveTerm) and not isinstance(f.term, DriveTerm)
     ]

@@ -117,7 +117,7 @@ def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
     enough = needed * (1.0 - _TOO_MUCH) / _TOO_MUCH
     return Sight(
-        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.gain,
+        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.scale,
         duration,
         duration * enough / blocks,
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import MOTOR, TEMP, TIME, H, Q
 from frictionjoint.identify.design import full_signals, kept, term_bounds
@@ -22,7 +22,7 @@ from frictionjoint.identify.smooth import (
     WaveTerm,
     quantity,
 )
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, changed_drive
 from frictionjoint.threads import side_by_side
 
 _POSITION_BINS = 4096
@@ -63,7 +63,12 @@ class Candidate:
     @property
     def comes_first(self) -> bool:
         """Whether nothing else can be decided before it."""
-        return isinstance(self.term, EffectTerm) and self.term.effect.first
+        return isinstance(self.term, EffectTerm) and self.term.effect.decided_first
+
+    @property
+    def of_drive(self) -> bool:
+        """Whether it changes what a controller puts out."""
+        return isinstance(self.term, DriveTerm)
 
     @property
     def kind(self) -> tuple[str, str]:
@@ -83,6 +88,7 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
     terms = effect_terms(prepared, signals, fitted.terms)
+    terms += drive_terms(prepared, fitted.terms)
     terms += periodic_terms(prepared, signals, fitted, blocks)
     terms += unnamed_terms(prepared, signals, fitted, blocks)
     with side_by_side() as each:
@@ -119,8 +125,18 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     """A term's columns on the kept samples of all logs.
 
-    A delay, which moves the drive, has none; its first order is the rate of the drive.
+    A delay, which moves the drive, has none; its first order is the rate of the drive. That of an
+    effect of the drive is what it takes away.
     """
+    if isinstance(term, DriveTerm):
+        changed = [changed_drive(s, (term,)) for s in prepared.segments]
+        own, other = (
+            np.concatenate([s.balanced_drive()[s.kept] for s in logs])
+            for logs in (prepared.segments, changed)
+        )
+        if prepared.gain_unknown:  # as large as it was: less of a drive explains nothing
+            other = other * (np.linalg.norm(own) / (float(np.linalg.norm(other)) or 1.0))
+        return np.asarray(own - other)[:, None]
     if not term.coefficients:
         parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
         return np.concatenate(parts)[:, None]
@@ -139,6 +155,20 @@ def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ..
         if spoken_of(prepared, effect, everything)
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
+    ]
+
+
+def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[Term]:
+    """Every effect of the drive, where the drive is what a controller made of its commands."""
+    if not prepared.commanded:
+        return []
+    names = {term.name for term in taken}
+    logs = [s.commanded.commands for s in prepared.segments if s.commanded]
+    return [
+        DriveTerm(effect, shape)
+        for effect in DRIVE_EFFECTS
+        if effect.name not in names and prepared.drive in effect.drives
+        for shape in (effect.drive_shapes(logs) if effect.drive_shapes else [])
     ]
 
 

@@ -6,6 +6,7 @@ restart. Other joints of an arm follow their measured motion. A voltage-driven j
 the measured voltage, and its motor is let go where it was.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ from frictionjoint.identify.motor_torque import follows_motor
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
@@ -70,7 +71,7 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
     found = []
     for i, term in enumerate(fitted.terms):
         if isinstance(term, EffectTerm) and not (
-            term.effect.opposes_voltage or term.effect.is_inertia
+            term.effect.opposes_voltage or term.effect.is_inertia or term.effect.drive
         ):
             values = tuple(float(x) for x in fitted.term_coefficients(i))
             found.append(SimulatedEffect(term.effect, term.shape, values))
@@ -111,7 +112,7 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
 
 
-def replayed_whole(prepared: Prepared, body: RigidBody, fitted: Fit) -> float | None:
+def replayed_whole(prepared: Prepared, bodies: Sequence[RigidBody], fitted: Fit) -> float | None:
     """rms position error of free runs that hold all that a fit says, m or rad.
 
     Returns:
@@ -121,18 +122,31 @@ def replayed_whole(prepared: Prepared, body: RigidBody, fitted: Fit) -> float | 
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
-        less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -body.armature
+        less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -bodies[0].armature
         if term.delay or TEMP in term.effect.needs or less:
             return None
-    return replay(prepared, body, fitted).rms
+    return replay(prepared, bodies, fitted).rms
 
 
-def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
+def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:
     """Run the windows of all logs.
 
     Args:
-        body: of the same MJCF the logs were prepared with.
+        body: that the logs were prepared with, or one a log.
     """
+    bodies = [body] * len(prepared) if isinstance(body, RigidBody) else body
+    found: list[Array] = []
+    for one, some in itertools.groupby(
+        zip(bodies, prepared.segments, strict=True), key=lambda pair: pair[0]
+    ):
+        found += _of_body(one, [segment for _, segment in some], fitted)
+    return Replay(tuple(found), max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments))
+
+
+def _of_body(body: RigidBody, segments: list[Segment], fitted: Fit) -> list[Array]:
+    """Errors of the logs of one MJCF."""
+    # with what effects of the drive have made of it
+    segments = [changed_drive(s, fitted.terms) for s in segments]
     spec = body.spec()
     friction_spec(spec, body.joint, fitted)
     model = spec.compile()
@@ -141,8 +155,7 @@ def replay(prepared: Prepared, body: RigidBody, fitted: Fit) -> Replay:
     model.opt.disableflags |= int(off)
     motor = motor_of(fitted)
     with attach(model):
-        errors = tuple(_one_log(model, body, s, motor) for s in prepared.segments)
-    return Replay(errors, max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments))
+        return [_one_log(model, body, s, motor) for s in segments]
 
 
 def _one_log(

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.diagnose.closed_loop import ClosedLoop
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameters import Friction
 
@@ -32,6 +34,24 @@ class Rms:
     def to_dict(self) -> dict[str, float | None]:
         """As in report.json."""
         return {"fit": self.fit, "held_out": self.held_out}
+
+
+@dataclass(frozen=True)
+class LoopErrors:
+    """Whole logs in closed loop, those fitted and those held out."""
+
+    fit: ClosedLoop | None
+    held_out: ClosedLoop | None
+
+    @property
+    def mae(self) -> Rms:
+        """Mean absolute position errors, rad (m)."""
+        return Rms(*(None if x is None else x.mae for x in (self.fit, self.held_out)))
+
+    @property
+    def rms(self) -> Rms:
+        """Roots of the mean square."""
+        return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
 
 
 @dataclass(frozen=True)
@@ -139,7 +159,9 @@ class Report:
     """Outcome of `close_loop`.
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
-    page. Intervals are of the rms before and after, at 95%, on held-out logs where there are any.
+    page. `closed_loops`, before and after, and the controller as it was found are None where none
+    was given. Intervals are of the rms before and after, at 95%, on held-out logs where there are
+    any.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, there is no
     replay and the model carries no friction.
@@ -170,11 +192,23 @@ class Report:
     rankings: tuple[Looked, ...] = field(repr=False)
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
+    controller: Controller | None = None
 
     @property
     def changed(self) -> bool:
         """Whether the result is another model than the base fit: effects added, or another law."""
         return bool(self.added) or self.laws[0].law != self.laws[1].law
+
+    def _closed_loop(self, which: int) -> dict[str, Any]:
+        """Of the model before (0) or after (1); nothing where no controller is known."""
+        if self.closed_loops is None:
+            return {}
+        found = self.closed_loops[which]
+        return {
+            "closed_loop_mae": found.mae.to_dict(),
+            "closed_loop_rms": found.rms.to_dict(),
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
@@ -190,6 +224,7 @@ class Report:
             "before": {
                 "torque_rms": self.before_torque.to_dict(),
                 "replay_rms": self.before_replay.to_dict(),
+                **self._closed_loop(0),
             },
             "added": [effect.to_dict() for effect in self.added],
             "after": {
@@ -197,6 +232,7 @@ class Report:
                 "parameters": {name: x.to_dict() for name, x in self.final.items()},
                 "torque_rms": self.after_torque.to_dict(),
                 "replay_rms": self.after_replay.to_dict(),
+                **self._closed_loop(1),
             },
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],

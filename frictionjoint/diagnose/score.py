@@ -29,7 +29,7 @@ class Scored:
     def moved(self, other: "Scored") -> float:
         """rms of the torque by which this model is nearer than another, over the friction's."""
         f = self.fit
-        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.gain**2
+        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.scale**2
         return float(np.sqrt(max(0.0, other.total - self.total) / friction)) if friction else 0.0
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
@@ -42,6 +42,6 @@ class Scored:
 def scored(fitted: Fit, blocks: Blocks) -> Scored:
     """A fit's score, to first order in the change of its effects without a fold."""
     found = screen(fitted, blocks)
-    # in the units of the drive, where an effect may change the gain
+    # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
-    return Scored(fitted, squares / fitted.gain**2)
+    return Scored(fitted, squares / fitted.scale**2)

@@ -8,7 +8,7 @@ if it gains more than one paired standard error and a least fraction of what is 
 the whole family of candidates, chance hardly does as much.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
@@ -130,10 +130,19 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
     blocks = make_blocks(state.prepared, state.fit)
     candidates = library(state.prepared, state.fit, blocks)
-    first = [c for c in candidates if c.comes_first] if not state.fit.effects else []
-    return (_taken(state, blocks, first, rng) if first else []) or _taken(
-        state, blocks, candidates, rng
-    )
+    for first in _first(state.fit, candidates):
+        taken = _taken(state, blocks, first, rng) if first else []
+        if taken:
+            return taken
+    return _taken(state, blocks, candidates, rng)
+
+
+def _first(fitted: Fit, candidates: Sequence[Candidate]) -> Iterator[list[Candidate]]:
+    """What is decided before anything else: the motor, then what its controller does to a drive."""
+    if not fitted.effects:
+        yield [c for c in candidates if c.comes_first and not c.of_drive]
+    if all(isinstance(t, EffectTerm) and t.effect.decided_first for t in fitted.effects):
+        yield [c for c in candidates if c.of_drive]
 
 
 def _taken(

@@ -1,15 +1,23 @@
 """All effects the tracing knows, in the order in which ties between equals are broken.
 
 `SIMULATED` are those that a model can carry: one more, which only a simulation has.
+Those of the drive act on what a controller puts out, and have no kernel in the joint: they are
+looked for where the drive is reconstructed from target and position.
 """
 
 from frictionjoint.effects import (
     back_emf,
     backlash,
+    command_delay,
+    command_rate,
+    deadband,
     direction_asymmetry,
+    drive_limit,
+    duty_drop,
     dwell_time,
     end_stop,
     frictional_lag,
+    gain_error,
     gravity_error,
     heating,
     inertia_error,
@@ -20,6 +28,7 @@ from frictionjoint.effects import (
     nonlinear_viscous,
     position_periodic,
     spring,
+    supply_sag,
     temperature_dependent,
     torque_bias,
     torque_gain,
@@ -54,3 +63,15 @@ CATALOGUE: tuple[Effect, ...] = (
 )
 
 SIMULATED: tuple[Effect, ...] = (*CATALOGUE, heating.EFFECT)
+
+DRIVE_EFFECTS: tuple[Effect, ...] = (
+    command_delay.EFFECT,
+    command_rate.EFFECT,
+    drive_limit.EFFECT,
+    deadband.EFFECT,
+    deadband.SHIFTED_BAND,
+    duty_drop.EFFECT,
+    duty_drop.OF_OUTPUT,
+    supply_sag.EFFECT,
+    gain_error.EFFECT,
+)

@@ -6,15 +6,21 @@ coefficients c enter linearly; shape numbers (a period, a time constant) do not,
 behind `effect_id` (see kernel.py) computes the sum both for a log and in a simulation.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import Commands
 
 Shape = tuple[float, ...]
 Entry = Literal[
-    "adds torque", "scales the friction level", "acts on the measurement", "acts on the motor"
+    "adds torque",
+    "scales the friction level",
+    "acts on the measurement",
+    "acts on the motor",
+    "acts on the drive",
 ]
 Acts = Literal["torque", "mechanism", "sensors"]
 
@@ -58,6 +64,10 @@ class Effect:
         of_inertia: bounds are in units of the joint's inertia.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
+        drive: of an effect of the drive, from (block, delay, shape) of a controller to block and
+            delay of what it truly is; such an effect has no kernel and no coefficients.
+        controller: of an effect of the drive, the fields of a `Controller` that it changes.
+        drive_shapes: grid of shape numbers to search, from the commands of each log.
         separating_motion: what to record to distinguish it from its nearest neighbours.
     """
 
@@ -92,6 +102,14 @@ class Effect:
     title: str = ""
     acts: Acts = "torque"
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
+    drive: Callable[[Array, float, Shape], tuple[Array, float]] | None = None
+    controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
+    drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
+
+    @property
+    def decided_first(self) -> bool:
+        """Whether without it every torque is off: a motor's own, or the drive itself."""
+        return self.first or self.drive is not None
 
     @property
     def size(self) -> int:

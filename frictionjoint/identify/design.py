@@ -20,7 +20,7 @@ from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import saturated
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import EffectTerm, Term, delay_of
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, changed_drive, delay_of
 from frictionjoint.threads import side_by_side
 
 # displacements, over the travel, over which friction may have come to what it held at first
@@ -62,7 +62,7 @@ class Balance:
         delay = delay_of(terms)
         with side_by_side() as each:
             X = list(each(partial(self._log_columns, law, terms), range(len(self.prepared))))
-        y = [target(s, self.prepared, delay) for s in self.prepared.segments]
+        y = [target(self._driven(terms, i), self.prepared, delay) for i in range(len(X))]
         whole = np.concatenate(X)
         if beta is not None:
             whole = saturated(whole, beta, self.layout)
@@ -116,6 +116,10 @@ class Balance:
             signals[:, H], signals[:, RATE] = self._track(law, i).T
         return signals
 
+    def _driven(self, terms: tuple[Term, ...], i: int) -> Segment:
+        """A log with the drive that these terms make of its commands."""
+        return changed_drive(self.prepared.segments[i], terms)
+
     def _track(self, law: Shape, i: int) -> Array:
         return self._get(("track", i, law), lambda: law_track(self.prepared.segments[i], law))
 
@@ -126,9 +130,13 @@ class Balance:
         found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
             for j, (x, reach) in enumerate(reaches(term, self.span)):
+                if isinstance(term, DriveTerm):
+                    found.append(self._drive_move(terms, k, j, i))
+                    continue
                 if term.delay or not term.coefficients:
                     # the drive of an earlier time
-                    found.append(s.balanced_drive(delay_of(terms), 1)[s.kept])
+                    earlier = self._driven(terms, i).balanced_drive(delay_of(terms), 1)
+                    found.append(earlier[s.kept])
                     continue
                 h = _STEP * reach if np.isfinite(reach) else _SMALL
                 pair = [
@@ -137,6 +145,17 @@ class Balance:
                 ]
                 found.append((pair[0] - pair[1]) @ beta[layout.coefficients(k)] / (2.0 * h))
         return np.column_stack(found) if found else np.zeros((int(s.kept.sum()), 0))
+
+    def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
+        """By number j of term k, an effect of the drive, shape (n,)."""
+        x = terms[k].free_shape[j]
+        h = _STEP * abs(x) or _STEP
+        pair = []
+        for d in (h, -h):
+            moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + d))
+            s = self._driven((*terms[:k], moved, *terms[k + 1 :]), i)
+            pair.append(s.balanced_drive(delay_of(terms))[s.kept])
+        return np.asarray((pair[1] - pair[0]) / (2.0 * h))
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """By the numbers of the law, shape (n, number)."""

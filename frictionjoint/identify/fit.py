@@ -18,7 +18,7 @@ from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import EffectTerm, Term, Timing
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
 from frictionjoint.threads import one_thread
 
 # fraction of a range within which a search has arrived at the range's end
@@ -49,6 +49,7 @@ class Fit:
             move it from where it is, shape (p,).
         log_index: which log each sample belongs to, shape (n,).
         target_rms: rms of the measured torque.
+        unit: by which errors were multiplied, for effects of the drive that make it smaller.
     """
 
     shape: Shape
@@ -66,6 +67,7 @@ class Fit:
     log_index: NDArray[np.int64]
     target_rms: float
     in_drive_units: bool = False
+    unit: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -83,9 +85,14 @@ class Fit:
         return float(np.sqrt(np.mean(self.residual**2)))
 
     @property
+    def scale(self) -> float:
+        """Torque per unit of what a fit makes small."""
+        return self.gain / self.unit
+
+    @property
     def drive_rms(self) -> float:
-        """rms of the weighted residual in units of the drive: what a fit makes small."""
-        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.gain
+        """rms of the weighted residual: what a fit makes small."""
+        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.scale
 
     @property
     def free_jacobian(self) -> Array:
@@ -141,6 +148,11 @@ def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
     return (*terms, Timing(min(s.sample for s in prepared.segments)))
 
 
+def _ends(layout: Layout, k: int) -> tuple[int, int]:
+    at = layout.numbers(k)
+    return at.start, at.stop
+
+
 def _delays(term: Term) -> bool:
     return isinstance(term, EffectTerm) and term.effect.delays
 
@@ -162,6 +174,19 @@ def refit(
     """
     search = Search(prepared, timed(prepared, terms), start)
     return search.result(search.run(search.start, steps, closeness).x)
+
+
+class Solution(NamedTuple):
+    """Columns, target and coefficients at a point of a search, in units of the drive.
+
+    Attributes:
+        unit: by which an error is multiplied before it is made small.
+    """
+
+    X: Array
+    y: Array
+    beta: Array
+    unit: float
 
 
 class Place(NamedTuple):
@@ -187,7 +212,11 @@ class Search:
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)
         self.weight = np.concatenate([s.kept_weight for s in prepared.segments])
-        self._last: tuple[bytes, tuple[Array, Array, Array]] | None = None
+        # what an effect of the drive takes away must not pass for a small error
+        self.size = self._size(
+            np.concatenate([s.balanced_drive()[s.kept] for s in prepared.segments])
+        )
+        self._last: tuple[bytes, Solution] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
         """Of the numbers of a law, and of those of terms from where they are."""
@@ -245,7 +274,7 @@ class Search:
         )
         return Place(float(found.cost), self, found.x)
 
-    def solved(self, x: Array) -> tuple[Array, Array, Array]:
+    def solved(self, x: Array) -> Solution:
         """Columns, target and coefficients at a point."""
         key = x.tobytes()
         last = self._last  # searches from several starts run side by side
@@ -258,29 +287,46 @@ class Search:
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
             beta = solve(X * w[:, None], y * w, self.low, self.high)
-        self._last = (key, (X, y, beta))
-        return X, y, beta
+        found = Solution(X, y, beta, self._unit(y))
+        self._last = (key, found)
+        return found
+
+    def _size(self, y: Array) -> float:
+        return float(np.linalg.norm(y * self.weight))
+
+    def _unit(self, y: Array) -> float:
+        """What an error counts: over what the effects of the drive have left of it."""
+        changed = any(isinstance(t, DriveTerm) for t in self.terms) and self.prepared.gain_unknown
+        return self.size / max(self._size(y), 1e-9 * self.size) if changed else 1.0
 
     def residual(self, x: Array) -> Array:
         """Target less model, weighted."""
-        X, y, beta = self.solved(x)
-        out: Array = (y - X @ beta) * self.weight
+        X, y, beta, unit = self.solved(x)
+        out: Array = (y - X @ beta) * (self.weight * unit)
         return out
 
     def derivative(self, x: Array) -> Array:
         """Of the residual by the numbers searched, the coefficients solved for all along."""
-        X, _, beta = self.solved(x)
+        X, y, beta, unit = self.solved(x)
         w = self.weight[:, None]
         moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
         free = X[:, (beta > self.low) & (beta < self.high)] * w
         length = np.linalg.norm(free, axis=0)
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
         Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]
-        return np.asarray(Q_ @ (Q_.T @ moves) - moves)
+        found = unit * (Q_ @ (Q_.T @ moves) - moves)
+        if unit != 1.0:
+            left, y = unit * (y - X @ beta) * self.weight, y * self.weight
+            for k, term in enumerate(self.terms):
+                if isinstance(term, DriveTerm):
+                    at = slice(*(n - self.layout.linear.stop for n in _ends(self.layout, k)))
+                    # these move the drive alone, whose size is in the unit
+                    found[:, at] += np.outer(left, y @ moves[:, at]) / (y @ y)
+        return np.asarray(found)
 
     def result(self, x: Array) -> Fit:
         """The fit at a point."""
-        X, y, beta = self.solved(x)
+        X, y, beta, unit = self.solved(x)
         shape, terms = self.split(x)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
         index = np.concatenate(
@@ -304,6 +350,7 @@ class Search:
             high=np.concatenate([self.high, high - x]),
             log_index=index,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
+            unit=unit,
         )
 
     def _near_bound(self, x: Array) -> NDArray[np.bool_]:

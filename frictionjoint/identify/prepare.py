@@ -5,6 +5,7 @@ its columns and its target, passes a second one. So no side of it is filtered mo
 and a law sees a motion sharper than the balance.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal, get_args
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import commands, with_drive
 from frictionjoint.effects.signals import (
     DT,
     GEAR,
@@ -28,6 +31,7 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.errors import LogError
+from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise, count_of, noise_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import (
@@ -80,6 +84,7 @@ class Segment:
         others: further measured quantities by name, for dependences that no effect explains.
         noise: of the instruments. sample: s between the samples of the log itself.
         corner_hz: of the filter of the motion.
+        commanded: where the drive is not measured, what its controller made it of.
         weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
@@ -97,6 +102,7 @@ class Segment:
     noise: Noise
     sample: float
     corner_hz: float
+    commanded: Commanded | None = None
     weight: Array | None = None
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
@@ -196,6 +202,11 @@ class Prepared:
         """Whether a back-EMF works against the drive."""
         return self.drive == "voltage"
 
+    @property
+    def commanded(self) -> bool:
+        """Whether the drive is what a controller made of its commands, and not measured."""
+        return all(s.commanded is not None for s in self.segments)
+
     def thinned(self, most: int) -> "Prepared":
         """The logs for a coarse search, in a narrower band where there are more samples than
         about `most`; finer motion is lost.
@@ -228,6 +239,7 @@ def _thinned(s: Segment, factor: float) -> Segment:
         step=max(1, int(1.0 / (dt * _A_BALANCE * bandwidth_hz))),
         signals=signals,
         drive=steep(s.drive),
+        commanded=None if s.commanded is None else s.commanded.thinned(steep),
         driven=s.driven[::step],
         mask=s.mask[::step],
         weight=None if s.weight is None else s.weight[::step],
@@ -235,14 +247,25 @@ def _thinned(s: Segment, factor: float) -> Segment:
     )
 
 
-def prepare(logs: list[JointLog], body: RigidBody, band: Band | None = None) -> Prepared:
+def prepare(
+    logs: list[JointLog],
+    body: RigidBody | Sequence[RigidBody],
+    band: Band | None = None,
+    controller: Controller | None = None,
+) -> Prepared:
     """Prepare logs of one joint.
 
     Args:
+        body: of the joint; one a log where they are of different loads.
+        controller: that drove it, for logs without torque, voltage or current.
         band: of logs that these are compared with; None: what the logs themselves allow.
     Raises:
-        LogError: not the same drive in all logs.
+        LogError: not the same drive in all logs, or one that nothing tells.
     """
+    bodies = [body] * len(logs) if isinstance(body, RigidBody) else list(body)
+    body = bodies[0]
+    given = list(zip(logs, bodies, strict=True))
+    logs = [with_drive(log, controller) for log in logs]
     drives = [_drive(log)[0] for log in logs]
     for log, drive in zip(logs, drives, strict=True):
         if drive != drives[0]:
@@ -251,9 +274,10 @@ def prepare(logs: list[JointLog], body: RigidBody, band: Band | None = None) -> 
     if band is None:
         motions = [motion_band(*on_a_grid(log)[1:]) for log in logs]
         motion = max(max(m.whole for m in motions), 2.0 * _LEAST_HZ)
-        first = [_segment(log, body, Band(motion / 2.0, motion)) for log in logs]
+        wide = Band(motion / 2.0, motion)
+        first = [_segment(log, b, wide, controller) for log, b in given]
         band = Band(_balance_hz(first, motions, motion), motion)
-    segments = tuple(_segment(log, body, band) for log in logs)
+    segments = tuple(_segment(log, b, band, controller) for log, b in given)
     free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
     let_go = free and drives[0] == "voltage"
     return Prepared(segments, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
@@ -267,7 +291,7 @@ def _balance_hz(segments: list[Segment], motions: list[MotionBand], motion: floa
 
 
 def _drive(log: JointLog) -> tuple[Drive, Array]:
-    """What a log holds of the motor; `JointLog` sees to it that there is something."""
+    """What a log holds of the motor; `with_drive` sees to it that there is something."""
     for name in get_args(Drive):
         values = getattr(log, name)
         if values is not None:
@@ -275,7 +299,8 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
     raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
 
 
-def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
+def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller | None) -> Segment:
+    measured_log, log = log, with_drive(log, controller)
     grid, raw, sample = on_a_grid(log)
     finest = min(_STEP_S, 1.0 / (_A_MOTION * band.motion))
     step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
@@ -349,6 +374,9 @@ def _segment(log: JointLog, body: RigidBody, band: Band) -> Segment:
         ),
         sample=sample,
         corner_hz=band.motion,
+        commanded=None
+        if log is measured_log or controller is None
+        else Commanded(commands(log, controller), grid, (smooth,)),
     )
 
 

@@ -122,6 +122,28 @@ class EffectTerm:
 
 
 @dataclass(frozen=True)
+class DriveTerm(EffectTerm):
+    """An effect of the drive, of logs whose controller is known: it has no columns of its own."""
+
+    def change(self, block: Array, delay: float) -> tuple[Array, float]:
+        """What it makes of a controller's block and delay."""
+        assert self.effect.drive is not None
+        return self.effect.drive(block, delay, self.shape)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """None: it changes the drive, see `changed_drive`."""
+        return np.zeros((len(signals), 0))
+
+
+def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
+    """A log with the drive that its controller makes with the effects of the drive among terms."""
+    changes = [t.change for t in terms if isinstance(t, DriveTerm)]
+    if not changes or segment.commanded is None:
+        return segment
+    return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
+
+
+@dataclass(frozen=True)
 class Timing:
     """When in a sample a log's torque belongs to its position: no effect, but never quite known.
 

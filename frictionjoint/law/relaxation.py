@@ -22,7 +22,8 @@ _U_SATURATED = 37.0
 # less than one Newton solution.
 _SMALL_STEP = 0.05
 _SMALL = 8 * _SMALL_STEP
-# A Taylor step of sixth order of n*a and of a/r below these is exact to about 1e-11, with one power.
+# A Taylor step of sixth order of n*a and of a/r below these is exact to about 1e-11, and takes one
+# power.
 _TAYLOR_STEP, _TAYLOR_PART = 0.1, 0.05
 _ORDER = 8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_ORDER)

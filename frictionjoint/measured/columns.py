@@ -1,9 +1,9 @@
 """The column names of a log, and which of a file's columns a joint needs.
 
 ``time_s``, ``position_rad``, ``velocity_rad_s``, ``torque_nm`` or ``voltage_v``, ``temperature_c``,
-``target_rad``; ``<joint>.position_rad`` and so on for several joints; slides ``position_m``,
-``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` is a motor's current: a torque up to an
-unknown gain.
+``target_rad``, ``supply_v`` (of a servo); ``<joint>.position_rad`` and so on for several joints;
+slides ``position_m``, ``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` is a motor's
+current: a torque up to an unknown gain. A target without any of these needs a controller.
 """
 
 from collections import Counter
@@ -13,8 +13,8 @@ from frictionjoint.errors import LogError
 
 _HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
 _SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
-_BOTH = ("voltage_v", "current_a", "temperature_c", "motor_position_rad")
-_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
+_BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
+_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a", "target_rad", "target_m")
 KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
 # of another joint, for the inverse dynamics of the whole arm
 _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
@@ -111,9 +111,9 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
     # what is measured once serves all joints; motion and drive of no joint's name belong to none
-    shared = "temperature_c"
-    if shared in table:
-        chosen.setdefault(shared, table[shared])
+    for shared in ("temperature_c", "supply_v"):
+        if shared in table:
+            chosen.setdefault(shared, table[shared])
     _check_kind(source, list(chosen), list(table), prefix)
     chosen["time_s"] = table["time_s"]
     for other in joints:

@@ -28,6 +28,7 @@ class JointLog:
         velocity: rad/s, or None. torque: N m (N), or None. voltage: V at the motor, or None.
         current: of the motor, or None: a torque up to an unknown gain, in whatever unit.
         temperature: deg C, or None. target: commanded position, or None.
+        supply: V that a servo is fed with, or None.
         motor_position: second encoder, rad at the motor, or None.
         torque_enabled: False where the drive is off, or None where it is always on.
         slide: True for a slide joint.
@@ -49,6 +50,7 @@ class JointLog:
     current: Array | None = None
     temperature: Array | None = None
     target: Array | None = None
+    supply: Array | None = None
     motor_position: Array | None = None
     torque_enabled: NDArray[np.bool_] | None = None
     slide: bool = False
@@ -71,13 +73,14 @@ class JointLog:
                 raise LogError(f"{self.name}, sample {i}, {name}: {x[i]}, give a number")
         if n[0] < 2 or np.diff(self.time).min() <= 0.0:
             raise LogError(f"{self.name}: time must increase over two samples or more")
-        if all(x is None for x in (self.torque, self.voltage, self.current)):
-            raise LogError(f"{self.name}: no torque, voltage or current, add one of them")
+        drives = (self.torque, self.voltage, self.current, self.target)
+        if all(x is None for x in drives):
+            raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")
 
     def columns(self) -> dict[str, Array]:
         """This joint's arrays that are there, by field name."""
         drives = ("torque", "voltage", "current")
-        more = ("temperature", "target", "motor_position", "torque_enabled")
+        more = ("temperature", "target", "supply", "motor_position", "torque_enabled")
         names = ("time", "position", "velocity", *drives, *more)
         found = {name: getattr(self, name) for name in names}
         return {name: x for name, x in found.items() if x is not None}

@@ -1,4 +1,7 @@
-"""What can be mended in a log without a guess, and is said: wrapped positions, repeated rows."""
+"""What can be mended in a log without a guess, and is said.
+
+Readings that stand alone, wrapped positions, repeated rows.
+"""
 
 import itertools
 from collections.abc import Mapping
@@ -22,6 +25,44 @@ _REGULAR = 0.95
 # rows in a run from which on its length may be off by one
 _LONG = 5
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
+# a reading stands alone that leaps away and back, over this fraction of the travel of the others,
+# and this many times as far as others move; nothing moves so in a hundred samples of a thousand
+_AWAY, _USUAL, _ALONE = 0.3, 8.0, 0.01
+
+
+def without_lone_readings(
+    columns: Mapping[str, Array],
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The columns with corrupt readings of position and temperature interpolated.
+
+    A bus that loses a byte returns a position far away for one sample; no joint goes there and
+    comes back.
+
+    Returns:
+        all columns, and a note on each that was changed.
+    """
+    found, notes = dict(columns), []
+    for name, x in columns.items():
+        unit = name.rpartition(".")[2]
+        if unit not in ("position_rad", "temperature_c") or len(x) < 3:
+            continue
+        near = np.concatenate([x[1:2], 0.5 * (x[:-2] + x[2:]), x[-2:-1]])
+        across = np.concatenate([[0.0], np.abs(x[2:] - x[:-2]), [0.0]])
+        off = np.abs(x - near)
+        usual = float(np.quantile(np.abs(np.diff(x)), 0.99))
+        travel = float(np.ptp(np.quantile(x, (_ALONE, 1.0 - _ALONE))))
+        least = max(_AWAY * travel, _USUAL * usual)
+        lone = (off > least) & (across < 0.1 * off) & (least > 0.0)
+        lone[[0, -1]] = False
+        if not lone.any() or lone.sum() > _ALONE * len(x):
+            continue
+        mended = x.copy()
+        mended[lone] = near[lone]
+        found[name] = mended
+        what = "1 reading stands" if lone.sum() == 1 else f"{int(lone.sum())} readings stand"
+        row = int(np.argmax(lone)) + 1
+        notes.append(f"{name}: {what} alone (sample {row}: {x[row - 1]:.4g}): interpolated.")
+    return found, tuple(notes)
 
 
 def unwrapped(

@@ -1,7 +1,8 @@
 """Read a log, whatever its format; the format follows from the file's name and content.
 
 The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and
-.mat with a mapping of names, ROS bags, and the public logs of EMPS, XL330, Panda, ODrive and TX40.
+.mat with a mapping of names, ROS bags, JSON of BAM and K-Scale, and the public logs of EMPS, Panda,
+ODrive and TX40.
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,6 +12,7 @@ from typing import Any
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arguments import expect
+from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.emps import is_emps, read_emps
 from frictionjoint.measured.log import JointLog
@@ -21,7 +23,6 @@ from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_
 from frictionjoint.measured.table import column_names, read_table
 from frictionjoint.measured.tx40 import JOINTS as TX40
 from frictionjoint.measured.tx40 import is_tx40, read_tx40
-from frictionjoint.measured.xl330 import read_xl330
 
 _TABLES = (".csv", ".parquet", ".npz", ".mat")
 _KINDS = (*_TABLES, *SUFFIXES, ".json", ".npy")
@@ -37,8 +38,8 @@ def read_log(
     """Read one joint of a log.
 
     Args:
-        path: .csv, .parquet, .npz, .mat, .db3, .mcap, .bag, the XL330's .json, the ODrive's .npy,
-            or the folder of a ROS 2 bag, of the Panda's or of the TX40's log.
+        path: .csv, .parquet, .npz, .mat, .db3, .mcap, .bag, BAM's and K-Scale's .json, the
+            ODrive's .npy, or the folder of a ROS 2 bag, of the Panda's or of the TX40's log.
         joint: which one, where the log holds several.
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. Names only: values are never converted.
@@ -70,7 +71,7 @@ def read_log(
     if path.is_dir():
         return _read_folder(path, joint)
     if kind == ".json":
-        return read_xl330(path)
+        return read_bam_json(path, joint)
     if kind == ".npy":
         return read_odrive(path)
     raise LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")

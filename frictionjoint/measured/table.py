@@ -24,10 +24,10 @@ from frictionjoint.measured.columns import (
     joints_in,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.mend import unwrapped, without_repeats
+from frictionjoint.measured.mend import unwrapped, without_lone_readings, without_repeats
 from frictionjoint.measured.validate import check_columns, check_moves, check_rows
 
-_SHARED = ("time_s", "temperature_c", "torque_enabled")
+_SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
 
 def read_table(
@@ -84,6 +84,7 @@ def log_of(
         return own | further
 
     check_rows(path.name, shown(data), row)
+    data, lone = without_lone_readings(data)
     data, notes = unwrapped(path.name, data, wrap)
     check_columns(path.name, shown(data), row)
     own = {name: x for name, x in data.items() if "." not in name}
@@ -112,13 +113,14 @@ def log_of(
         current=first("current_a"),
         temperature=first("temperature_c"),
         target=first("target_m" if slide else "target_rad"),
+        supply=first("supply_v"),
         motor_position=first("motor_position_rad"),
         torque_enabled=None if enabled is None else enabled > 0.5,
         slide=slide,
         other_positions=others("position"),
         other_velocities=others("velocity"),
         signals=further,
-        notes=tuple(f"{path.stem}: {note}" for note in notes + more),
+        notes=tuple(f"{path.stem}: {note}" for note in lone + notes + more),
     )
 
 

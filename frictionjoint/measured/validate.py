@@ -28,6 +28,7 @@ _LARGEST = {
     "force_n": (1e7, "newtons"),
     "voltage_v": (2e3, "volts (millivolts?)"),
     "current_a": (2e3, "amperes (milliamperes?)"),
+    "supply_v": (2e3, "volts (millivolts?)"),
     "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}

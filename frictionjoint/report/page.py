@@ -22,6 +22,7 @@ def render(report: Report, command: str) -> str:
     }
     torque, position = report.units
     turns = presliding.behind_turns(report)
+    loop = plots.closed_loop(report)
     first, others = plots.quantities(report)
     return fill(
         "page.html.j2",
@@ -36,6 +37,7 @@ def render(report: Report, command: str) -> str:
         logs=_logs(report),
         over_time=plot(plots.over_time(report)),
         planes=[plot(plots.plane(report, x)) for x in ("velocity", "position")],
+        closed_loop=plot(loop) if loop is not None else "",
         loops=plot(presliding.loops(report)),
         turns=plot(turns) if turns is not None else "",
         rankings=[plot(plots.ranking(look)) for look in report.rankings if look.rows],

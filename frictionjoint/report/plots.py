@@ -63,6 +63,32 @@ def over_time(report: Report) -> go.Figure:
     return styled(figure, 520)
 
 
+def closed_loop(report: Report) -> go.Figure | None:
+    """Target, measured and simulated position of the log shown; None without a controller."""
+    if report.closed_loops is None:
+        return None
+    before, after = (x.held_out or x.fit for x in report.closed_loops)
+    if before is None or after is None:
+        return None
+    # the log that is furthest off is the one to look at
+    i = int(np.argmax([float(np.mean(np.abs(e))) for e in after.errors]))
+    course = after.courses[i]
+    figure = go.Figure()
+    rows: list[tuple[str, Array, dict[str, Any]]] = [
+        ("target", course.target, {"color": MEASURED, "width": 1, "dash": "dot"}),
+        ("measured", course.position, {"color": MEASURED, "width": 3.5}),
+    ]
+    if report.changed:
+        rows.append(("before", before.simulated[i], {"color": BEFORE, "width": 1.3}))
+    rows.append(("after", after.simulated[i], {"color": AFTER, "width": 1.3}))
+    for name, x, line in rows:
+        t, y = _thin(_LINE, course.time - course.time[0], x)
+        figure.add_scatter(x=t, y=y, name=name, line=line)
+    figure.update_xaxes(title_text=f"time, s, log {course.name}")
+    figure.update_yaxes(title_text=axis("position", report.slide))
+    return styled(figure, 400)
+
+
 def plane(report: Report, quantity: str) -> go.Figure:
     """Torque against velocity or position, measured and predicted."""
     c = shown(report)

@@ -19,7 +19,7 @@ _HIDDEN = ".frictionjoint-"
 
 
 def write_report(report: Report, folder: Path, command: str) -> None:
-    """Write report.json, report.html and model.xml into `folder`.
+    """Write report.json, report.html, model.xml and, if known, controller.toml into `folder`.
 
     Raises:
         FrictionJointError: the folder cannot be written, or the model would not load there.
@@ -29,6 +29,8 @@ def write_report(report: Report, folder: Path, command: str) -> None:
         "report.html": render(report, command),
         "model.xml": placed(report.mjcf, folder),
     }
+    if report.controller is not None:
+        contents["controller.toml"] = report.controller.to_toml()
     write_files(folder, contents, {"model.xml": require_compiles})
 
 

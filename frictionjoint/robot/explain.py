@@ -12,6 +12,7 @@ from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.replay import replay
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import Prepared, prepare
@@ -98,7 +99,7 @@ def explain_joint(task: Task) -> Explained | str:
 def _explained(task: Task) -> Explained:
     assert task.corrected is not None
     body = task.corrected.body(task.joint, task.fixed)
-    report, trace = explain(task.logs, task.held_out, body, task.seed, law=task.law)
+    report, trace = explain(task.logs, task.held_out, Bodies.one(body), task.seed, law=task.law)
     kept_back = _kept_back(task, body, trace)
     after = Fitted(trace.prepared, kept_back, trace.final)
     if task.corrected == task.user:

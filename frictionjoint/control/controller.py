@@ -1,0 +1,195 @@
+"""What is known of a controller: gains, limits, delays; its file."""
+
+import math
+import tomllib
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import tomlkit
+
+from frictionjoint.errors import ParameterError
+from frictionjoint.measured.arguments import expect
+
+Output = Literal["torque_nm", "voltage_v", "duty"]
+Velocity = Literal["measured", "differentiated"]
+DropOf = Literal["error", "output"]
+DeadbandForm = Literal["cut", "shifted"]
+UNKNOWN = "unknown"
+LOG = "log:"
+# a number, "unknown", or "log:NAME", a figure that each log brings
+Value = float | str
+
+_CHOICES = {
+    "output": get_args(Output),
+    "velocity": get_args(Velocity),
+    "drop_of": get_args(DropOf),
+    "deadband_form": get_args(DeadbandForm),
+}
+# what may be "unknown", and what may be read from a log
+_MAY_BE_UNKNOWN = (
+    *("kp", "kd", "supply_v", "limit", "deadband", "delay_s", "target_rate", "drop_above", "sag"),
+)
+_MAY_BE_LOGGED = ("kp", "kd", "ki", "supply_v", "limit")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controller:
+    """A position controller as the firmware runs it.
+
+        u = kp e + ki (integral of e) - kd v + feed_forward (target's velocity),  |u| <= limit
+
+    with e = target - position. A slide has m for rad and N for N m.
+
+    Attributes:
+        output: what u is. A duty drives the motor with supply_v u.
+        kp, kd, ki: per rad, per rad/s, per rad s, in `gain_unit`; ``"log:NAME"`` is a figure of
+            each log; ``"unknown"`` kp: what the load tells, see `reconstruct`; unknown kd: none,
+            and what is found of viscous friction and back-EMF holds it too.
+        gain_unit: u per unit of kp, kd and ki, for gains in units of the firmware.
+        supply_v: V at full duty, of a duty. A log's own ``supply_v`` column goes before it.
+        limit: of abs(u).
+        deadband: rad, within which there is no output; deadband_form: beyond it the whole error
+            acts (cut), or what exceeds it (shifted).
+        rate_hz: ticks a second; 0: as often as it is asked.
+        delay_s: from the target to the tick that uses it.
+        target_rate: rad/s at which it follows its target at most: a motion profile in the firmware.
+        velocity: what kd sees: the joint's, or that of the position from tick to tick.
+        feed_forward: u per rad/s of the target.
+        count_rad: step of the position that it sees, rad; 0: none.
+        drop_above: protection: rad of error, or u, beyond which only `drop_left` of u is left.
+        drop_of: which of the two.
+        sag: resistance of the supply over the winding's; sag_emf: V s/rad, of the motor.
+        source: where the figures come from.
+    Raises:
+        ParameterError: a figure that no controller has.
+    """
+
+    output: Output
+    kp: Value
+    kd: Value = 0.0
+    ki: Value = 0.0
+    gain_unit: float = 1.0
+    supply_v: Value | None = None
+    limit: Value = math.inf
+    deadband: Value = 0.0
+    deadband_form: DeadbandForm = "cut"
+    rate_hz: float = 0.0
+    delay_s: Value = 0.0
+    target_rate: Value = math.inf
+    velocity: Velocity = "measured"
+    feed_forward: float = 0.0
+    count_rad: float = 0.0
+    drop_above: Value = math.inf
+    drop_of: DropOf = "error"
+    drop_left: float = 1.0
+    sag: Value = 0.0
+    sag_emf: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            if name == "source":
+                if not isinstance(value, str):
+                    raise ParameterError(f"source is {value!r}: give text")
+            elif name in _CHOICES:
+                if value not in _CHOICES[name]:
+                    listed = ", ".join(repr(x) for x in _CHOICES[name])
+                    raise ParameterError(f"{name} is {value!r}: give one of {listed}")
+            elif isinstance(value, str):
+                self._check_text(name, value)
+            elif not (name == "supply_v" and value is None):
+                _check_number(name, value)
+        if self.output == "duty" and self.supply_v is None:
+            raise ParameterError(
+                'a duty needs supply_v: give V at full duty, "log:NAME" or "unknown"'
+            )
+        if self.output != "duty" and self.supply_v is not None:
+            raise ParameterError(f"supply_v does not go with output {self.output!r}: leave it out")
+
+    @staticmethod
+    def _check_text(name: str, value: str) -> None:
+        if value == UNKNOWN and name in _MAY_BE_UNKNOWN:
+            return
+        if value.startswith(LOG) and len(value) > len(LOG) and name in _MAY_BE_LOGGED:
+            return
+        choices = ["a number"]
+        if name in _MAY_BE_UNKNOWN:
+            choices.append('"unknown"')
+        if name in _MAY_BE_LOGGED:
+            choices.append('"log:NAME"')
+        raise ParameterError(f"{name} is {value!r}: give {' or '.join(choices)}")
+
+    @property
+    def scale_unknown(self) -> bool:
+        """Whether the size of its output is not known: the load must tell it."""
+        return self.kp == UNKNOWN or self.output != "torque_nm"
+
+    def to_toml(self) -> str:
+        """Inverse of `read_controller`, exact to the last bit; defaults are left out."""
+        document = tomlkit.document()
+        unit = "of a joint, SI units; 'log:NAME' is a figure of each log, 'unknown' is not known."
+        document.add(tomlkit.comment(f"Controller {unit}"))
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value != field.default:
+                document.add(field.name, value)
+        return tomlkit.dumps(document)
+
+
+def _check_number(name: str, value: Any) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+        raise ParameterError(f"{name} is {value!r}: give a number")
+    endless = name in ("limit", "drop_above", "target_rate")
+    if not endless and math.isinf(value):
+        raise ParameterError(f"{name} is {value}: give a finite number")
+    if name in ("feed_forward",):
+        return
+    above = name in ("limit", "drop_above", "target_rate", "supply_v", "gain_unit")
+    if value < 0.0 or (above and value == 0.0):
+        raise ParameterError(f"{name} is {value}: give {'more than 0' if above else '0 or more'}")
+    if name == "drop_left" and value > 1.0:
+        raise ParameterError(f"{name} is {value}: give at most 1")
+
+
+def read_controller(path: str | Path) -> Controller:
+    """A controller from its TOML file, or a preset by its name.
+
+    Raises:
+        ParameterError: one line that names the file, the key and the mend.
+    """
+    from frictionjoint.control.presets import PRESETS
+
+    expect(path, (str, Path), "controller", "give the path of its TOML file, or a preset's name")
+    if str(path) in PRESETS:
+        return PRESETS[str(path)]
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        listed = ", ".join(PRESETS)
+        raise ParameterError(
+            f"{path}: cannot be read: {error.strerror}; give a TOML file or one of {listed}"
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
+    known = [field.name for field in fields(Controller)]
+    unknown = [key for key in content if key not in known]
+    if unknown:
+        raise ParameterError(f"{path}: unknown {unknown[0]!r}, it has {', '.join(known)}")
+    missing = [key for key in ("output", "kp") if key not in content]
+    if missing:
+        raise ParameterError(f"{path}: no {missing[0]}: a controller needs output and kp")
+    try:
+        return Controller(**content)
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+
+
+def without_unknowns(controller: Controller) -> Controller:
+    """With what is not known as if it were not there, but for kp, kd and supply_v."""
+    nothing = {"limit": math.inf, "deadband": 0.0, "delay_s": 0.0, "drop_above": math.inf}
+    nothing |= {"sag": 0.0, "target_rate": math.inf}
+    changed = {name: x for name, x in nothing.items() if getattr(controller, name) == UNKNOWN}
+    return replace(controller, **changed)  # type: ignore[arg-type]

@@ -1,0 +1,146 @@
+"""The drive of a log that holds target and position only, as its controller made it.
+
+Where the drive is logged it is compared with what the controller would have made: a wrong gain or
+unit shows before anything is fitted.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.control import kernel as k
+from frictionjoint.control.block import block_of, delay_of, supply_of
+from frictionjoint.control.controller import UNKNOWN, Controller
+from frictionjoint.errors import LogError
+from frictionjoint.measured.log import JointLog
+
+# difference from a measured drive, median over its rms, from which on the controller is another
+_LARGEST = 0.05
+DRIVE_OF = {"torque_nm": "torque", "voltage_v": "voltage", "duty": "voltage"}
+
+
+@dataclass(frozen=True)
+class Commands:
+    """What a controller was told and saw along a log, each of shape (n,).
+
+    Attributes:
+        time: s. target, position: rad. velocity: rad/s. supply: over that of the block, 1.
+        block: of the controller, see `kernel`. delay: s, of the target.
+        on: False where the drive was off.
+    """
+
+    time: Array
+    target: Array
+    position: Array
+    velocity: Array
+    supply: Array
+    block: Array
+    delay: float
+    on: NDArray[np.bool_]
+
+    def drive(self, block: Array | None = None, delay: float | None = None) -> Array:
+        """Drive along the log, of this controller or of one with another block or delay."""
+        delay = self.delay if delay is None else delay
+        drive = np.empty_like(self.time)
+        target = held(self.time, self.target, self.time - delay) if delay else self.target
+        k.along(
+            self.block if block is None else block,
+            self.time,
+            target,
+            self.position,
+            self.velocity,
+            self.supply,
+            drive,
+            np.zeros(k.STATE),
+        )
+        return np.where(self.on, drive, 0.0)
+
+
+def held(time: Array, x: Array, at: Array) -> Array:
+    """A command at other times: each holds until the next one."""
+    index = np.searchsorted(time, at + 1e-9, side="right") - 1
+    return np.asarray(x[np.clip(index, 0, len(x) - 1)])
+
+
+def commands(log: JointLog, controller: Controller) -> Commands:
+    """What a controller saw along a log.
+
+    Raises:
+        LogError: the log has no target, or lacks a figure of the controller.
+    """
+    if log.target is None:
+        raise LogError(f"{log.name}: no target for the controller to follow, add target_rad")
+    velocity = log.velocity
+    if velocity is None:
+        velocity = np.gradient(log.position, log.time)
+    on = log.torque_enabled
+    return Commands(
+        time=log.time,
+        target=log.target,
+        position=log.position,
+        velocity=np.asarray(velocity),
+        supply=supply_of(controller, log),
+        block=block_of(controller, log),
+        delay=delay_of(controller),
+        on=np.ones(len(log.time), dtype=bool) if on is None else on,
+    )
+
+
+def drive_kind(controller: Controller) -> Literal["torque", "voltage", "current"]:
+    """What the output is to a fit: a torque up to a gain is to it what a current is."""
+    if controller.output != "torque_nm":
+        return "voltage"
+    return "current" if controller.kp == UNKNOWN else "torque"
+
+
+def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
+    """The log with its drive: as measured, or as the controller made it.
+
+    Raises:
+        LogError: neither a drive nor a controller is known.
+    """
+    if any(x is not None for x in (log.torque, log.voltage, log.current)):
+        return log
+    if controller is None:
+        raise LogError(
+            f"{log.name}: target and position, but no torque, voltage or current: add one of "
+            "them, or give the gains that drove the joint, --controller FILE"
+        )
+    drive = commands(log, controller).drive()
+    kind = drive_kind(controller)
+    return replace(log, **{kind: drive})  # type: ignore[arg-type]
+
+
+def difference(log: JointLog, controller: Controller) -> float | None:
+    """Median difference of the measured drive from the controller's, over the latter's rms.
+
+    None where the log holds no drive of the controller's kind, or its size is not known.
+    """
+    kind = drive_kind(controller)
+    measured = getattr(log, kind)
+    if measured is None or UNKNOWN in (controller.kp, controller.supply_v):
+        return None
+    seen = commands(log, controller)
+    made = seen.drive()
+    size = float(np.sqrt(np.mean(made[seen.on] ** 2)))
+    return float(np.median(np.abs(measured - made)[seen.on])) / size if size else None
+
+
+def check_drive(log: JointLog, controller: Controller) -> tuple[str, ...]:
+    """A note on how the measured drive compares with the controller's.
+
+    Raises:
+        LogError: they are not the same.
+    """
+    apart = difference(log, controller)
+    if apart is None:
+        return ()
+    if apart > _LARGEST:
+        raise LogError(
+            f"{log.name}: the controller's drive is {apart:.0%} off the measured one: check its "
+            "gains, gain_unit and supply_v, or leave it out"
+        )
+    return (f"{log.name}: the controller's drive agrees with the measured one to {apart:.1%}.",)

@@ -1,0 +1,179 @@
+"""Whole logs in closed loop: the target goes in, the position comes out.
+
+Controller, motor, friction and load are simulated; nothing of the measured motion is given but
+where the joint was at first. This is what a user of the model will see of it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.block import block_of, delay_of, supply_of
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import held
+from frictionjoint.diagnose.replay import motor_of, simulated_effects
+from frictionjoint.errors import LogError
+from frictionjoint.identify.commanded import Change
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.identify.terms import delay_of as late_by
+from frictionjoint.measured.derivatives import differentiate
+from frictionjoint.measured.log import JointLog
+from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+
+# s, longest step of a simulation
+_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Course:
+    """A log ready to be simulated.
+
+    Attributes:
+        name: of the log. time, position: as measured, shape (n,). target: of the log.
+        run: for the controller as given. motion: measured position and velocity on its steps.
+        delay: of the controller, s.
+    """
+
+    name: str
+    time: Array
+    position: Array
+    target: Array
+    run: Run
+    motion: tuple[Array, Array]
+    delay: float
+
+    def changed(self, changes: Sequence[Change]) -> Run:
+        """The run with a controller that effects of the drive have changed."""
+        if not changes:
+            return self.run
+        block, delay = self.run.block.copy(), self.delay
+        for change in changes:
+            block, delay = change(block, delay)
+        steps = self.time[0] + self.run.step * np.arange(len(self.run.target))
+        return replace(self.run, block=block, target=held(self.time, self.target, steps - delay))
+
+    def at_samples(self, position: Array) -> Array:
+        """Simulated positions at the times of the log, shape (n,)."""
+        steps = self.time[0] + self.run.step * np.arange(len(position))
+        return np.interp(self.time, steps, position)
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """Errors of simulated positions, one array a log, rad (m), with what was simulated."""
+
+    courses: tuple[Course, ...]
+    simulated: tuple[Array, ...]
+
+    @property
+    def errors(self) -> tuple[Array, ...]:
+        """Simulated less measured."""
+        pairs = zip(self.courses, self.simulated, strict=True)
+        return tuple(x - course.position for course, x in pairs)
+
+    @property
+    def mae(self) -> float:
+        """Mean absolute error over all samples."""
+        return float(np.mean(np.abs(np.concatenate(self.errors))))
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square over all samples."""
+        return float(np.sqrt(np.mean(np.concatenate(self.errors) ** 2)))
+
+
+def courses_of(
+    logs: Sequence[JointLog], bodies: Sequence[RigidBody], controller: Controller
+) -> tuple[Course, ...]:
+    """Logs ready to be simulated.
+
+    Args:
+        bodies: one a log.
+    Raises:
+        LogError: a log has no target, or lacks a figure of the controller.
+    """
+    return tuple(_course(log, body, controller) for log, body in zip(logs, bodies, strict=True))
+
+
+def _course(log: JointLog, body: RigidBody, controller: Controller) -> Course:
+    if log.target is None:
+        raise LogError(f"{log.name}: no target to follow, add target_rad")
+    steps = max(1, int(np.ceil(log.duration / _STEP)))
+    h = log.duration / steps
+    time = log.time[0] + h * np.arange(steps + 1)
+    smooth = differentiate(log)
+    others = {}
+    for name, position in log.other_positions.items():
+        if name in body.joint_names:
+            track = differentiate(replace(log, position=position))
+            triple = (track.position, track.velocity, track.acceleration)
+            others[name] = tuple(np.interp(time, track.time, x) for x in triple)
+    velocity = np.interp(time, smooth.time, smooth.velocity)
+    on = np.ones(len(time), dtype=bool)
+    if log.torque_enabled is not None:
+        on = held(log.time, log.torque_enabled.astype(float), time) > 0.5
+    delay = delay_of(controller)
+    start = float(log.position[0]), float(velocity[0])
+    return Course(
+        name=log.name,
+        time=log.time,
+        position=log.position,
+        target=log.target,
+        run=Run(
+            step=h,
+            target=held(log.time, log.target, time - delay),
+            supply=held(log.time, supply_of(controller, log), time),
+            on=on,
+            start=start,
+            load=load_of(body, velocity, others),
+            block=block_of(controller, log),
+        ),
+        motion=(np.interp(time, smooth.time, smooth.position), velocity),
+        delay=delay,
+    )
+
+
+def changes_of(fitted: Fit) -> list[Change]:
+    """What a fit says of the controller."""
+    return [term.change for term in fitted.terms if isinstance(term, DriveTerm)]
+
+
+def joint_model(fitted: Fit) -> JointModel:
+    """A fitted model as a simulation runs it."""
+    motor = motor_of(fitted)
+    inertia = sum(
+        float(fitted.term_coefficients(i)[0])
+        for i, term in enumerate(fitted.terms)
+        if isinstance(term, EffectTerm) and term.effect.is_inertia
+    )
+    return JointModel.of(
+        law_parameters(fitted),
+        simulated_effects(fitted),
+        motor.gain if motor else 1.0,
+        motor.back_emf if motor else 0.0,
+        inertia,
+        max(0.0, late_by(fitted.terms)),
+    )
+
+
+def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
+    """Simulate whole logs with a fitted model."""
+    model, changes = joint_model(fitted), changes_of(fitted)
+    found = [c.at_samples(simulate(model, c.changed(changes))) for c in courses]
+    return ClosedLoop(tuple(courses), tuple(found))
+
+
+def found_controller(controller: Controller, fitted: Fit) -> Controller:
+    """The controller with what a fit says of it, to be simulated."""
+    found: dict[str, Any] = {}
+    for term in fitted.terms:
+        if isinstance(term, DriveTerm):
+            assert term.effect.controller is not None
+            found |= term.effect.controller(replace(controller, **found), term.shape)
+    return replace(controller, **found)

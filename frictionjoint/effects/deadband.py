@@ -1,0 +1,73 @@
+"""deadband: a controller that does nothing while the error is small.
+
+Two forms: beyond the band the whole error acts, or what exceeds the band.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import DEADBAND, SHIFTED
+from frictionjoint.control.reconstruct import Commands
+from frictionjoint.effects.effect import Effect, Shape
+
+# quantiles of the error's size at which a search starts
+_QUANTILES = (0.05, 0.1, 0.2, 0.35, 0.5)
+
+
+def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """No output within the band, the whole beyond it."""
+    block[DEADBAND], block[SHIFTED] = shape[0], 0.0
+    return block, delay
+
+
+def shifted(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """No output within the band, beyond it what exceeds it."""
+    block[DEADBAND], block[SHIFTED] = shape[0], 1.0
+    return block, delay
+
+
+def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    return {"deadband": shape[0], "deadband_form": "cut"}
+
+
+def shifted_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    return {"deadband": shape[0], "deadband_form": "shifted"}
+
+
+def _bands(logs: Sequence[Commands]) -> list[Shape]:
+    errors = np.concatenate([np.abs(x.target - x.position)[x.on] for x in logs])
+    return [(float(d),) for d in np.unique(np.quantile(errors, _QUANTILES)) if d > 0.0]
+
+
+EFFECT = Effect(
+    name="deadband",
+    effect_id=0,
+    coefficients=(),
+    units=(),
+    cause="a dead zone in the firmware, so that a servo at its target is silent",
+    form="u = 0 where |target - q| <= deadband",
+    source="dead zone registers of hobby servos (Feetech, memory table, CW and CCW dead zone)",
+    signature="missing drive at small errors only, at whatever speed",
+    separating_motion="slow approach of the target from both sides, at two gains",
+    entry="acts on the drive",
+    shape=("deadband",),
+    shape_units=("x",),
+    shape_bounds=((0.0, float("inf")),),
+    drive=changed,
+    controller=figures,
+    drive_shapes=_bands,
+)
+
+SHIFTED_BAND = replace(
+    EFFECT,
+    form="u of the error less deadband sgn(error), 0 where |target - q| <= deadband",
+    drive=shifted,
+    controller=shifted_figures,
+)

@@ -1,0 +1,82 @@
+"""duty-drop: a protection that cuts the drive above an error, or above an output.
+
+Two forms by what it watches.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import DROP_ERROR, DROP_LEFT, DROP_OUTPUT, KP
+from frictionjoint.control.reconstruct import Commands
+from frictionjoint.effects.effect import Effect, Shape
+
+# quantiles of the error's size, and what is left, at which a search starts
+_QUANTILES = (0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97)
+_LEFT = 0.4
+
+
+def of_error(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """Only a part left above an error."""
+    block[DROP_ERROR], block[DROP_LEFT] = shape
+    return block, delay
+
+
+def of_output(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """Only a part left above an output."""
+    block[DROP_OUTPUT], block[DROP_LEFT] = shape
+    return block, delay
+
+
+def error_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    return {"drop_above": shape[0], "drop_of": "error", "drop_left": shape[1]}
+
+
+def output_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    return {"drop_above": shape[0], "drop_of": "output", "drop_left": shape[1]}
+
+
+def _errors(logs: Sequence[Commands]) -> list[Shape]:
+    errors = np.concatenate([np.abs(x.target - x.position)[x.on] for x in logs])
+    return [(float(x), _LEFT) for x in np.unique(np.quantile(errors, _QUANTILES)) if x > 0.0]
+
+
+def _outputs(logs: Sequence[Commands]) -> list[Shape]:
+    u = np.concatenate([x.block[KP] * np.abs(x.target - x.position)[x.on] for x in logs])
+    return [(float(x), _LEFT) for x in np.unique(np.quantile(u, _QUANTILES)) if x > 0.0]
+
+
+EFFECT = Effect(
+    name="duty-drop",
+    effect_id=0,
+    coefficients=(),
+    units=(),
+    cause="overload protection that lowers the duty",
+    form="left u where |target - q| > threshold",
+    source="protective torque and overload registers of Feetech STS servos; scope measurements of "
+    "K-Scale Labs (2025)",
+    signature="less drive at large errors than at smaller ones",
+    separating_motion="hold the joint away from its target by several distances",
+    entry="acts on the drive",
+    shape=("threshold", "left"),
+    shape_units=("x", "1"),
+    shape_bounds=((0.0, float("inf")), (0.0, 1.0)),
+    drive=of_error,
+    controller=error_figures,
+    drive_shapes=_errors,
+)
+
+OF_OUTPUT = replace(
+    EFFECT,
+    form="left u where |u| > threshold, u in the unit of the controller's output",
+    shape_units=("output", "1"),
+    drive=of_output,
+    controller=output_figures,
+    drive_shapes=_outputs,
+)

@@ -1,0 +1,52 @@
+"""gain-error: a proportional gain other than the controller's file says."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import KP
+from frictionjoint.control.reconstruct import Commands
+from frictionjoint.effects.effect import Effect, Shape
+
+_FACTORS = (0.7, 0.85, 1.2, 1.5)
+
+
+def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """Another kp."""
+    block[KP] *= shape[0]
+    return block, delay
+
+
+def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    kp = controller.kp
+    if isinstance(kp, str):
+        return {"gain_unit": controller.gain_unit * shape[0]}
+    return {"kp": kp * shape[0]}
+
+
+def _factors(logs: Sequence[Commands]) -> list[Shape]:
+    return [(factor,) for factor in _FACTORS]
+
+
+EFFECT = Effect(
+    name="gain-error",
+    effect_id=0,
+    coefficients=(),
+    units=(),
+    cause="a gain that was changed, or whose unit is another one",
+    form="factor kp (target - q) in place of kp (target - q)",
+    source="definition of the proportional gain",
+    signature="proportional to the error; nothing of it where the output is at its limit",
+    separating_motion="a motion with a known extra load, and steps that reach the limit",
+    entry="acts on the drive",
+    shape=("factor",),
+    shape_units=("1",),
+    shape_bounds=((0.05, 20.0),),
+    # a voltage is known up to a gain, and this is that gain
+    drives=("torque",),
+    drive=changed,
+    controller=figures,
+    drive_shapes=_factors,
+)

@@ -1,0 +1,60 @@
+"""supply-sag: a supply whose voltage falls with the current that the motor takes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import SAG, SAG_EMF, SUPPLY
+from frictionjoint.control.reconstruct import Commands
+from frictionjoint.effects.effect import Effect, Shape
+
+# back-EMF at the fastest motion of the logs, over the supply; the supply's resistance
+_FRACTIONS, _SAG = (0.3, 0.7), 0.1
+
+
+def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
+    """A supply with a resistance."""
+    block[SAG], block[SAG_EMF] = shape
+    return block, delay
+
+
+def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
+    """What it changes in a controller's file."""
+    return {"sag": shape[0], "sag_emf": shape[1]}
+
+
+def _emfs(logs: Sequence[Commands]) -> list[Shape]:
+    fastest = max(float(np.quantile(np.abs(x.velocity), 0.99)) for x in logs)
+    supply = float(np.median([x.block[SUPPLY] for x in logs]))
+    return [
+        (
+            _SAG,
+            fraction * supply / fastest,
+        )
+        for fraction in _FRACTIONS
+        if fastest > 0.0
+    ]
+
+
+EFFECT = Effect(
+    name="supply-sag",
+    effect_id=0,
+    coefficients=(),
+    units=(),
+    cause="battery, cable or adapter with a resistance of its own",
+    form="V - sag u (u V - emf v), sag the supply's resistance over the winding's, u the duty",
+    source="Kirchhoff's laws of a chopped supply",
+    signature="missing drive that grows with the cube of the duty, less of it at speed",
+    separating_motion="the same motion with a small and a large load",
+    entry="acts on the drive",
+    shape=("sag", "emf"),
+    shape_units=("1", "V s/x"),
+    shape_bounds=((0.0, 1.0), (0.0, float("inf"))),
+    drives=("voltage",),
+    drive=changed,
+    controller=figures,
+    drive_shapes=_emfs,
+)

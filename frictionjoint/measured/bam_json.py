@@ -1,0 +1,90 @@
+"""Logs of a servo swinging a pendulum, as recorded for BAM (Duclusaud et al. 2024) and by K-Scale.
+
+JSON: figures of the log (``mass`` kg, ``length`` m, ``kp`` in the firmware's unit, ``vin`` V) and
+``entries`` with ``timestamp`` s, ``position`` rad, ``speed`` rad/s, ``input_volts`` V, ``temp``
+deg C, ``goal_position`` rad, ``torque_enable``; of a Dynamixel XL330 also ``load``, the signed duty
+in an unsigned 16-bit register, 885 = full. Other servos tell no duty: their controller does.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import one_line
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.table import log_of
+
+FULL_DUTY = 885.0
+_SIGNED, _REGISTER = 1 << 15, 1 << 16
+_ENTRY = {"time_s": "timestamp", "position_rad": "position", "target_rad": "goal_position"}
+_MAY_LACK = {"velocity_rad_s": "speed", "temperature_c": "temp", "supply_v": "input_volts"}
+# whose register of the load is known to hold the duty; the first logs of it name no motor
+_DUTY_IN_LOAD = (None, "xl330")
+
+
+def read_bam_json(path: Path, joint: str | None = None) -> JointLog:
+    """Read one JSON log; where the duty is recorded, the drive is the voltage at the motor.
+
+    Rows in messages are entries, counted from 1.
+
+    Args:
+        joint: what to call it; a log is of one.
+    Raises:
+        LogError: not such a file, or see `validate`.
+    """
+    content = _content(path)
+    entries = content["entries"]
+    there = entries[0] if isinstance(entries[0], dict) else {}
+    wanted = _ENTRY | {ours: theirs for ours, theirs in _MAY_LACK.items() if theirs in there}
+    columns = {ours: _column(path, entries, theirs) for ours, theirs in wanted.items()}
+    enabled = _column(path, entries, "torque_enable") > 0.5
+    columns["torque_enabled"] = enabled.astype(np.float64)
+    if content.get("motor") in _DUTY_IN_LOAD and "load" in there:
+        load = _column(path, entries, "load")
+        duty = np.where(load >= _SIGNED, load - _REGISTER, load) / FULL_DUTY
+        # the arm let go: the motor's leads are open, no voltage is applied
+        columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
+    figures = {key: _figure(path, key, x) for key, x in content.items() if _is_number(x)}
+    return replace(log_of(path, joint or "joint", columns), metadata=figures)
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise LogError(f"{path.name}: cannot be read as JSON: {one_line(error)}") from None
+    entries = content.get("entries") if isinstance(content, dict) else None
+    if not isinstance(entries, list) or not entries:
+        raise LogError(f"{path.name}: not a log of BAM or K-Scale: it has no list of entries")
+    found: dict[str, Any] = content
+    return found
+
+
+def _column(path: Path, entries: list[Any], key: str) -> Array:
+    out = np.empty(len(entries))
+    for i, entry in enumerate(entries):
+        value = entry.get(key) if isinstance(entry, dict) else None
+        if not isinstance(value, int | float):
+            raise LogError(f"{path.name}, row {i + 1}, {key}: {str(value)[:40]!r} is not a number")
+        try:
+            out[i] = value
+        except OverflowError:
+            raise LogError(f"{path.name}, row {i + 1}, {key}: too large a number") from None
+        if not np.isfinite(out[i]):
+            raise LogError(f"{path.name}, row {i + 1}, {key}: {value}, give a finite number")
+    return out
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _figure(path: Path, key: str, value: float) -> float:
+    if not abs(value) < 1e9:
+        raise LogError(f"{path.name}, {key}: {str(value)[:40]!r} is not a number of use")
+    return float(value)

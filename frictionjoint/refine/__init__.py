@@ -1,0 +1,12 @@
+"""Refinement by simulation: the parameters of a named model, fitted to simulated motion.
+
+The balance of torques finds and names in seconds; what a user wants right is the motion.
+
+``vector``    the numbers of a fitted model as one vector, with its prior
+``motion``    simulated motion of logs, in windows or whole
+``refine``    least squares, and the guard that decides whether its result is taken
+"""
+
+from frictionjoint.refine.refine import Refined, refine
+
+__all__ = ["Refined", "refine"]

@@ -1,0 +1,42 @@
+"""Simulated motion of logs, in windows that start from the measured one, or of whole logs."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.closed_loop import Course, changes_of, joint_model
+from frictionjoint.identify.fit import Fit
+from frictionjoint.simulate.one_joint import simulate
+from frictionjoint.threads import side_by_side
+
+# s, longest window: a stick that came too early is forgotten with it
+WINDOW_S = 1.0
+# error of a run gone astray, rad (m): it must not outweigh all others
+_ASTRAY = 10.0
+
+
+def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> list[Array]:
+    """Simulated less measured position at the samples of each log, rad (m).
+
+    Args:
+        window_s: s between restarts from the measured motion; None: whole logs.
+    """
+    model, changes = joint_model(fitted), changes_of(fitted)
+
+    def one(course: Course) -> Array:
+        run = course.changed(changes)
+        if window_s is None:
+            found = simulate(model, run)
+        else:
+            window = max(2, round(window_s / run.step))
+            found = simulate(model, run, course.motion, window)
+        return np.clip(course.at_samples(found) - course.position, -_ASTRAY, _ASTRAY)
+
+    with side_by_side() as each:
+        return list(each(one, courses))
+
+
+def mean_absolute(courses: Sequence[Course], fitted: Fit) -> float:
+    """Mean absolute error of whole logs, rad (m)."""
+    return float(np.mean(np.abs(np.concatenate(errors(courses, fitted, None)))))

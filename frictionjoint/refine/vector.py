@@ -1,0 +1,110 @@
+"""The numbers of a fitted model as one vector: law, effects, controller, motor, inertia."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.fit import Fit, shape_limits
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import EffectTerm, Timing
+
+# standard errors of the balance that a number may move by one unit of the prior: it leaves out
+# what is wrong in every log alike
+_WIDER = 10.0
+# least and largest unit of the prior, over the number itself
+_LEAST, _MOST = 0.05, 0.5
+# of the law's level, over the torque's rms, where the balance has found none
+_LEVEL = 0.05
+
+
+class Vector:
+    """Numbers that a refinement moves, in this order: gain, coefficients, law, shape numbers.
+
+    Args:
+        prepared: the logs of the fit. fitted: whose names and structure stay. cov: of its
+            parameters, in the order of its jacobian. armature: of the MJCF: no model has less.
+    Attributes:
+        start: of the fit, shape (p,). low, high: bounds. unit: of the prior.
+    """
+
+    def __init__(self, prepared: Prepared, fitted: Fit, cov: Array, armature: float) -> None:
+        self.armature = armature
+        self.fitted = fitted
+        self.layout = fitted.layout
+        self.has_gain = "load" in fitted.names
+        linear = fitted.beta[self.has_gain :] * fitted.gain
+        gain = [np.log(fitted.gain)] if self.has_gain else []
+        law = fitted.shape.vector()
+        shapes = [n for t in fitted.terms for n in t.free_shape]
+        self.start: Array = np.array([*gain, *linear, *law, *shapes])
+        self.low, self.high = self._bounds(prepared)
+        self.start = np.clip(self.start, self.low, self.high)
+        error = np.sqrt(np.maximum(np.diag(cov), 0.0))
+        error[: self.layout.linear.stop] *= fitted.gain
+        if self.has_gain:
+            error[0] *= 1.0 / abs(fitted.beta[0]) / fitted.gain
+        size = np.maximum(np.abs(self.start), 1e-12)
+        # a level that the balance leaves at nothing may be wanted by the motion
+        levels = slice(self.has_gain, len(self.layout.base))
+        speed = float(np.quantile(_speeds(prepared), 0.99)) or 1.0
+        names = fitted.names[levels]
+        torque = _LEVEL * fitted.target_rms
+        least = [torque if n == "Fc" else torque / speed for n in names]
+        size[levels] = np.maximum(size[levels], least)
+        if self.has_gain:
+            size[0] = 1.0
+        # the law's numbers are logarithms and ratios
+        at = self.layout.shape
+        size[at] = np.maximum(size[at], 1.0)
+        error = np.where(np.isfinite(error), error, np.inf)
+        self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
+
+    def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
+        low, high = [], []
+        if self.has_gain:
+            low, high = [-np.inf], [np.inf]
+        n = len(self.layout.base) - self.has_gain
+        low += [0.0] * n
+        high += [np.inf] * n
+        for term in self.fitted.terms:
+            bounds: tuple[tuple[float, float], ...] = ()
+            if isinstance(term, EffectTerm) and not term.effect.of_inertia:
+                bounds = term.effect.bounds
+            free = ((-np.inf, np.inf),) * len(term.coefficients)
+            if isinstance(term, EffectTerm) and term.effect.is_inertia:
+                free = ((-self.armature, np.inf),)
+            for least, most in bounds or free:
+                low.append(least)
+                high.append(most)
+        speeds = _speeds(prepared)
+        span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
+        least_law, most_law = self.fitted.shape.bounds(float(np.quantile(speeds, 0.99)), span)
+        low += list(least_law)
+        high += list(most_law)
+        for term in self.fitted.terms:
+            limits = shape_limits(term)
+            if isinstance(term, Timing):  # a simulation knows no torque before its cause
+                limits = ((0.0, 0.05),)
+            for least, most in limits:
+                low.append(least)
+                high.append(most)
+        return np.array(low), np.array(high)
+
+    def fit(self, x: Array) -> Fit:
+        """The model at a point; residual and jacobian stay those of the balance."""
+        f, k = self.fitted, int(self.has_gain)
+        gain = float(np.exp(x[0])) if k else f.gain
+        n = self.layout.linear.stop
+        beta = np.concatenate([[1.0] * k, x[k:n]]) / gain
+        at = self.layout.shape
+        terms = []
+        for i, term in enumerate(f.terms):
+            moved = tuple(float(v) for v in x[self.layout.numbers(i)])
+            terms.append(term.with_shape(moved) if moved else term)
+        return replace(f, shape=f.shape.moved(x[at]), terms=tuple(terms), beta=beta, gain=gain)
+
+
+def _speeds(prepared: Prepared) -> Array:
+    return np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])

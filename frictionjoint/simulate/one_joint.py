@@ -1,0 +1,283 @@
+"""One joint in closed loop, without MuJoCo: its law, its effects, its load and its controller.
+
+It steps as MuJoCo does with implicitfast, by the kernels that the callback runs, some fifty times
+faster: a fit of simulated motion asks for it thousands of times. Other joints follow their
+measured motion. Limits and contacts are left out.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
+from frictionjoint.control.kernel import STATE, tick
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import SimulatedEffect
+from frictionjoint.simulate.row import evaluate, row_size
+from frictionjoint.simulate.with_effects import effects_torque
+
+# positions at which a load is looked up: three tell its mean and its first harmonic
+_TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
+# rows of `Load.numbers`
+INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
+_ROWS = 10
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the rigid body asks of a joint: inertia a + c cos q + s sin q + r + stiffness (q - q0).
+
+    Exact for a joint alone; among other joints their motion enters at the measured position.
+
+    Attributes:
+        numbers: inertia, c, s, r, and the mean, cosine and sine of the two unit gravity torques,
+            shape (10, n); n is 1 where they do not change in time.
+        armature: kg m^2, of the inertia. stiffness: of the MJCF's own spring, and q0.
+    """
+
+    numbers: Array
+    armature: float
+    stiffness: float
+    rest: float
+
+
+def load_of(
+    body: RigidBody,
+    velocity: Array | None = None,
+    others: Mapping[str, tuple[Array, Array, Array]] | None = None,
+) -> Load:
+    """Load of a joint, along the measured motion of other joints where there are any.
+
+    Args:
+        velocity: of the joint, shape (n,). others: position, velocity and acceleration by name.
+    """
+    j = body.joint_id
+    v = velocity if others and velocity is not None else np.zeros(1)
+    none, one = np.zeros(len(v)), np.ones(len(v))
+    stiffness = float(np.ravel(body.model.jnt_stiffness[j])[0])
+    rest = float(body.model.qpos_spring[body.model.jnt_qposadr[j]])
+    found = np.zeros((_ROWS, len(v)))
+    turns = _TURNS if not body.slide else (0.0,)
+    torques = [body.torque(np.full(len(v), q), v, none, others) for q in turns]
+    found[INERTIA] = body.torque(none, v, one, others).load - torques[0].load
+    loads = [x.load - stiffness * (q - rest) for x, q in zip(torques, turns, strict=True)]
+    if body.slide:
+        found[REST] = loads[0]
+    else:
+        found[REST], found[COS], found[SIN] = _harmonic(loads)
+        found[GX : GX + 3] = _harmonic([x.gx for x in torques])
+        found[GY : GY + 3] = _harmonic([x.gy for x in torques])
+    return Load(found, body.armature, stiffness, rest)
+
+
+def _harmonic(x: list[Array]) -> tuple[Array, Array, Array]:
+    """Mean, cosine and sine of what is known at `_TURNS`."""
+    cosine = sum(2.0 / 3.0 * math.cos(q) * y for q, y in zip(_TURNS, x, strict=True))
+    sine = sum(2.0 / 3.0 * math.sin(q) * y for q, y in zip(_TURNS, x, strict=True))
+    return (x[0] + x[1] + x[2]) / 3.0, np.asarray(cosine), np.asarray(sine)
+
+
+@dataclass(frozen=True)
+class JointModel:
+    """All that a simulation of one joint needs beside its load and its controller.
+
+    Attributes:
+        numbers: block of the law, then of the effects. effects: where those begin.
+        gain: N m per unit of the drive. back_emf: N m s/rad, while the drive is on.
+        inertia: kg m^2 beyond that of the MJCF. lag: s from a tick to its torque.
+    """
+
+    numbers: Array
+    effects: int
+    gain: float
+    back_emf: float = 0.0
+    inertia: float = 0.0
+    lag: float = 0.0
+
+    @classmethod
+    def of(
+        cls,
+        law: Friction,
+        effects: list[SimulatedEffect],
+        gain: float,
+        back_emf: float = 0.0,
+        inertia: float = 0.0,
+        lag: float = 0.0,
+    ) -> "JointModel":
+        """From a law and effects."""
+        packed = law.pack()
+        numbers = np.concatenate([packed, [float(len(effects))], *(e.pack() for e in effects)])
+        return cls(numbers, len(packed), gain, back_emf, inertia, lag)
+
+    @property
+    def row(self) -> int:
+        """float64 of state."""
+        return row_size(int(law_row_size(self.numbers, 0)), int(self.numbers[self.effects]))
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a simulation is given, on its own steps, all of shape (n,) but for the numbers.
+
+    Attributes:
+        step: s. target: that the controller knows, rad. supply: over that of the block.
+        on: whether the drive is on. start: position and velocity at the first step.
+    """
+
+    step: float
+    target: Array
+    supply: Array
+    on: NDArray[np.bool_]
+    start: tuple[float, float]
+    load: Load
+    block: Array
+
+
+def simulate(
+    model: JointModel,
+    run: Run,
+    motion: tuple[Array, Array] | None = None,
+    window: int | None = None,
+) -> Array:
+    """Position at every step, rad, shape (n,): the friction at rest and never moved at first.
+
+    Args:
+        motion: position and velocity as measured, on the steps, shape (n,) each, from which the
+            run is started anew after every `window` steps; friction and controller have followed
+            that motion up to there. None: the whole run is free.
+    """
+    n = len(run.target)
+    measured = motion if motion is not None else (np.zeros(0), np.zeros(0))
+    position, drive = np.empty(n), np.empty(n)
+    _simulate(
+        model.numbers,
+        model.effects,
+        np.zeros(model.row),
+        run.block,
+        np.zeros(STATE),
+        np.array([model.gain, model.back_emf, model.inertia, model.lag / run.step]),
+        np.ascontiguousarray(run.load.numbers),
+        np.array([run.load.armature, run.load.stiffness, run.load.rest]),
+        run.step,
+        run.target,
+        run.supply,
+        run.on,
+        run.start[0],
+        run.start[1],
+        *measured,
+        window or n,
+        np.zeros(model.row),
+        np.zeros(STATE),
+        position,
+        drive,
+    )
+    return position
+
+
+@compiled
+def _part(
+    P: Vector,
+    effects: int,
+    X: Vector,
+    B: Vector,
+    S: Vector,
+    motor: Vector,
+    load: Array,
+    body: Vector,
+    h: float,
+    target: Vector,
+    supply: Vector,
+    on: NDArray[np.bool_],
+    q: float,
+    v: float,
+    q_measured: Vector,
+    v_measured: Vector,
+    follow: bool,
+    begin: int,
+    end: int,
+    position: Vector,
+    drive: Vector,
+) -> None:
+    """Steps from `begin` to `end`, free or along the measured motion."""
+    gain, emf, extra, lag = motor[0], motor[1], motor[2], motor[3]
+    late = int(lag)
+    part = lag - late
+    some = P[effects] > 0.0
+    for k in range(begin, end):
+        if follow:
+            q, v = q_measured[k], v_measured[k]
+        i = min(k, load.shape[1] - 1)
+        c, s = math.cos(q), math.sin(q)
+        # a negative error beyond the armature is not inertia, see `replay.friction_spec`
+        inertia = load[INERTIA, i] + max(extra, -body[0])
+        bias = load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2])
+        position[k] = q
+        drive[k] = tick(B, S, k * h, target[k], q, v, supply[k]) if on[k] else 0.0
+        first = drive[k - late] if k >= late else 0.0
+        second = drive[k - late - 1] if k > late else 0.0
+        torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
+        brake = emf if on[k] else 0.0
+        F = evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
+        if some:
+            gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
+            gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
+            asked = torque - brake * v
+            behind = load[INERTIA, i] - body[0]
+            F += effects_torque(P, 0, effects, X, 0, k * h, q, v, bias, behind, gx, gy, asked)
+        v = (inertia * v + h * (torque - F - bias)) / (inertia + h * brake)
+        if not abs(v) < 1e6:  # gone astray: what follows is worth nothing
+            for later in range(k + 1, end):
+                position[later] = 1e6
+            return
+        q += h * v
+
+
+@compiled
+def _simulate(
+    P: Vector,
+    effects: int,
+    X: Vector,
+    B: Vector,
+    S: Vector,
+    motor: Vector,
+    load: Array,
+    body: Vector,
+    h: float,
+    target: Vector,
+    supply: Vector,
+    on: NDArray[np.bool_],
+    q: float,
+    v: float,
+    q_measured: Vector,
+    v_measured: Vector,
+    window: int,
+    X_free: Array,
+    S_free: Array,
+    position: Vector,
+    drive: Vector,
+) -> None:
+    """Fill `position` and `drive`; X and S follow the measured motion where one is given."""
+    followed = len(q_measured) > 0
+    if followed:
+        along_motion = np.empty(len(target))
+        at = 0
+        while at < len(target):
+            end = min(at + window, len(target))
+            X_free[:] = X
+            S_free[:] = S
+            _part(P, effects, X_free, B, S_free, motor, load, body, h, target, supply, on,
+                  q_measured[at], v_measured[at], q_measured, v_measured, False, at, end,
+                  position, drive)  # fmt: skip
+            _part(P, effects, X, B, S, motor, load, body, h, target, supply, on,
+                  q_measured[at], v_measured[at], q_measured, v_measured, True, at, end,
+                  along_motion, drive)  # fmt: skip
+            at = end
+        return
+    _part(P, effects, X, B, S, motor, load, body, h, target, supply, on,
+          q, v, q_measured, v_measured, False, 0, len(target), position, drive)  # fmt: skip

@@ -1,0 +1,163 @@
+"""Controllers: their files, their control law, the drive of a log."""
+
+import math
+
+import numpy as np
+import pytest
+
+from frictionjoint.control import PRESETS, Controller, read_controller
+from frictionjoint.control import kernel as k
+from frictionjoint.control.block import block_of
+from frictionjoint.control.reconstruct import check_drive, commands, held, with_drive
+from frictionjoint.errors import LogError, ParameterError
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import read_log
+
+T = np.arange(0.0, 2.0, 0.01)
+
+
+def log(**more):
+    fields = {"target": np.sin(3 * T), "position": 0.9 * np.sin(3 * T - 0.1), **more}
+    return JointLog(name="log", joint="j", time=T, **fields)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_files_keep_every_digit(tmp_path, preset):
+    file = tmp_path / "servo.toml"
+    file.write_text(PRESETS[preset].to_toml())
+    assert read_controller(file) == PRESETS[preset] == read_controller(preset)
+    assert PRESETS[preset].source
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("kp = 3.0", "no output"),
+        ('output = "duty"\nkp = 3', "a duty needs supply_v"),
+        ('output = "volts"\nkp = 3', "output is 'volts': give one of"),
+        ('output = "torque_nm"\nkp = -1.0', "kp is -1.0: give 0 or more"),
+        ('output = "torque_nm"\nkp = "high"', "kp is 'high': give a number or"),
+        ('output = "torque_nm"\nkp = 1\nki = "unknown"', "ki is 'unknown'"),
+        ('output = "torque_nm"\nkp = 1\ngain = 2', "unknown 'gain', it has"),
+        ('output = "torque_nm"\nkp = true', "kp is True: give a number"),
+        ('output = "torque_nm"\nkp = nan', "kp is nan: give a number"),
+        ('output = "torque_nm"\nkp = 1\nsupply_v = 3', "supply_v does not go with"),
+        ("output = ", "not TOML"),
+    ],
+)
+def test_a_bad_file_is_one_line(tmp_path, text, message):
+    file = tmp_path / "servo.toml"
+    file.write_text(text)
+    with pytest.raises(ParameterError) as found:
+        read_controller(file)
+    assert message in str(found.value)
+    assert "servo.toml" in str(found.value)
+    assert "\n" not in str(found.value)
+
+
+def test_a_missing_file_names_the_presets(tmp_path):
+    with pytest.raises(ParameterError, match="xl330, sts3215"):
+        read_controller(tmp_path / "none.toml")
+
+
+def test_the_drive_is_the_control_law():
+    given = log(metadata={"kp": 4.0}, velocity=np.cos(T))
+    c = Controller(output="torque_nm", kp="log:kp", kd=0.5, gain_unit=2.0, limit=0.6)
+    u = 8.0 * (given.target - given.position) - 1.0 * np.cos(T)
+    np.testing.assert_allclose(with_drive(given, c).torque, np.clip(u, -0.6, 0.6), atol=1e-14)
+
+
+def test_a_duty_is_a_voltage_of_the_log_s_own_supply():
+    supply = 12.0 - 0.5 * T
+    c = Controller(output="duty", kp=0.7, supply_v=11.0, limit=0.1)
+    drive = with_drive(log(supply=supply), c).voltage
+    given = log()
+    duty = np.clip(0.7 * (given.target - given.position), -0.1, 0.1)
+    np.testing.assert_allclose(drive, duty * supply, rtol=1e-12)
+
+
+def test_an_unknown_gain_leaves_the_error_as_a_current():
+    given = with_drive(log(), Controller(output="torque_nm", kp="unknown", limit=2.0))
+    assert given.torque is None
+    np.testing.assert_allclose(given.current, given.target - given.position, atol=1e-14)
+
+
+def drive_of(given, c):
+    return commands(given, c).drive()
+
+
+def test_deadbands_protections_and_counts():
+    given = log(target=np.linspace(-1, 1, len(T)), position=np.linspace(0.001, 0.002, len(T)))
+    e = given.target - given.position
+    plain = {"output": "torque_nm", "kp": 2.0}
+    cut = drive_of(given, Controller(**plain, deadband=0.3))
+    np.testing.assert_allclose(cut, np.where(np.abs(e) > 0.3, 2 * e, 0.0), atol=1e-14)
+    shifted = drive_of(given, Controller(**plain, deadband=0.3, deadband_form="shifted"))
+    np.testing.assert_allclose(shifted, 2 * np.sign(e) * np.maximum(np.abs(e) - 0.3, 0), atol=1e-14)
+    drop = drive_of(given, Controller(**plain, limit=1.0, drop_above=0.8, drop_left=0.25))
+    whole = np.clip(2 * e, -1, 1)
+    np.testing.assert_allclose(drop, np.where(np.abs(e) > 0.8, 0.25 * whole, whole), atol=1e-14)
+    counted = drive_of(given, Controller(**plain, count_rad=0.1))
+    np.testing.assert_allclose(counted, 2 * given.target, atol=1e-14)
+
+
+def test_a_tick_holds_and_a_target_arrives_late():
+    given = log()
+    plain = {"output": "torque_nm", "kp": 1.0}
+    slow = drive_of(given, Controller(**plain, rate_hz=10.0))
+    assert np.all(slow.reshape(-1, 10) == slow[::10, None])
+    late = drive_of(given, Controller(**plain, delay_s=0.03))
+    np.testing.assert_allclose(late[3:], given.target[:-3] - given.position[3:], atol=1e-14)
+    np.testing.assert_allclose(held(T, T, np.array([0.004, 0.01, 5.0])), [0.0, 0.01, T[-1]])
+
+
+def test_a_limited_target_rate_makes_a_ramp_of_a_step():
+    given = log(target=np.where(T > 0.5, 1.0, 0.0), position=1e-3 * np.sin(T))
+    drive = drive_of(given, Controller(output="torque_nm", kp=1.0, target_rate=2.0))
+    ramp = np.clip(2.0 * (T - 0.5), 0.0, 1.0)
+    np.testing.assert_allclose(drive + given.position, ramp, atol=0.021)
+
+
+def test_an_integral_does_not_wind_up():
+    given = log(target=np.full(len(T), 5.0), position=0.01 * T)
+    c = Controller(output="torque_nm", kp=0.1, ki=1.0, limit=1.0)
+    S = np.zeros(k.STATE)
+    B = block_of(c, given)
+    for t in T:
+        k.one_tick(B, S, t, 5.0, 0.0, 0.0)
+    assert S[k.INTEGRAL] <= 1.0
+    assert k.one_tick(B, S, 2.0, 0.0, 0.0, 0.0) <= 1.0
+
+
+@pytest.mark.parametrize("value", ["log:kp", "log:nothing"])
+def test_a_log_without_the_figure_says_what_it_has(value):
+    with pytest.raises(LogError, match="has no figure"):
+        commands(log(metadata={"mass": 1.0}), Controller(output="torque_nm", kp=value))
+
+
+def test_a_log_without_drive_or_controller_says_what_is_missing():
+    with pytest.raises(LogError, match="give the gains that drove the joint, --controller"):
+        with_drive(log(), None)
+
+
+def test_a_wrong_controller_is_noticed():
+    c = Controller(output="torque_nm", kp=2.0)
+    right = with_drive(log(), c)
+    assert "agrees" in check_drive(right, c)[0]
+    with pytest.raises(LogError, match="off the measured one"):
+        check_drive(right, Controller(output="torque_nm", kp=3.0))
+
+
+def test_the_xl330_drive_agrees_with_its_register(measured_data):
+    files = sorted((measured_data / "xl330").glob("*.json"))
+    for file in files:
+        given = read_log(file)
+        made = drive_of(given, PRESETS["xl330"])
+        slow = np.abs(given.velocity) < 0.5
+        on = given.torque_enabled & slow & (np.abs(made) > 0.2)
+        apart = np.median(np.abs(given.voltage - made)[on] / np.abs(made)[on])
+        assert apart < 0.005, (file.name, apart)
+
+
+def test_unlimited_is_written_as_nothing():
+    assert "limit" not in Controller(output="torque_nm", kp=1.0, limit=math.inf).to_toml()

@@ -1,0 +1,121 @@
+"""The simulation of one joint against MuJoCo stepping the same model."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint.control import kernel as k
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.motor import Motor, add_motor
+from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+
+MODEL = Path(__file__).resolve().parents[1] / "models/xl330_pendulum.xml"
+JOINT = "pendulum"
+LAW = FrictionParameters.symmetric(
+    Fs=0.05, Fc=0.04, Vs=0.2, delta=1.0, sigma2=0.01, knots=((0.002, 0.05), (0.008, 0.1))
+)
+STEP, N = 1e-3, 3000
+
+
+def effect(name, shape, coefficients, form=0):
+    found = [e for e in CATALOGUE if e.name == name][form]
+    return SimulatedEffect(found, shape, coefficients)
+
+
+def block(**figures):
+    B = np.zeros(k.BLOCK)
+    B[[k.SUPPLY, k.LIMIT, k.DROP_ERROR, k.DROP_OUTPUT, k.SLEW]] = 1.0, *[np.inf] * 4
+    for name, x in figures.items():
+        B[getattr(k, name)] = x
+    return B
+
+
+def in_mujoco(effects, motor, B, target, start):
+    spec = mujoco.MjSpec.from_file(str(MODEL))
+    add_motor(spec, JOINT, motor)
+    install(spec, {JOINT: LAW}, {JOINT: effects})
+    model = spec.compile()
+    model.opt.timestep = STEP
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = start
+    S, found = np.zeros(k.STATE), np.empty(N)
+    with attach(model):
+        for i in range(N):
+            found[i] = data.qpos[0]
+            data.ctrl[0] = k.one_tick(B, S, i * STEP, target[i], data.qpos[0], data.qvel[0])
+            mujoco.mj_step(model, data)
+    return found
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        [],
+        [effect("spring", (), (0.05, 0.01))],
+        [effect("load-dependent", (0.002,), (0.2,))],
+        [effect("gravity-error", (), (0.01, 0.02)), effect("motor-saturation", (), (0.5,))],
+    ],
+    ids=["law", "spring", "load", "gravity and saturation"],
+)
+def test_it_steps_as_mujoco_does(effects):
+    motor = Motor(0.1, 0.05)
+    B = block(KP=12.0, KD=0.1, SUPPLY=1.0, LIMIT=7.0)
+    target = 0.8 * np.sin(6.0 * STEP * np.arange(N) ** 1.0)
+    start = (0.3, -0.5)
+    expected = in_mujoco(effects, motor, B, target, start)
+    run = Run(
+        step=STEP,
+        target=target,
+        supply=np.ones(N),
+        on=np.ones(N, dtype=bool),
+        start=start,
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=B,
+    )
+    model = JointModel.of(LAW, effects, motor.gain, motor.back_emf)
+    # the load is looked up by its harmonics, so the last digits differ
+    np.testing.assert_allclose(simulate(model, run), expected, atol=1e-9)
+    assert np.ptp(expected) > 0.5
+
+
+def test_windows_start_from_the_measured_motion():
+    target = 0.8 * np.sin(6.0 * STEP * np.arange(N))
+    run = Run(
+        step=STEP,
+        target=target,
+        supply=np.ones(N),
+        on=np.ones(N, dtype=bool),
+        start=(0.0, 0.0),
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=block(KP=12.0, LIMIT=7.0),
+    )
+    model = JointModel.of(LAW, [], 0.1, 0.05)
+    whole = simulate(model, run)
+    velocity = np.append(np.diff(whole), 0.0) / STEP
+    velocity = np.concatenate([[0.0], velocity[:-1]])  # that of the step's beginning
+    again = simulate(model, run, (whole, velocity), 500)
+    np.testing.assert_allclose(again, whole, atol=2e-5)
+    away = simulate(model, run, (whole + 0.1, velocity), 500)
+    assert away[500] == pytest.approx(whole[500] + 0.1, abs=1e-12)
+
+
+def test_a_lag_delays_the_torque():
+    n = 400
+    run = Run(
+        step=STEP,
+        target=np.full(n, 0.5),
+        supply=np.ones(n),
+        on=np.ones(n, dtype=bool),
+        start=(0.0, 0.0),
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=block(KP=12.0),
+    )
+    found = simulate(JointModel.of(LAW, [], 0.1, lag=0.05), run)
+    assert np.abs(found[:51]).max() < 1e-12
+    assert found[100] > 1e-3
