@@ -184,9 +184,9 @@ def simulate(
 def _part(
     P: Vector,
     effects: int,
-    X: Vector,
+    X: Array,
     B: Vector,
-    S: Vector,
+    S: Array,
     motor: Vector,
     load: Array,
     body: Vector,
@@ -242,9 +242,9 @@ def _part(
 def _simulate(
     P: Vector,
     effects: int,
-    X: Vector,
+    X: Array,
     B: Vector,
-    S: Vector,
+    S: Array,
     motor: Vector,
     load: Array,
     body: Vector,
