@@ -252,19 +252,20 @@ def law_track(segment: Segment, shape: Shape) -> Array:
     """H and dz/dq along a log, shape (n, 2)."""
     time, q, before = _whole_path(segment, shape)
     found = shape.hysteresis(time, q)
-    return np.column_stack([x[before:] for x in found])
+    return segment.path.on_grid(np.column_stack([x[before:] for x in found]))
 
 
 def law_tangents(segment: Segment, shape: Shape) -> tuple[Array, Array]:
     """Derivatives of H and dz/dq by the numbers of a shape along a log, each of shape (k, n)."""
     time, q, before = _whole_path(segment, shape)
-    _, _, dH, drate = shape.tangents(time, q)
-    return dH[:, before:], drate[:, before:]
+    _, _, *moves = shape.tangents(time, q)
+    dH, drate = (segment.path.on_grid(x[:, before:].T).T for x in moves)
+    return dH, drate
 
 
 def _whole_path(segment: Segment, shape: Shape) -> tuple[Array, Array, int]:
     """Time and position that a law is driven along, and how many of them come before the log."""
-    time, q = segment.path
+    time, q = segment.path.time, segment.path.position
     if not segment.held:
         return time, q, 0
     before = _approach(shape, segment)

@@ -33,6 +33,7 @@ from frictionjoint.effects.signals import (
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise, count_of, noise_of
+from frictionjoint.identify.reversals import Path, path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import (
     HIGHEST,
@@ -88,6 +89,7 @@ class Segment:
         weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
+        driven_along: what a law is driven along, where it was made before; see `path`.
     """
 
     name: str
@@ -106,11 +108,12 @@ class Segment:
     weight: Array | None = None
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
+    driven_along: Path | None = None
 
-    @property
-    def path(self) -> tuple[Array, Array]:
+    @cached_property
+    def path(self) -> Path:
         """Time and position that a law is driven along."""
-        return tuple(np.ascontiguousarray(self.signals[:, k]) for k in (TIME, Q))  # type: ignore[return-value]
+        return self.driven_along or path_of(self.signals, self.noise.resolution)
 
     @cached_property
     def _drive_spectrum(self) -> tuple[Spectrum, Array]:
@@ -238,6 +241,7 @@ def _thinned(s: Segment, factor: float) -> Segment:
         bandwidth_hz=bandwidth_hz,
         step=max(1, int(1.0 / (dt * _A_BALANCE * bandwidth_hz))),
         signals=signals,
+        driven_along=None,
         drive=steep(s.drive),
         commanded=None if s.commanded is None else s.commanded.thinned(steep),
         driven=s.driven[::step],
@@ -349,6 +353,14 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
     drive = smooth(measured)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
+    noise = noise_of(
+        measured,
+        raw,
+        np.interp(grid, t, q),
+        sample,
+        count_of(log.position),
+        _inertia(rigid.load, a) * per_drive,
+    )
     return Segment(
         name=log.name,
         dt=dt,
@@ -364,14 +376,8 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         }
         | {name: uniform(log.time, x, t) for name, x in log.signals.items()},
-        noise=noise_of(
-            measured,
-            raw,
-            np.interp(grid, t, q),
-            sample,
-            count_of(log.position),
-            _inertia(rigid.load, a) * per_drive,
-        ),
+        noise=noise,
+        driven_along=path_of(signals, noise.resolution),
         sample=sample,
         corner_hz=band.motion,
         commanded=None

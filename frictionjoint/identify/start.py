@@ -132,6 +132,7 @@ def _head(segment: Segment, shape: Shape) -> Segment:
     return replace(
         segment,
         signals=segment.signals[: end + reach],
+        driven_along=None,
         drive=segment.drive[: end + reach],
         driven=segment.driven[: end + reach],
         mask=mask,

@@ -123,7 +123,7 @@ class Along:
         rotor = self.state.armature.get(self.body.joint, 0.0) * self.acceleration
         signals[:, LOAD] = self.original.signals[:, LOAD] + change + rotor
         signals[:, GEAR] = self.original.signals[:, GEAR] + change
-        return replace(like, signals=signals)
+        return replace(like, signals=signals, driven_along=None)
 
     def change(self) -> Array:
         """Torque that the corrections add to the model's but for the joint's own rotor, (n,)."""
