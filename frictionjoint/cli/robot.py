@@ -108,5 +108,6 @@ def show_robot(report: "RobotReport") -> None:
         cells = (line.before, line.after, line.replay_before, line.replay_after)
         table.add_row(line.joint, line.effects, *cells, line.verdict)
     out.print(table)
-    for text in (whole(report), *report.notes):
+    proposals = [report.excitation.text] if report.excitation else []
+    for text in (whole(report), *report.notes, *proposals):
         out.print(f"* {text}", soft_wrap=True, markup=False)

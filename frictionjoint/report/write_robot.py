@@ -24,6 +24,8 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
         "report.html": render_robot(report, pages, command),
         "model.xml": placed(report.mjcf, folder),
     } | {pages[name]: render(r.report, command) for name, r in report.joints.items()}
+    if report.excitation:
+        contents["next_trajectory.csv"] = report.excitation.csv()
     write_files(folder, contents, {"model.xml": require_compiles})
 
 

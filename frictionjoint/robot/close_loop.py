@@ -21,13 +21,16 @@ from frictionjoint.model_text import model_text
 from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.corrections import Corrections, write_corrections
+from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
+from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import RobotLogs
 from frictionjoint.robot.replay import replay_robot
 from frictionjoint.robot.report_data import RobotErrors, RobotReport, SharedCause, mean_percent
 from frictionjoint.robot.screen import Found
 from frictionjoint.robot.shared import Shared, shared_causes
+from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers
 from frictionjoint.threads import one_thread
 
@@ -71,6 +74,10 @@ def close_loop_robot(
         raise LogError(next(iter(failed.values())))
     corrected = ready[0].corrected
     assert corrected is not None
+    progress("what is not determined, and what to record next")
+    settled = shared.settled.joints
+    known = information(settled, logs.moving)
+    excitation = next_trajectory(settled, logs.moving, known, seed)
     progress("replay of all joints together")
     poses = _poses(next(iter(fitted.values())))
     spec = _with_friction(corrected, {n: x.after.fit for n, x in done.items()})
@@ -90,7 +97,8 @@ def close_loop_robot(
             mean_percent([(r.report.after_torque, sizes[n]) for n, r in results.items()]),
             _replay(corrected, {n: x.after for n, x in done.items()}, poses),
         ),
-        undetermined=(),
+        undetermined=undetermined(known, {n: r.report.final for n, r in results.items()}),
+        excitation=excitation,
         mjcf=model_text(spec, corrected.mjcf),
         seconds=time.perf_counter() - begin,
         notes=tuple(dict.fromkeys(n for r in results.values() for n in r.report.notes)),

@@ -7,6 +7,7 @@ import numpy as np
 
 from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Rms, Verdict
 from frictionjoint.identify.result import Estimate
+from frictionjoint.robot.excitation import Excitation
 
 SCHEMA = "frictionjoint/report-2"
 
@@ -108,6 +109,7 @@ class RobotReport:
     """Outcome of `close_loop` for several joints.
 
     Attributes follow report.json. `failed`: one line for each joint that could not be explained.
+    `excitation`: what to record next; None where no motion is within the robot's limits.
     """
 
     logs: tuple[LogEntry, ...]
@@ -117,6 +119,7 @@ class RobotReport:
     before: RobotErrors
     after: RobotErrors
     undetermined: tuple[dict[str, Any], ...]
+    excitation: Excitation | None = field(repr=False)
     mjcf: str = field(repr=False)
     seconds: float
     notes: tuple[str, ...] = ()
@@ -142,6 +145,7 @@ class RobotReport:
             "before": self.before.to_dict(),
             "after": self.after.to_dict(),
             "undetermined": list(self.undetermined),
+            "proposals": [self.excitation.text] if self.excitation else [],
             "notes": list(self.notes),
             "verdict": self.verdict,
         }

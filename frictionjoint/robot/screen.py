@@ -209,7 +209,7 @@ def _own_effects(
     wanted = {name for name, candidate in named.items() if own(candidate.label)}
     if not wanted:
         return []
-    law, e = _law(joint), joint.fit.residual * joint.fit.weight
+    law, e = law_columns(joint), joint.fit.residual * joint.fit.weight
     base, _ = np.linalg.qr(law / lengths(law))
     best: dict[str, tuple[float, Array]] = {}
     for candidate in library(joint.prepared, joint.fit, clock.blocks(joint)):
@@ -224,7 +224,7 @@ def _own_effects(
     return [(named[name], x) for name, (_, x) in best.items()]
 
 
-def _law(joint: FittedJoint) -> Array:
+def law_columns(joint: FittedJoint) -> Array:
     """Weighted columns of the joint's own law, shape (n, p)."""
     fitted = joint.fit
     free = ~fitted.bound
@@ -239,7 +239,7 @@ def _gram(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Join
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(
-        _law(joint) / joint.left,
+        law_columns(joint) / joint.left,
         columns * unit,
         fitted.residual * unit[:, 0],
         at,

@@ -1,0 +1,246 @@
+"""The trajectory to record next: what would determine a robot's rigid body best.
+
+A Fourier series of every joint (Swevers, Ganseman, Tukel, De Schutter and Van Brussel 1997) that
+fades in and out at a pose, within the ranges, speeds and torques of the logs and the model, without
+contacts. Drawn at random, scaled into its limits, and the best of many by the determinant of what
+would then be known.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.robot.information import (
+    Information,
+    base_parameters,
+    errors,
+    gram_without,
+    links_of,
+)
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.kinematics import Trajectory, Tree
+from frictionjoint.robot.regressor import Regressor
+
+_SECONDS, _HARMONICS, _SAMPLES, _TRIALS = 20.0, 5, 400, 60
+_RATE_HZ = 100.0
+# part of a range or of the largest torque that may be used, and speed over that of the logs
+_RANGE, _TORQUE, _FASTER = 0.9, 0.9, 1.25
+# travel beyond that of the logs, over it, where the model states no range
+_FURTHER = 0.25
+_SHRUNK, _SHRINKS = 0.8, 12
+_FADE = 0.1
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A trajectory.
+
+    Attributes:
+        joints: names. slides: whether each is one.
+        time: s, shape (n,). q: positions, shape (n, joints).
+        fall: standard errors of the base parameters after it over those before: median, and of
+            the one that falls most.
+    """
+
+    joints: tuple[str, ...]
+    slides: tuple[bool, ...]
+    time: Array
+    q: Array
+    fall: tuple[float, float]
+
+    def csv(self) -> str:
+        """As a file with a column of targets for each joint."""
+        names = [
+            f"{n}.target_{'m' if slide else 'rad'}"
+            for n, slide in zip(self.joints, self.slides, strict=True)
+        ]
+        rows = [",".join(["time_s", *names])]
+        for t, q in zip(self.time, self.q, strict=True):
+            rows.append(",".join(f"{x:.6g}" for x in (t, *q)))
+        return "\n".join(rows) + "\n"
+
+    @property
+    def text(self) -> str:
+        """What it would bring."""
+        return (
+            f"Record next_trajectory.csv ({self.time[-1]:.3g} s): standard errors of the base "
+            f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
+            f"{self.fall[1]:.0%}."
+        )
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Of each joint, shape (joints,) each: range, speed, torque."""
+
+    low: Array
+    high: Array
+    speed: Array
+    torque: Array
+
+
+def next_trajectory(
+    joints: Sequence[FittedJoint], moving: Sequence[str], known: Information, seed: int = 0
+) -> Excitation | None:
+    """The best of many trajectories; None where none is without contact within the limits."""
+    rng = np.random.default_rng(seed)
+    model = joints[0].alongs[0].model
+    limits = _limits(model, joints)
+    base = base_parameters(known)
+    at = list(base.base)
+    before = errors(known, at)
+    best: tuple[float, Array, Array] | None = None
+    time = np.linspace(0.0, _SECONDS, _SAMPLES)
+    for _ in range(_TRIALS):
+        series = (
+            rng.normal(size=(2, _HARMONICS, len(joints))) / np.arange(1, _HARMONICS + 1)[:, None]
+        )
+        middle = rng.uniform(0.3, 0.7, len(joints))
+        motion = _within(model, joints, limits, series, middle, time)
+        if motion is None:
+            continue
+        scale, _ = motion
+        after = known.plus(
+            _gram(model, joints, moving, known, _motion(limits, scale * series, middle, time))
+        )
+        inner = after.gram[np.ix_(at, at)]
+        worth = float(np.linalg.slogdet(inner)[1])
+        if best is None or worth > best[0]:
+            best = (worth, scale * series, middle)
+            fallen = errors(after, at) / before
+    if best is None:
+        return None
+    fine = np.arange(0.0, _SECONDS, 1.0 / _RATE_HZ)
+    q, _, _ = _motion(limits, best[1], best[2], fine)
+    loosest = int(np.argmax(before))
+    fall = float(np.median(fallen)), float(fallen[loosest])
+    names, slides = tuple(j.name for j in joints), tuple(j.prepared.slide for j in joints)
+    return Excitation(names, slides, fine, q, fall)
+
+
+def _limits(model: mujoco.MjModel, joints: Sequence[FittedJoint]) -> _Limits:
+    rows = []
+    for joint in joints:
+        signals = np.concatenate([s.signals for s in joint.prepared.segments])
+        drive = np.concatenate([s.drive for s in joint.prepared.segments]) * joint.fit.gain
+        low, high = float(signals[:, Q].min()), float(signals[:, Q].max())
+        room = _FURTHER * (high - low)
+        low, high = low - room, high + room
+        j = model.joint(joint.name).id
+        if model.jnt_limited[j]:
+            middle, half = np.mean(model.jnt_range[j]), 0.5 * _RANGE * np.ptp(model.jnt_range[j])
+            low, high = float(middle - half), float(middle + half)
+        torque = float(np.abs(drive).max())
+        if model.jnt_actfrclimited[j]:
+            torque = _TORQUE * float(np.abs(model.jnt_actfrcrange[j]).min())
+        rows.append((low, high, _FASTER * float(np.abs(signals[:, V]).max()), torque))
+    return _Limits(*np.array(rows).T)
+
+
+def _motion(
+    limits: _Limits, series: Array, middle: Array, time: Array
+) -> tuple[Array, Array, Array]:
+    """Positions, velocities and accelerations, shape (n, joints) each."""
+    w = 2.0 * np.pi / _SECONDS * np.arange(1, _HARMONICS + 1)
+    angle = np.outer(time, w)
+    waves = (np.sin(angle), np.cos(angle))
+    moved = waves[0] @ series[0] + waves[1] @ series[1]
+    edge = np.clip(np.minimum(time, _SECONDS - time) / (_FADE * _SECONDS), 0.0, 1.0)
+    fade = edge**3 * (10.0 - 15.0 * edge + 6.0 * edge**2)
+    centre = limits.low + middle * (limits.high - limits.low)
+    q = centre + fade[:, None] * moved
+    v = np.gradient(q, time, axis=0)
+    return q, v, np.gradient(v, time, axis=0)
+
+
+def _within(
+    model: mujoco.MjModel,
+    joints: Sequence[FittedJoint],
+    limits: _Limits,
+    series: Array,
+    middle: Array,
+    time: Array,
+) -> tuple[float | Array, Array] | None:
+    """Scales of a series of each joint that keep all limits, and the positions."""
+    q, _, _ = _motion(limits, series, middle, time)
+    centre = limits.low + middle * (limits.high - limits.low)
+    moved = np.abs(q - centre).max(axis=0)
+    scale = np.minimum(centre - limits.low, limits.high - centre) / np.maximum(moved, 1e-12)
+    for _ in range(_SHRINKS):
+        q, v, a = _motion(limits, scale * series, middle, time)
+        slow = limits.speed / np.maximum(np.abs(v).max(axis=0), 1e-12)
+        if np.any(slow < 1.0):
+            scale = scale * np.minimum(1.0, slow)
+            continue
+        heavy, touches = _checked(model, joints, q, v, a, limits)
+        if not touches and not heavy.any():
+            return scale, q
+        scale = scale * (_SHRUNK if touches else np.where(heavy, _SHRUNK, 1.0))
+    return None
+
+
+def _checked(
+    model: mujoco.MjModel,
+    joints: Sequence[FittedJoint],
+    q: Array,
+    v: Array,
+    a: Array,
+    limits: _Limits,
+) -> tuple[Array, bool]:
+    """Which joints would need more torque than they may give, and whether bodies touch."""
+    flags = int(model.opt.disableflags)
+    model.opt.disableflags = flags & ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    before = data.ncon
+    at = [int(model.joint(j.name).qposadr[0]) for j in joints]
+    dofs = [int(model.joint(j.name).dofadr[0]) for j in joints]
+    peak, touches = np.zeros(len(joints)), False
+    for k in range(0, len(q), 4):
+        data.qpos[at], data.qvel[dofs], data.qacc[dofs] = q[k], v[k], a[k]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        touches = touches or data.ncon > before
+        data.ncon = 0
+        mujoco.mj_inverse(model, data)
+        peak = np.maximum(peak, np.abs(data.qfrc_inverse[dofs]))
+    model.opt.disableflags = flags
+    return np.asarray(peak > limits.torque), touches
+
+
+def _gram(
+    model: mujoco.MjModel,
+    joints: Sequence[FittedJoint],
+    moving: Sequence[str],
+    known: Information,
+    motion: tuple[Array, Array, Array],
+) -> Array:
+    """What a trajectory would add, with as many samples as the logs have in its time."""
+    q, v, a = motion
+    qs = np.tile(model.qpos0, (len(q), 1))
+    vs, accelerations = (np.zeros((len(q), model.nv)) for _ in range(2))
+    for i, joint in enumerate(joints):
+        entry = model.joint(joint.name)
+        qs[:, int(entry.qposadr[0])] = q[:, i]
+        vs[:, int(entry.dofadr[0])], accelerations[:, int(entry.dofadr[0])] = v[:, i], a[:, i]
+    regressor = Regressor(Tree(model), Trajectory(qs, vs, accelerations))
+    names = [j.name for j in joints]
+    bodies = links_of(model, names, moving)
+    sizes = np.array([p.size for p in known.parameters])
+    G = np.zeros_like(known.gram)
+    for i, joint in enumerate(joints):
+        dof = int(model.joint(joint.name).dofadr[0])
+        rotors = np.zeros((len(q), len(joints)))
+        rotors[:, i] = a[:, i]
+        X = np.column_stack([*(regressor.body(b, dof) for b in bodies), rotors])
+        top = float(np.abs(v[:, i]).max()) or 1.0
+        friction = np.column_stack([np.tanh(v[:, i] / (0.02 * top)), v[:, i], np.ones(len(q))])
+        segment = joint.prepared.segments[0]
+        samples = _SECONDS / (segment.dt * segment.step) / len(q)
+        G += samples * gram_without(X * sizes / joint.left, friction)
+    return G

@@ -1,0 +1,165 @@
+"""What logs determine of a robot's rigid body: its regressor with friction projected out.
+
+Parameters are counted in units of their own size, so that a direction of the parameter space is
+weak or strong whatever its units: the mass of a link in its mass, first moments in mass times
+size, inertias in mass times size squared, a rotor in the inertia about its joint.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from scipy.linalg import qr
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.design import kept, lengths
+from frictionjoint.robot.causes.catalogue import body_label, rigid_links
+from frictionjoint.robot.inertia import NAMES
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.screen import law_columns
+
+# singular values below this fraction of the largest: exact columns of a parameter that never shows
+_STRUCTURAL = 1e-7
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the rigid body: one of a link's ten, or a rotor's inertia.
+
+    Attributes:
+        owner: body or joint. name: of the number. size: what counts as one, SI units.
+    """
+
+    owner: str
+    name: str
+    size: float
+
+    def __str__(self) -> str:
+        return f"{self.name} of {self.owner}"
+
+
+@dataclass(frozen=True)
+class Information:
+    """Of some logs.
+
+    Attributes:
+        parameters: of all links and rotors. gram: of their columns in units of what the fits
+            leave, each in units of its size, shape (k, k).
+    """
+
+    parameters: tuple[Parameter, ...]
+    gram: Array = field(repr=False)
+
+    def plus(self, gram: Array) -> "Information":
+        """With further motion."""
+        return Information(self.parameters, self.gram + gram)
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """Which parameters the logs determine, alone or in sums.
+
+    Attributes:
+        base: numbers of the parameters that stand for what is determined.
+        others: numbers of those that only occur in sums with base ones.
+        sums: coefficients, shape (len(base), len(others)). unseen: without any torque.
+    """
+
+    base: tuple[int, ...]
+    others: tuple[int, ...]
+    sums: Array
+    unseen: tuple[int, ...]
+
+
+def links_of(model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]) -> list[int]:
+    """The heaviest body of each link that the joints move."""
+    links = rigid_links(model, joints, moving).values()
+    return [max(link, key=lambda b: float(model.body_mass[b])) for link in links]
+
+
+def parameters_of(
+    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
+) -> tuple[Parameter, ...]:
+    """All parameters, links first."""
+    found = []
+    for b in links_of(model, joints, moving):
+        mass = max(float(model.body_mass[b]), 1e-3)
+        size = _size(model, b)
+        sizes = (mass, *(mass * size,) * 3, *(mass * size**2,) * 6)
+        found += [
+            Parameter(body_label(model, b), name, unit)
+            for name, unit in zip(NAMES, sizes, strict=True)
+        ]
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for name in joints:
+        dof = int(model.joint(name).dofadr[0])
+        unit, column = np.zeros(model.nv), np.zeros(model.nv)
+        unit[dof] = 1.0
+        mujoco.mj_mulM(model, data, column, unit)
+        found.append(Parameter(name, "rotor inertia", float(column[dof])))
+    return tuple(found)
+
+
+def _size(model: mujoco.MjModel, body: int) -> float:
+    """Length of a body: its radius of gyration or the distance of its centre, m."""
+    mass = max(float(model.body_mass[body]), 1e-9)
+    gyration = float(np.sqrt(model.body_inertia[body].sum() / mass))
+    return max(gyration, float(np.linalg.norm(model.body_ipos[body])), 0.01)
+
+
+def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Information:
+    """Of the logs of some joints."""
+    model = joints[0].alongs[0].model
+    names = [j.name for j in joints]
+    parameters = parameters_of(model, names, moving)
+    bodies = links_of(model, names, moving)
+    G = np.zeros((len(parameters),) * 2)
+    for i, joint in enumerate(joints):
+        rows = []
+        for along, segment in zip(joint.alongs, joint.prepared.segments, strict=True):
+            columns = [along.bodies(b) for b in bodies]
+            rotors = np.zeros((len(along.acceleration), len(joints)))
+            rotors[:, i] = along.acceleration
+            rows.append(kept(segment, np.column_stack([*columns, rotors])))
+        X = np.concatenate(rows) * (joint.fit.weight / joint.left)[:, None]
+        G += gram_without(X * [p.size for p in parameters], law_columns(joint))
+    return Information(parameters, G)
+
+
+def gram_without(X: Array, known: Array) -> Array:
+    """Gram matrix of columns with others projected out, shape (k, k)."""
+    base, _ = np.linalg.qr(known / lengths(known))
+    left = X - base @ (base.T @ X)
+    return np.asarray(left.T @ left)
+
+
+def base_parameters(found: Information) -> BaseParameters:
+    """Base parameters by a pivoted QR of the regressor (Gautier 1991).
+
+    The factor comes of the Gram matrix, so that directions below the root of rounding do not count.
+    """
+    values, vectors = np.linalg.eigh(found.gram)
+    keep = values > _STRUCTURAL**2 * values[-1]
+    root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
+    size = np.linalg.norm(root, axis=0)
+    unseen = np.flatnonzero(size <= _STRUCTURAL * size.max())
+    seen = np.setdiff1d(np.arange(len(size)), unseen)
+    _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
+    rank = int(np.sum(np.abs(np.diag(R)) > _STRUCTURAL * np.abs(R[0, 0])))
+    base, others = seen[order[:rank]], seen[order[rank:]]
+    sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+    sums = sums * size[others] / size[base][:, None]
+    return BaseParameters(
+        tuple(int(k) for k in base),
+        tuple(int(k) for k in others),
+        sums,
+        tuple(int(k) for k in unseen),
+    )
+
+
+def errors(found: Information, base: Sequence[int]) -> Array:
+    """Standard errors of base parameters over their sizes, for independent samples, shape (b,)."""
+    at = list(base)
+    return np.asarray(np.sqrt(np.diag(np.linalg.pinv(found.gram[np.ix_(at, at)], hermitian=True))))

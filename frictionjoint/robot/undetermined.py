@@ -1,0 +1,87 @@
+"""What the logs of a robot leave open, in rows for the report."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.identify.result import Estimate
+from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
+
+# coefficient, over the largest of a sum, from which on a parameter is a part of it
+_PART = 1e-3
+# standard error over the value from which on a parameter is loose
+_LOOSE = 0.5
+# samples are correlated: as many count as one
+_CORRELATED = 10.0
+
+
+def undetermined(
+    found: Information, friction: Mapping[str, Mapping[str, Estimate]]
+) -> tuple[dict[str, Any], ...]:
+    """Rows with ``kind``, ``parameters`` and ``text``.
+
+    Args:
+        friction: parameters of each joint's law.
+    """
+    base = base_parameters(found)
+    rows = [*_sums(found, base), *_unseen(found, base), *_loose(found, base)]
+    for joint, estimates in friction.items():
+        names = [n for n, x in estimates.items() if _is_loose(x)]
+        if names:
+            rows.append(
+                _row("friction", names, f"friction of {joint}: {', '.join(names)}", joint=joint)
+            )
+    return tuple(rows)
+
+
+def _is_loose(x: Estimate) -> bool:
+    return x.stderr is None or (x.value != 0.0 and x.stderr > _LOOSE * abs(x.value))
+
+
+def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
+    """By owner: what only occurs in sums, and whose parameters the sums hold."""
+    owners: dict[str, tuple[list[str], list[str]]] = {}
+    for k, other in enumerate(base.others):
+        p = found.parameters[other]
+        c = np.abs(base.sums[:, k])
+        parts = [found.parameters[base.base[i]] for i in np.flatnonzero(c > _PART * c.max())]
+        names, partners = owners.setdefault(p.owner, ([], []))
+        names.append(p.name)
+        partners += [x.owner for x in parts]
+    return [
+        _row(
+            "only in sums",
+            names,
+            f"{', '.join(names)} of {owner} only in sums with parameters of "
+            f"{', '.join(dict.fromkeys(partners))}",
+            owner=owner,
+        )
+        for owner, (names, partners) in owners.items()
+    ]
+
+
+def _unseen(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
+    return _by_owner(found, base.unseen, "without effect", "without any effect on these torques")
+
+
+def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
+    error = errors(found, base.base) * np.sqrt(_CORRELATED)
+    loose = [k for k, e in zip(base.base, error, strict=True) if e > _LOOSE]
+    return _by_owner(
+        found, loose, "loose", f"known to no better than {_LOOSE:.0%} of the model's own size"
+    )
+
+
+def _by_owner(found: Information, at: Sequence[int], kind: str, text: str) -> list[dict[str, Any]]:
+    owners: dict[str, list[str]] = {}
+    for k in sorted(at):
+        owners.setdefault(found.parameters[k].owner, []).append(found.parameters[k].name)
+    return [
+        _row(kind, names, f"{', '.join(names)} of {owner} {text}", owner=owner)
+        for owner, names in owners.items()
+    ]
+
+
+def _row(kind: str, names: list[str], text: str, **place: str) -> dict[str, Any]:
+    return {"kind": kind, **place, "parameters": names, "text": text}
