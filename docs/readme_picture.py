@@ -1,6 +1,6 @@
 """The picture on the front page: torque of the demo's held-out log, before and after.
 
-    python docs/readme_picture.py docs/img/before_after.svg
+python docs/readme_picture.py docs/img/before_after.svg
 """
 
 import sys

@@ -146,7 +146,7 @@ class Looked:
 
     Attributes:
         chosen: the effect added then, runner_up: the next best one; None where there is none.
-        rows: (name, held-out gain, p-value) of each effect, best first.
+        rows: (name, cross-validated gain, p-value) of each effect, best first.
     """
 
     chosen: str | None
