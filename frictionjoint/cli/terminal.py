@@ -67,7 +67,8 @@ def show_report(report: "Report") -> None:
     for added in report.added:
         ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
         out.print(
-            f"added {known_as(added.effect)}{ties}: cross-validated gain {added.evidence.held_out_gain:.1%}, "
+            f"added {known_as(added.effect)}{ties}: "
+            f"cross-validated gain {added.evidence.held_out_gain:.1%}, "
             f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
         )
     out.print(sentence(report), soft_wrap=True)

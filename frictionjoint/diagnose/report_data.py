@@ -210,6 +210,11 @@ class Report:
             "closed_loop_rms": found.rms.to_dict(),
         }
 
+    def _repr_html_(self) -> str:
+        from frictionjoint.report.notebook import report_html  # what draws is above this package
+
+        return report_html(self)
+
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
         return {

@@ -37,7 +37,7 @@ def render(report: Report, command: str) -> str:
         report=report,
         sentence=wording.sentence(report),
         held=report.after_torque.held_out is not None,
-        errors=_errors(report),
+        errors=errors(report),
         drive=wording.drive(report),
         smallest_gain=SMALLEST_GAIN,
         torque=torque,
@@ -58,7 +58,7 @@ def render(report: Report, command: str) -> str:
     )
 
 
-def _errors(report: Report) -> list[tuple[str, str, str, str]]:
+def errors(report: Report) -> list[tuple[str, str, str, str]]:
     """Rows of the table: what, on fitted logs, held out, 95% interval."""
     torque, position = report.units
     fitted, held = (wording.measured_rms(report, role) for role in ("fit", "held-out"))
