@@ -20,6 +20,7 @@ from frictionjoint.effects import signals as s
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import MEMORY, effect_torque
+from frictionjoint.report.wording import known_as
 
 
 def motion() -> Array:
@@ -92,10 +93,10 @@ def main() -> None:
     ]
     for name in dict.fromkeys(effect.name for effect in CATALOGUE):
         forms = [effect for effect in CATALOGUE if effect.name == name]
-        lines.append(f"## {name}\n")
+        lines.append(f"## {known_as(name)}\n")
         for number, effect in enumerate(forms, 1):
             if len(forms) > 1:
-                lines.append(f"### {name}, form {number} of {len(forms)}\n")
+                lines.append(f"**Form {number} of {len(forms)}**\n")
             lines += described(effect, rows)
     with mkdocs_gen_files.open("effects.md", "w") as file:
         file.write("\n".join(lines))

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
 
 Variant = Literal["ganseman1997", "lampaert2002"]
@@ -166,6 +167,10 @@ class FrictionParameters:
             variant="lampaert2002" if values[1] else "ganseman1997",
             virgin="masing" if values[2] else "literal",
         )
+
+    def _repr_html_(self) -> str:
+        values = self.to_dict().items()
+        return number_table("friction: N m and rad, N and m for a slide", values)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values by field name, `law` first."""

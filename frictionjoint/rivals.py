@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import check_keys, check_number, require, require_table
 
@@ -82,6 +83,10 @@ class _Rival:
         if not np.array_equal(found.pack(), block):
             raise damaged
         return found
+
+    def _repr_html_(self) -> str:
+        values = self.to_dict().items()
+        return number_table("friction: N m and rad, N and m for a slide", values)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values by field name, `law` first."""

@@ -83,10 +83,10 @@ def test_a_report_states_all_torques_in_ampere(report: Report) -> None:
     assert report.final["sigma2_pos"].unit == "A s/rad"
     assert "gain" not in report.final
     assert report.after_torque.held_out == pytest.approx(0.01, rel=0.6)
-    assert " A on held-out data" in sentence(report)
+    assert "of the measured current) on held-out data" in sentence(report)
     page = render(report, "frictionjoint close-loop log.csv")
     assert "The scale is not determined" in page
-    assert "torque, A" in page
+    assert ">current, A</text>" in page
 
 
 def test_nothing_is_simulated_with_a_friction_in_ampere(report: Report) -> None:

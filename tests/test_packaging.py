@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-HEAVY = ("numba", "pandas", "plotly", "sklearn", "scipy", "mujoco", "matplotlib", "pyarrow")
+HEAVY = ("numba", "pandas", "sklearn", "scipy", "mujoco", "matplotlib", "pyarrow")
 
 
 def python(*arguments: str) -> subprocess.CompletedProcess:

@@ -102,7 +102,7 @@ def show_robot(report: "RobotReport") -> None:
     for row in shared_rows(report):
         out.print(f"shared: {row.cause}{row.place}: {row.values}", soft_wrap=True, markup=False)
         ties = f", or {', '.join(row.ties)}" if row.ties else ""
-        out.print(f"  held-out gain {row.gain:.1%}, p {row.p_value:.2g}{ties}", markup=False)
+        out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}{ties}", markup=False)
     table = Table("joint", "effects added", "torque before", "after", "replay before", "after", "")
     for line in joint_rows(report):
         cells = (line.before, line.after, line.replay_before, line.replay_after)

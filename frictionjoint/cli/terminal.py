@@ -54,7 +54,7 @@ def warnings_afterwards() -> Iterator[None]:
 
 def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict, what to record next."""
-    from frictionjoint.report.wording import interval, sentence
+    from frictionjoint.report.wording import interval, known_as, sentence
 
     unit, _ = report.units
     table = Table("torque rms", "fitted logs", "held out", "95% interval")
@@ -67,7 +67,8 @@ def show_report(report: "Report") -> None:
     for added in report.added:
         ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
         out.print(
-            f"added {added.effect}{ties}: held-out gain {added.evidence.held_out_gain:.1%}, "
+            f"added {known_as(added.effect)}{ties}: "
+            f"cross-validated gain {added.evidence.held_out_gain:.1%}, "
             f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
         )
     out.print(sentence(report), soft_wrap=True)

@@ -146,7 +146,7 @@ class Looked:
 
     Attributes:
         chosen: the effect added then, runner_up: the next best one; None where there is none.
-        rows: (name, held-out gain, p-value) of each effect, best first.
+        rows: (name, cross-validated gain, p-value) of each effect, best first.
     """
 
     chosen: str | None
@@ -209,6 +209,11 @@ class Report:
             "closed_loop_mae": found.mae.to_dict(),
             "closed_loop_rms": found.rms.to_dict(),
         }
+
+    def _repr_html_(self) -> str:
+        from frictionjoint.report.notebook import report_html  # what draws is above this package
+
+        return report_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import plotly.graph_objects as go
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
-from frictionjoint.report.html import fill, plot
-from frictionjoint.report.plots import styled
+from frictionjoint.report.figure import HALF, figure, svg
+from frictionjoint.report.html import fill
 from frictionjoint.simulate.carrier import JointFriction
 
 KINDS = (".html", ".png", ".svg")
@@ -135,16 +136,10 @@ def draw(found: list[Compared], kind: str) -> str | bytes:
 
 def _page(found: list[Compared]) -> str:
     panels = []
-    for k, (title, x_title, y_title) in enumerate(PANELS):
-        figure = go.Figure()
-        for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
-            # dashes let equal curves be seen
-            line = {"color": colour, "width": 2, "dash": "solid" if i % 2 == 0 else "dash"}
-            a, b = (c.astype(np.float32) for c in x.curves[k])
-            figure.add_scatter(x=a, y=b, name=x.name, line=line, showlegend=True)
-        figure.update_xaxes(title_text=x_title)
-        figure.update_yaxes(title_text=y_title)
-        panels.append((title.capitalize(), plot(styled(figure, 380))))
+    for k, panel in enumerate(PANELS):
+        made, (axes,) = figure(HALF, 3.7)
+        _panel(axes, found, k)
+        panels.append((panel[0].capitalize(), svg(made, f"panel{k}")))
     return fill(
         "compare.html.j2",
         {},
@@ -155,20 +150,22 @@ def _page(found: list[Compared]) -> str:
 
 
 def _picture(found: list[Compared], kind: str) -> bytes:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13, 4.2), layout="constrained")
-    for axes, (k, (title, x_title, y_title)) in zip(
-        figure.subplots(1, 3), enumerate(PANELS), strict=True
-    ):
-        for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
-            # dashes let equal curves be seen
-            line = "-" if i % 2 == 0 else "--"
-            axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
-        axes.set(title=title, xlabel=x_title, ylabel=y_title)
+    made = Figure(figsize=(13, 4.2), layout="constrained")
+    for k, axes in enumerate(made.subplots(1, 3)):
+        _panel(axes, found, k)
+        axes.set_title(PANELS[k][0])
         axes.ticklabel_format(axis="x", scilimits=(-2, 3))
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, dpi=120)
+    made.savefig(buffer, format=kind, dpi=120)
     return buffer.getvalue()
+
+
+def _panel(axes: Axes, found: list[Compared], k: int) -> None:
+    for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
+        # dashes let equal curves be seen
+        line = "-" if i % 2 == 0 else "--"
+        axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
+    axes.set_xlabel(PANELS[k][1])
+    axes.set_ylabel(PANELS[k][2])

@@ -1,14 +1,12 @@
-"""What all pages have in common: template, style, plotly. Reading a page fetches nothing."""
+"""What all pages have in common: template and style. Reading a page fetches nothing."""
 
 import platform
 from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-import plotly.graph_objects as go
 from jinja2 import Environment
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 _MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
 
@@ -21,20 +19,7 @@ def fill(template: str, filters: dict[str, Any], **values: Any) -> str:
     return environment.from_string(_text(template)).render(
         values,
         style=Markup(_text("style.css")),
-        behaviour=Markup(_text("behaviour.js")),
-        plotly=Markup(get_plotlyjs()),
         versions=", ".join([*versions, f"Python {platform.python_version()}"]),
-    )
-
-
-def plot(figure: go.Figure) -> Markup:
-    """A figure as a part of a page."""
-    return Markup(
-        figure.to_html(
-            full_html=False,
-            include_plotlyjs=False,
-            config={"responsive": True, "displayModeBar": False},
-        )
     )
 
 

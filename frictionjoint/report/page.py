@@ -1,21 +1,28 @@
 """report.html: one self-contained page for a reader who did not make it."""
 
+import math
 from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
-from frictionjoint.diagnose.report_data import Report
-from frictionjoint.diagnose.trace import SMALLEST_GAIN
+from frictionjoint.diagnose.report_data import Looked, Report
+from frictionjoint.diagnose.trace import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.report import plots, presliding, wording
-from frictionjoint.report.html import fill, plot
+from frictionjoint.report.figure import svg
+from frictionjoint.report.html import fill
+
+_CANDIDATES = 10
 
 
 def render(report: Report, command: str) -> str:
     """The page as text; `command` is shown for making it again."""
     filters = {
         "figures": wording.three,
+        "known_as": wording.known_as,
+        "title": wording.title,
+        "unit": lambda text: "none" if text == "1" else text,
         "interval": wording.interval,
         "value": wording.value,
         "quantity": quantity,
@@ -30,22 +37,75 @@ def render(report: Report, command: str) -> str:
         report=report,
         sentence=wording.sentence(report),
         held=report.after_torque.held_out is not None,
+        errors=errors(report),
+        drive=wording.drive(report),
         smallest_gain=SMALLEST_GAIN,
         torque=torque,
         position=position,
         parameters=_parameters(report),
         logs=_logs(report),
-        over_time=plot(plots.over_time(report)),
-        planes=[plot(plots.plane(report, x)) for x in ("velocity", "position")],
-        closed_loop=plot(loop) if loop is not None else "",
-        loops=plot(presliding.loops(report)),
-        turns=plot(turns) if turns is not None else "",
-        rankings=[plot(plots.ranking(look)) for look in report.rankings if look.rows],
-        residuals=[plot(plots.residual_against(report, x)) for x in first],
-        neighbours=[plot(plots.residual_against(report, x)) for x in others],
+        over_time=svg(plots.over_time(report, wide=True), "over-time"),
+        over_time_narrow=svg(plots.over_time(report, wide=False), "over-time-narrow"),
+        planes=[svg(plots.plane(report, x), f"plane-{x}") for x in ("velocity", "position")],
+        closed_loop=svg(loop, "closed-loop") if loop is not None else "",
+        loops=svg(presliding.loops(report), "loops"),
+        turns=svg(turns, "turns") if turns is not None else "",
+        rankings=[_ranking(look) for look in report.rankings if look.rows],
+        residuals=[svg(plots.residual_against(report, x), f"residual-{x}") for x in first],
+        neighbours=[svg(plots.residual_against(report, x), f"residual-{x}") for x in others],
         shown=plots.shown(report),
         command=command,
     )
+
+
+def errors(report: Report) -> list[tuple[str, str, str, str]]:
+    """Rows of the table: what, on fitted logs, held out, 95% interval."""
+    torque, position = report.units
+    fitted, held = (wording.measured_rms(report, role) for role in ("fit", "held-out"))
+    unknown = (math.nan, math.nan)
+    rows = []
+    drive = wording.drive(report)
+    found = [
+        ("before", drive, report.before_torque, report.torque_interval[0], torque, (fitted, held)),
+        ("after", drive, report.after_torque, report.torque_interval[1], torque, (fitted, held)),
+        ("before", "position", report.before_replay, _either(report, 0), position, unknown),
+        ("after", "position", report.after_replay, _either(report, 1), position, unknown),
+    ]
+    for when, loop in zip(("before", "after"), report.closed_loops or (), strict=False):
+        found.append((when, "position in closed loop", loop.mae, None, position, unknown))
+    for when, what, rms, pair, unit, whole in found:
+        if (rms.fit is None and rms.held_out is None) or (when == "before" and not report.changed):
+            continue  # nothing was simulated, or it diverged: a note says so
+        row = f"{what} {when}" if report.changed else what
+        interval = f"{wording.interval(pair)}\u00a0{unit}" if pair else "not stated"
+        fit, held_out = (
+            wording.stated(x, unit, own)
+            for x, own in zip((rms.fit, rms.held_out), whole, strict=True)
+        )
+        rows.append((row, fit, held_out, interval))
+    return rows
+
+
+def _either(report: Report, stage: int) -> tuple[float, float] | None:
+    return report.replay_interval[stage] if report.replay_interval else None
+
+
+def _ranking(look: Looked) -> list[dict[str, Any]]:
+    """Leading candidates at a look, the best on top."""
+    marks = {look.chosen: "added", look.runner_up: "runner-up"}
+    rows = sorted(look.rows, key=lambda r: -r[1])[:_CANDIDATES]
+    longest = max([10.0, *(100.0 * gain for _, gain, _ in rows)])
+    return [
+        {
+            "name": name,
+            "gain": max(0.0, 100.0 * gain),
+            "width": max(0.0, 100.0 * 100.0 * gain / longest),
+            "p": p,
+            "beyond_chance": p <= SIGNIFICANCE,
+            "mark": marks.get(name, "not added"),
+        }
+        for name, gain, p in rows
+    ]
 
 
 def _parameters(report: Report) -> list[dict[str, Any]]:
@@ -61,7 +121,7 @@ def _parameters(report: Report) -> list[dict[str, Any]]:
     ]
     for added in report.added:
         rows += [
-            {"name": f"{added.effect}: {n}", "meaning": "", "before": None, "after": x}
+            {"name": n, "meaning": wording.known_as(added.effect), "before": None, "after": x}
             for n, x in added.parameters.items()
         ]
     return rows

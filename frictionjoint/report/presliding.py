@@ -3,13 +3,14 @@
 from itertools import pairwise
 
 import numpy as np
-import plotly.graph_objects as go
+from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
-from frictionjoint.report.plots import AFTER, MEASURED, lines, stages, styled
+from frictionjoint.report.figure import AFTER, HALF, MEASURED, cloud, figure, lines
+from frictionjoint.report.plots import stages
 
 # Turning points shown, samples a window has at least, and its length over that of presliding.
 _MOST_TURNS, _LEAST_SAMPLES, _REACH = 12, 10, 6.0
@@ -21,25 +22,24 @@ NESTED = (0.0, 1.0, -1.0, 0.5, -0.5, 0.2, -0.2, 1.0, -1.0)
 
 def length(law: Friction) -> float:
     """Displacement, rad, behind a turn until friction has made nine tenths of its change."""
-    way = np.geomspace(1e-9, 1.0, 2000)
-    q = np.concatenate([[0.0], way, way[-1] - way])
+    x = np.geomspace(1e-9, 1.0, 2000)
+    q = np.concatenate([[0.0], x, x[-1] - x])
     F = friction_torque(law, np.arange(len(q)) / _SLOW, q)
-    back = F[len(way) + 1 :]
-    return float(way[np.argmax(back <= F[len(way)] + 0.9 * (back[-1] - F[len(way)]))])
+    back = F[len(x) + 1 :]
+    return float(x[np.argmax(back <= F[len(x)] + 0.9 * (back[-1] - F[len(x)]))])
 
 
-def loops(report: Report) -> go.Figure:
+def loops(report: Report) -> Figure:
     """Slow loops of two sizes, the larger with two nested, of the law before and after."""
     size = max(length(law) for law in report.laws)
-    figure = go.Figure()
+    made, (axes,) = figure(HALF, 3.5)
     laws = dict(zip(("before", "after"), report.laws, strict=True))
     for name, stage, colour in stages(report):
         curves = [loop(laws[stage], 0.6 * size, NESTED), loop(laws[stage], 0.2 * size, PLAIN)]
-        lines(figure, curves, colour, name)
-    torque, position = report.units
-    figure.update_xaxes(title_text=f"displacement, {position}")
-    figure.update_yaxes(title_text=f"torque of the law, {torque}")
-    return styled(figure, 380)
+        lines(axes, curves, colour, name)
+    axes.set_xlabel(f"displacement, {report.units[1]}")
+    axes.set_ylabel(f"torque of the law, {report.units[0]}")
+    return made
 
 
 def loop(law: Friction, amplitude: float, corners: tuple[float, ...]) -> tuple[Array, Array]:
@@ -50,7 +50,7 @@ def loop(law: Friction, amplitude: float, corners: tuple[float, ...]) -> tuple[A
     return q, friction_torque(law, time, q)
 
 
-def behind_turns(report: Report) -> go.Figure | None:
+def behind_turns(report: Report) -> Figure | None:
     """Friction, measured and by the law, against displacement behind turning points; None without.
 
     Measured friction is what the rest of the final model leaves of the measured torque. All turns
@@ -61,27 +61,19 @@ def behind_turns(report: Report) -> go.Figure | None:
     if not found:
         return None
     # the slowest: there presliding has the most samples
-    found.sort(key=lambda f: _way(*f) / (f[1].stop - f[1].start))
-    found = found[:_MOST_TURNS]
-    figure = go.Figure()
-    way, measured, law = [], [], []
-    for c, w in found:
+    found.sort(key=lambda f: _displacement(*f) / (f[1].stop - f[1].start))
+    made, (axes,) = figure(HALF, 3.5)
+    gone, measured, law = [], [], []
+    for c, w in found[:_MOST_TURNS]:
         sign = np.sign(c.position[w.stop - 1] - c.position[w.start])
-        way.append(np.abs(c.position[w] - c.position[w.start]))
+        gone.append(np.abs(c.position[w] - c.position[w.start]))
         measured.append(sign * (c.measured - c.after + c.friction)[w])
         law.append(sign * c.friction[w])
-    figure.add_scatter(
-        x=np.concatenate(way).astype(np.float32),
-        y=np.concatenate(measured).astype(np.float32),
-        name="measured",
-        mode="markers",
-        marker={"color": MEASURED, "size": 5},
-    )
-    lines(figure, list(zip(way, law, strict=True)), AFTER, stages(report)[-1][0])
-    torque, position = report.units
-    figure.update_xaxes(title_text=f"displacement since the turning point, {position}")
-    figure.update_yaxes(title_text=f"friction, {torque}")
-    return styled(figure, 380)
+    cloud(axes, np.concatenate(gone), np.concatenate(measured), MEASURED, 3.0, "measured")
+    lines(axes, list(zip(gone, law, strict=True)), AFTER, stages(report)[-1][0])
+    axes.set_xlabel(f"displacement since the turning point, {report.units[1]}")
+    axes.set_ylabel(f"friction, {report.units[0]}")
+    return made
 
 
 def turns(c: Curve, size: float) -> list[slice]:
@@ -104,5 +96,5 @@ def turns(c: Curve, size: float) -> list[slice]:
     return found
 
 
-def _way(c: Curve, window: slice) -> float:
+def _displacement(c: Curve, window: slice) -> float:
     return float(abs(c.position[window.stop - 1] - c.position[window.start]))

@@ -2,12 +2,17 @@
 
 import math
 
+import numpy as np
+
 from frictionjoint.diagnose.advice import quantity
-from frictionjoint.diagnose.report_data import Report
+from frictionjoint.diagnose.report_data import Report, Role
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.result import Estimate
 
 # Up to this multiple of the torque's own noise nothing worth a word is left.
 _NOISE_ALONE = 1.5
+# beyond them a number is written with an exponent
+_MOST_DECIMALS = 6
 
 MEANINGS = {
     "Fs": "breakaway",
@@ -23,48 +28,76 @@ MEANINGS = {
 _SIDES = {"pos": "positive motion", "neg": "negative motion"}
 
 
+def title(effect: str) -> str:
+    """What a person calls an effect, from its canonical name."""
+    return next((e.title for e in CATALOGUE if e.name == effect and e.title), effect)
+
+
+def known_as(effect: str) -> str:
+    """What a person calls an effect, with its canonical name."""
+    plain = title(effect)
+    return plain if plain.lower().replace(" ", "-") == effect else f"{plain} ({effect})"
+
+
+def drive(report: Report) -> str:
+    """What a report's torques are."""
+    return {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}[report.units[0]]
+
+
+def measured_rms(report: Report, role: Role) -> float:
+    """rms of the measured torque in motion on the logs of a role; NaN without such logs."""
+    own = [c.measured[c.in_motion] for c in report.curves if c.role == role]
+    return float(np.sqrt(np.mean(np.concatenate(own) ** 2))) if own else math.nan
+
+
 def sentence(report: Report) -> str:
     """The verdict in a sentence."""
     unit, _ = report.units
-    where = "held-out" if report.after_torque.held_out is not None else "fitted"
+    role: Role = "held-out" if report.after_torque.held_out is not None else "fit"
+    where = "held-out" if role == "held-out" else "fitted"
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
-    alone = f"{_law(report)} leaves {after:.3g} {unit} on {where} data"
+    whole = measured_rms(report, role)
+    percent = f" ({percentage(after, whole)} of the measured {drive(report)})"
+    alone = f"{_law(report)} leaves {after:.3g} {unit}{percent} on {where} data"
+    alone += _other_law(report, before)
     if report.verdict == "too-short-to-tell":
-        return f"These logs are too short to tell: {alone}{_times_noise(report, after)}."
+        return f"These logs are too short for a verdict: {alone}{_times_noise(report, after)}."
     if report.verdict == "no-effect-found":
         if _ratio(report, after) <= _NOISE_ALONE:
             return (
                 f"Nothing is missing that these logs can show: {alone}, hardly more than the "
-                "torque's own noise."
+                "noise of the instruments."
             )
         return (
             f"No effect was found: {alone}{_times_noise(report, after)}, and neither a known "
             "effect nor a measured quantity accounts for a significant part of it."
         )
     left = ", ".join(quantity(v) for v, _ in report.unexplained)
-    rest = f" What is left depends on {left}." if left else ""
+    rest = f" The rest depends on {left}." if left else ""
     if not report.added:
         return (
             f"No known effect explains what is missing: {alone}{_times_noise(report, after)}.{rest}"
         )
     names = _listed([_with_ties(report, i) for i in range(len(report.added))])
-    change = f"the error goes from {before:.3g} to {after:.3g} {unit} on {where} data"
+    percent = f" ({percentage(before, whole)} to {percentage(after, whole)} of the measured "
+    percent += f"{drive(report)})"
+    change = f"the error goes from {before:.3g} to {after:.3g} {unit}{percent} on {where} data"
     if report.torque_interval[0][0] <= report.torque_interval[1][1]:
         change += ", a change that may be chance"
     elif after < before:
         change = (
             f"the error falls by {1.0 - after / before:.0%}, from {before:.3g} to {after:.3g} "
-            f"{unit} on {where} data"
+            f"{unit}{percent} on {where} data"
         )
     if report.verdict == "partly-explained" and not rest:
-        rest = f" What is left is not noise alone{_times_noise(report, after)}."
+        rest = f" The rest is more than noise{_times_noise(report, after)}."
     it = "it" if len(report.added) == 1 else "them"
     own, law = (law.law for law in report.laws)
     if own != law:
         it += f", and the friction law {law} in place of {own},"
     if report.after_torque.worse_than(report.before_torque):
-        ask = f"The fitted logs ask for {names}, but the held-out ones do not bear that out"
+        ask = f"The fitted logs suggest {names}, but the held-out ones do not confirm it"
     else:
         ask = f"The model lacked {names}"
     return f"{ask}: with {it} {change}.{rest}{_replay(report)}"
@@ -81,10 +114,13 @@ def _replay(report: Report) -> str:
 def _law(report: Report) -> str:
     """The law of a result without effects."""
     own, law = (law.law for law in report.laws)
-    if own == law:
-        return "the law alone"
-    before = report.before_torque.held_out or report.before_torque.fit or 0.0
-    return f"the friction law {law}, in place of {own} which leaves {before:.3g},"
+    return "the law alone" if own == law else f"the friction law {law}"
+
+
+def _other_law(report: Report, error: float) -> str:
+    """What the law of the base fit leaves, where the result has another."""
+    own, law = (law.law for law in report.laws)
+    return "" if own == law else f", where {own} leaves {error:.3g} {report.units[0]}"
 
 
 def _listed(names: list[str]) -> str:
@@ -93,9 +129,8 @@ def _listed(names: list[str]) -> str:
 
 def _with_ties(report: Report, i: int) -> str:
     added = report.added[i]
-    ties = "".join(f" or {name}" for name in added.evidence.ties)
-    cause = f" ({added.cause})" if len(report.added) == 1 else ""
-    return added.effect + ties + cause
+    ties = "".join(f" or {known_as(name)}" for name in added.evidence.ties)
+    return known_as(added.effect) + ties
 
 
 def _ratio(report: Report, error: float) -> float:
@@ -104,7 +139,7 @@ def _ratio(report: Report, error: float) -> float:
 
 def _times_noise(report: Report, error: float) -> str:
     ratio = _ratio(report, error)
-    return f", {ratio:.2g} times the torque's own noise" if ratio < math.inf else ""
+    return f", {ratio:.2g} times the noise of the instruments" if ratio < math.inf else ""
 
 
 def axis(variable: str, slide: bool) -> str:
@@ -124,6 +159,20 @@ def meaning(name: str) -> str:
     return MEANINGS.get(name, "")
 
 
+def percentage(value: float, whole: float) -> str:
+    """A part of a whole to two figures."""
+    part = 100.0 * value / whole if whole else math.nan
+    return f"{part:.0f}%" if part >= 9.95 else f"{part:.2g}%"
+
+
+def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
+    """A figure with its unit, and per cent of a whole where that is known."""
+    if value is None:
+        return "not stated"
+    percent = "" if math.isnan(whole) else f" ({percentage(value, whole)})"
+    return f"{three(value)}\u00a0{unit}{percent}"
+
+
 def three(value: float | None) -> str:
     """Three figures, or a dash."""
     return "–" if value is None else _plain(f"{value:.3g}")
@@ -141,14 +190,18 @@ def value(x: Estimate | None, spread: bool = False) -> str:
     """
     if x is None:
         return "–"
-    stderr = "–" if x.stderr is None else _plain(f"{x.stderr:.2g}")
-    # the spaces do not break a line
-    behind = f"\u00a0±\u00a0{stderr}" if spread else ""
     if not x.stderr or not math.isfinite(x.stderr):
-        return _plain(f"{x.value:.5g}") + behind
+        return _plain(f"{x.value:.5g}") + ("\u00a0±\u00a0–" if spread else "")
     decimals = 1 - math.floor(math.log10(x.stderr))
     # adding zero takes the sign off a zero
-    return _plain(f"{round(x.value, decimals) + 0.0:.8g}") + behind
+    texts = [
+        f"{round(number, decimals) + 0.0:.{max(decimals, 0)}f}"
+        if decimals <= _MOST_DECIMALS
+        else _plain(f"{round(number, decimals) + 0.0:.8g}")
+        for number in (x.value, x.stderr)
+    ]
+    # the spaces do not break a line
+    return "\u00a0±\u00a0".join(texts if spread else texts[:1]).replace("-", "−", 1)
 
 
 def _plain(text: str) -> str:

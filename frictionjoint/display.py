@@ -1,0 +1,19 @@
+"""How results show themselves in Jupyter: as small tables."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+
+def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table as HTML; all texts are escaped."""
+    cells = "".join(f"<th>{escape(x)}</th>" for x in head)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(x)}</td>" for x in row) + "</tr>" for row in rows
+    )
+    return f"<table><caption>{escape(title)}</caption><tr>{cells}</tr>{body}</table>"
+
+
+def number_table(title: str, values: Iterable[tuple[str, object]]) -> str:
+    """Numbers by name, to five figures; anything else as its text."""
+    rows = [(name, f"{x:.5g}" if isinstance(x, float) else str(x)) for name, x in values]
+    return table(title, ("parameter", "value"), rows)

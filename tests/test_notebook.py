@@ -1,0 +1,46 @@
+"""Results show themselves in Jupyter, and the notebook of the documentation runs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from frictionjoint.display import table
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.report import wording
+from frictionjoint.rivals import DahlParameters
+
+NOTEBOOKS = Path(__file__).resolve().parents[1] / "docs" / "notebooks"
+
+
+def test_parameters_show_a_table():
+    own = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
+    assert "<td>Fs_pos</td><td>1.5</td>" in own._repr_html_()
+    assert "<td>law</td><td>dahl</td>" in DahlParameters(
+        Fc_pos=1.0, Fc_neg=1.0, sigma0=1e3
+    )._repr_html_()
+
+
+def test_a_report_shows_verdict_errors_and_picture(demo_report):
+    text = replace(demo_report, joint="<b>elbow</b>")._repr_html_()
+    assert wording.sentence(demo_report) in text
+    assert "&lt;b&gt;elbow&lt;/b&gt;" in text
+    assert "cogging (position-periodic)" in text
+    assert text.count("<svg") == 1
+    assert "<script" not in text
+
+
+def test_a_table_escapes_its_cells():
+    assert "<b>" not in table("<b>", ("<b>",), [("<b>",)])
+
+
+@pytest.mark.parametrize("path", sorted(NOTEBOOKS.glob("*.ipynb")), ids=lambda p: p.stem)
+def test_a_notebook_runs(path, tmp_path):
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(
+        notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    cells = [c for c in notebook.cells if c.cell_type == "code"]
+    assert all(c.execution_count for c in cells)
+    assert any("text/html" in o.get("data", {}) for c in cells for o in c.outputs)
