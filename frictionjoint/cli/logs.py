@@ -90,6 +90,12 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     return found
 
 
+def paths_of(model: list[str]) -> list[Path]:
+    """Files of the MJCFs."""
+    models = models_of(model)
+    return [Path(x) for x in (models.values() if isinstance(models, dict) else [models])]
+
+
 @dataclass(frozen=True)
 class Reading:
     """How the logs of a command are read, from the texts of its options.

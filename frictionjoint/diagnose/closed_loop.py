@@ -131,7 +131,7 @@ def _course(log: JointLog, body: RigidBody, controller: Controller) -> Course:
             supply=held(log.time, supply_of(controller, log), time),
             on=on,
             start=start,
-            load=load_of(body, velocity, others),  # type: ignore[arg-type]
+            load=load_of(body, velocity, others),
             block=block_of(controller, log),
         ),
         motion=(np.interp(time, smooth.time, smooth.position), velocity),

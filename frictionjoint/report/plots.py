@@ -16,7 +16,7 @@ from frictionjoint.report.wording import axis
 # Points of a line, and of a cloud: each point of a cloud is an element of the page.
 _LINE, _CLOUD = 3000, 1200
 _CANDIDATES = 10
-MEASURED, BEFORE, AFTER = "#8a8f94", "#d95f02", "#1b9e77"
+MEASURED, BEFORE, AFTER, REFINED = "#8a8f94", "#d95f02", "#1b9e77", "#7570b3"
 # Order in which a reader meets the quantities.
 _ORDER = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
 
@@ -70,6 +70,7 @@ def closed_loop(report: Report) -> go.Figure | None:
     before, after = (x.held_out or x.fit for x in report.closed_loops)
     if before is None or after is None:
         return None
+    refined = report.refined.loops if report.refined else None
     # the log that is furthest off is the one to look at
     i = int(np.argmax([float(np.mean(np.abs(e))) for e in after.errors]))
     course = after.courses[i]
@@ -81,6 +82,9 @@ def closed_loop(report: Report) -> go.Figure | None:
     if report.changed:
         rows.append(("before", before.simulated[i], {"color": BEFORE, "width": 1.3}))
     rows.append(("after", after.simulated[i], {"color": AFTER, "width": 1.3}))
+    again = (refined.held_out or refined.fit) if refined else None
+    if again is not None:
+        rows.append(("refined", again.simulated[i], {"color": REFINED, "width": 1.3}))
     for name, x, line in rows:
         t, y = _thin(_LINE, course.time - course.time[0], x)
         figure.add_scatter(x=t, y=y, name=name, line=line)

@@ -242,9 +242,9 @@ def _part(
 def _simulate(
     P: Vector,
     effects: int,
-    X: Vector,
+    X: Array,
     B: Vector,
-    S: Vector,
+    S: Array,
     motor: Vector,
     load: Array,
     body: Vector,
@@ -257,8 +257,8 @@ def _simulate(
     q_measured: Vector,
     v_measured: Vector,
     window: int,
-    X_free: Vector,
-    S_free: Vector,
+    X_free: Array,
+    S_free: Array,
     position: Vector,
     drive: Vector,
 ) -> None:
