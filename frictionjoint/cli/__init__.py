@@ -27,8 +27,8 @@ from frictionjoint.cli.logs import (
     Reading,
     Signals,
     Wrap,
-    model_files,
     models_of,
+    paths_of,
     poses,
     split,
 )
@@ -155,6 +155,14 @@ def close_loop_command(
     law: LawOrBest = None,
     fixed: Fixed = None,
     controller: ControllerFile = None,
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine",
+            help="Fit all numbers of the named model to the simulated motion in the end; it is "
+            "taken where it predicts logs left out better.",
+        ),
+    ] = False,
     gain: Gain = None,
     column: Columns = None,
     signal: Signals = None,
@@ -189,12 +197,21 @@ def close_loop_command(
         close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json)
         return
     with progress() as told:
-        read = [*logs, *(Path(text) for text in held_out or []), *model_files(model)]
+        read = [*logs, *(Path(text) for text in held_out or []), *paths_of(model)]
         require_writable(out, read, force, FILES)
         reading = Reading.of(joint[0], column, signal, wrap, gain)
         fitted, kept = split(logs, held_out or ["0.25"], reading)
         report = close_loop(
-            fitted, models_of(model), joint[0], kept, seed, told, law, poses(fixed), controller
+            fitted,
+            models_of(model),
+            joint[0],
+            kept,
+            seed,
+            told,
+            law,
+            poses(fixed),
+            controller,
+            refine,
         )
         told("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
@@ -249,7 +266,7 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as told:
-        require_writable(out, [*logs, *model_files(model)], force)
+        require_writable(out, [*logs, *paths_of(model)], force)
         forms = forms_of(law)
         bodies = Bodies(models_of(model), joint, poses(fixed))
         driven_by = read_controller(controller) if controller else None

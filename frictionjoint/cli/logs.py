@@ -90,10 +90,10 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     return found
 
 
-def model_files(model: list[str]) -> list[Path]:
-    """The files of `models_of`."""
-    found = models_of(model)
-    return [Path(path) for path in (found.values() if isinstance(found, dict) else [found])]
+def paths_of(model: list[str]) -> list[Path]:
+    """Files of the MJCFs."""
+    models = models_of(model)
+    return [Path(x) for x in (models.values() if isinstance(models, dict) else [models])]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, read_controller
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
+from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.notes import DIVERGES, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
+from frictionjoint.diagnose.refined import Loops, RefinedModel
 from frictionjoint.diagnose.replay import Replay, friction_spec, replay, replayed_whole
 from frictionjoint.diagnose.report_data import (
     Added,
@@ -25,16 +26,16 @@ from frictionjoint.diagnose.report_data import (
     Intervals,
     LogEntry,
     Looked,
-    LoopErrors,
     Report,
-    Rms,
     Role,
 )
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q, V
+from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
@@ -46,7 +47,6 @@ from frictionjoint.identify.result import (
     term_estimates,
     units_of,
 )
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import IN_MOTION, Prediction, predict
@@ -57,6 +57,7 @@ from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.model_text import model_text
+from frictionjoint.refine.refine import refine as refined_by
 from frictionjoint.threads import one_thread
 
 # length of the blocks of an rms's interval, s
@@ -79,6 +80,7 @@ def close_loop(
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
     controller: Controller | str | Path | None = None,
+    refine: bool = False,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -95,6 +97,7 @@ def close_loop(
         fixed: poses of joints that the logs do not hold, by name, rad (m).
         controller: what drove the joint to its target, its file, or the name of a preset. Logs
             without torque, voltage or current need it; all are simulated with it.
+        refine: fit all numbers of the named model to simulated motion in the end.
     Raises:
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument is of a wrong type.
@@ -106,7 +109,7 @@ def close_loop(
     if controller is not None and not isinstance(controller, Controller):
         controller = read_controller(controller)
     logs, held_out = _parted(logs, held_out, joint)
-    return explain(logs, held_out, bodies, seed, progress, law, controller)[0]
+    return explain(logs, held_out, bodies, seed, progress, law, controller, refine)[0]
 
 
 @one_thread
@@ -118,6 +121,7 @@ def explain(
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     controller: Controller | None = None,
+    refine: bool = False,
 ) -> tuple[Report, Trace]:
     """The loop on logs that were read: the report, and what the search found.
 
@@ -130,6 +134,8 @@ def explain(
     mine, theirs = bodies.of(logs), bodies.of(held_out)
     body = mine[0]
     joint = body.joint
+    if refine:
+        _check_refinable(controller, (*logs, *held_out))
     said = bodies.check(logs, held_out)
     if controller:
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
@@ -152,10 +158,19 @@ def explain(
     moving = found.prepared
     left = errors_of(moving, found.final)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
+    cov = stated_covariance(moving, found.final)
+    loops, refined, best = None, None, found.final
+    if controller and scaled:
+        progress("closed loop")
+        loops = Loops.of(((logs, mine), (held_out, theirs)), controller)
+    if loops and refine:
+        outcome = refined_by(moving, found.final, cov, loops.fit, progress)
+        best = outcome.fit
+        refined = RefinedModel.of(outcome, loops, body.slide)
     progress("replay")
     spec = body.spec()
     if scaled:
-        friction_spec(spec, joint, found.final)
+        friction_spec(spec, joint, best)
     spec.compile()
     runs = [
         (replay(fitted_on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
@@ -165,16 +180,10 @@ def explain(
     before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
-    loops = None
-    if controller and scaled:
-        progress("closed loop")
-        pairs = ((logs, mine), (held_out, theirs))
-        loops = _closed_loops(pairs, controller, (found.base, found.final))
     torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = found.unexplained
     floor = noise_floor(moving, found.final.gain)
-    cov = stated_covariance(moving, found.final)
     final = law_estimates(found.final, cov, body.slide)
     open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
     progress("what to record next")
@@ -208,8 +217,9 @@ def explain(
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
-        closed_loops=loops,
-        controller=found_controller(controller, found.final) if controller else None,
+        closed_loops=loops.errors((found.base, found.final)) if loops else None,
+        refined=refined,
+        controller=found_controller(controller, best) if controller else None,
     )
     return report, found
 
@@ -233,16 +243,14 @@ def _read(log: LogLike, joint: str) -> JointLog:
     return log if isinstance(log, JointLog) else read_log(log, joint)
 
 
-def _closed_loops(
-    pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
-    controller: Controller,
-    fits: Sequence[Fit],
-) -> tuple[LoopErrors, ...] | None:
-    """Before and after, of the logs fitted and of those held out; None where one has no target."""
-    if any(log.target is None for logs, _ in pairs for log in logs):
-        return None
-    courses = [courses_of(logs, bodies, controller) for logs, bodies in pairs]
-    return tuple(LoopErrors(*(closed_loop(c, f) if c else None for c in courses)) for f in fits)
+def _check_refinable(controller: Controller | None, logs: Sequence[JointLog]) -> None:
+    if controller is None:
+        raise ParameterError(
+            "refine: simulated motion needs what drove the joint, give its controller"
+        )
+    for log in logs:
+        if log.target is None:
+            raise LogError(f"{log.name}: no target to simulate, add target_rad or leave out refine")
 
 
 def _replay_rms(fit: Replay, held: Replay | None) -> Rms:

@@ -22,7 +22,7 @@ from frictionjoint.identify.smooth import (
     WaveTerm,
     quantity,
 )
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, changed_drive
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.threads import side_by_side
 
 _POSITION_BINS = 4096
@@ -63,12 +63,7 @@ class Candidate:
     @property
     def comes_first(self) -> bool:
         """Whether nothing else can be decided before it."""
-        return isinstance(self.term, EffectTerm) and self.term.effect.decided_first
-
-    @property
-    def of_drive(self) -> bool:
-        """Whether it changes what a controller puts out."""
-        return isinstance(self.term, DriveTerm)
+        return isinstance(self.term, EffectTerm) and self.term.effect.first
 
     @property
     def kind(self) -> tuple[str, str]:
@@ -88,7 +83,6 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
     terms = effect_terms(prepared, signals, fitted.terms)
-    terms += drive_terms(prepared, fitted.terms)
     terms += periodic_terms(prepared, signals, fitted, blocks)
     terms += unnamed_terms(prepared, signals, fitted, blocks)
     with side_by_side() as each:
@@ -125,18 +119,8 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     """A term's columns on the kept samples of all logs.
 
-    A delay, which moves the drive, has none; its first order is the rate of the drive. That of an
-    effect of the drive is what it takes away.
+    A delay, which moves the drive, has none; its first order is the rate of the drive.
     """
-    if isinstance(term, DriveTerm):
-        changed = [changed_drive(s, (term,)) for s in prepared.segments]
-        own, other = (
-            np.concatenate([s.balanced_drive()[s.kept] for s in logs])
-            for logs in (prepared.segments, changed)
-        )
-        if prepared.gain_unknown:  # as large as it was: less of a drive explains nothing
-            other = other * (np.linalg.norm(own) / (float(np.linalg.norm(other)) or 1.0))
-        return np.asarray(own - other)[:, None]
     if not term.coefficients:
         parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
         return np.concatenate(parts)[:, None]
@@ -158,7 +142,7 @@ def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ..
     ]
 
 
-def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[Term]:
+def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm]:
     """Every effect of the drive, where the drive is what a controller made of its commands."""
     if not prepared.commanded:
         return []

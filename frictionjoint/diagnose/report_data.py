@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.closed_loop import ClosedLoop
+from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameters import Friction
 
@@ -16,42 +17,6 @@ Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
 Intervals = tuple[tuple[float, float], tuple[float, float]]
 SCHEMA = "frictionjoint/report-1"
-
-
-@dataclass(frozen=True)
-class Rms:
-    """A pair of errors, on the logs fitted and on those held out."""
-
-    fit: float | None
-    held_out: float | None
-
-    def worse_than(self, before: "Rms") -> bool:
-        """Whether held-out logs have more of it; where there are none, they contradict nothing."""
-        if self.held_out is None or before.held_out is None:
-            return False
-        return self.held_out > before.held_out
-
-    def to_dict(self) -> dict[str, float | None]:
-        """As in report.json."""
-        return {"fit": self.fit, "held_out": self.held_out}
-
-
-@dataclass(frozen=True)
-class LoopErrors:
-    """Whole logs in closed loop, those fitted and those held out."""
-
-    fit: ClosedLoop | None
-    held_out: ClosedLoop | None
-
-    @property
-    def mae(self) -> Rms:
-        """Mean absolute position errors, rad (m)."""
-        return Rms(*(None if x is None else x.mae for x in (self.fit, self.held_out)))
-
-    @property
-    def rms(self) -> Rms:
-        """Roots of the mean square."""
-        return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
 
 
 @dataclass(frozen=True)
@@ -159,9 +124,9 @@ class Report:
     """Outcome of `close_loop`.
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
-    page. `closed_loops`, before and after, and the controller as it was found are None where none
-    was given. Intervals are of the rms before and after, at 95%, on held-out logs where there are
-    any.
+    page. `closed_loops`, before and after by the balance, and the controller as it was found are
+    None where none was given, `refined` where it was not asked for. Intervals are of the rms before
+    and after, at 95%, on held-out logs where there are any.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, there is no
     replay and the model carries no friction.
@@ -193,6 +158,7 @@ class Report:
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
+    refined: RefinedModel | None = None
     controller: Controller | None = None
 
     @property
@@ -205,6 +171,8 @@ class Report:
         if self.closed_loops is None:
             return {}
         found = self.closed_loops[which]
+        if which and self.refined and self.refined.taken:
+            found = self.refined.loops
         return {
             "closed_loop_mae": found.mae.to_dict(),
             "closed_loop_rms": found.rms.to_dict(),
@@ -214,6 +182,16 @@ class Report:
         from frictionjoint.report.notebook import report_html  # what draws is above this package
 
         return report_html(self)
+
+    def _refined(self) -> dict[str, Any]:
+        """The refinement beside the balance fit."""
+        assert self.refined is not None
+        assert self.closed_loops is not None
+        balance = self.closed_loops[1]
+        return self.refined.to_dict() | {
+            "balance_closed_loop_mae": balance.mae.to_dict(),
+            "balance_closed_loop_rms": balance.rms.to_dict(),
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
@@ -239,6 +217,7 @@ class Report:
                 "replay_rms": self.after_replay.to_dict(),
                 **self._closed_loop(1),
             },
+            **({"refined": self._refined()} if self.refined else {}),
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
             "proposals": list(self.proposals),

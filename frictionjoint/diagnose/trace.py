@@ -8,7 +8,7 @@ if it gains more than one paired standard error and a least fraction of what is 
 the whole family of candidates, chance hardly does as much.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
+from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
@@ -130,19 +131,40 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
     blocks = make_blocks(state.prepared, state.fit)
     candidates = library(state.prepared, state.fit, blocks)
-    for first in _first(state.fit, candidates):
-        taken = _taken(state, blocks, first, rng) if first else []
-        if taken:
-            return taken
-    return _taken(state, blocks, candidates, rng)
+    first = [c for c in candidates if c.comes_first] if not state.fit.effects else []
+    early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in state.fit.effects)
+    # the motor's own, then what its controller does to the drive, then the rest
+    return (
+        (_taken(state, blocks, first, rng) if first else [])
+        or (_of_drive(state, rng) if early else [])
+        or _taken(state, blocks, candidates, rng)
+        or (_of_drive(state, rng) if not early else [])
+    )
 
 
-def _first(fitted: Fit, candidates: Sequence[Candidate]) -> Iterator[list[Candidate]]:
-    """What is decided before anything else: the motor, then what its controller does to a drive."""
-    if not fitted.effects:
-        yield [c for c in candidates if c.comes_first and not c.of_drive]
-    if all(isinstance(t, EffectTerm) and t.effect.decided_first for t in fitted.effects):
-        yield [c for c in candidates if c.of_drive]
+def _of_drive(state: _State, rng: np.random.Generator) -> list[str]:
+    """The best effect of the drive, if one is justified."""
+    found = look_at_drive(state.prepared, state.fit, rng)
+    if found is None or not found.tried:
+        return []
+    term, score = found.tried[0]
+    gain = score.gain(found.now)
+    row = found.look.rows[0]
+    enough = gain >= SMALLEST_GAIN and score.better(found.now)
+    if not enough or score.moved(found.now) < DISCREPANCY:
+        return []
+    near = [
+        other.name
+        for other, its in found.tried[1:]
+        if its.gain(found.now) >= (1.0 - _TIE) * gain and not score.better(its)
+    ]
+    state.look = found.look
+    state.prepared, state.fit = reweighed(state.prepared, score.fit)
+    state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
+    _drop_idle(state)
+    names = {t.name for t in state.fit.effects}
+    state.findings = [f for f in state.findings if f.term.name in names]
+    return [term.name] if term.name in names else []
 
 
 def _taken(

@@ -4,7 +4,8 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.report_data import Rms, Verdict
+from frictionjoint.diagnose.report_data import Verdict
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
 from frictionjoint.identify.start import IN_MOTION

@@ -38,7 +38,6 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import (
     HIGHEST,
     MOTION_ORDER,
-    MotionBand,
     motion_band,
     on_a_grid,
     uniform,
@@ -277,20 +276,25 @@ def prepare(
             raise LogError(f"{what}: give logs of one kind")
     if band is None:
         motions = [motion_band(*on_a_grid(log)[1:]) for log in logs]
-        motion = max(max(m.whole for m in motions), 2.0 * _LEAST_HZ)
+        # a servo's logs are many and short, and a corrupt one must not widen the band of all
+        over_logs = (
+            np.max if all(a is b for a, (b, _) in zip(logs, given, strict=True)) else np.median
+        )
+        motion = max(float(over_logs([m.whole for m in motions])), 2.0 * _LEAST_HZ)
+        main = float(over_logs([m.main for m in motions]))
         wide = Band(motion / 2.0, motion)
         first = [_segment(log, b, wide, controller) for log, b in given]
-        band = Band(_balance_hz(first, motions, motion), motion)
+        band = Band(_balance_hz(first, main, motion), motion)
     segments = tuple(_segment(log, b, band, controller) for log, b in given)
     free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
     let_go = free and drives[0] == "voltage"
     return Prepared(segments, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
 
 
-def _balance_hz(segments: list[Segment], motions: list[MotionBand], motion: float) -> float:
+def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
     most = min(_MOST_HZ, motion / 2.0)
-    least = min(max(_LEAST_HZ, max(m.main for m in motions)), most)
+    least = min(max(_LEAST_HZ, main), most)
     return float(np.median([s.noise.band_hz(least, most, BALANCE_ORDER) for s in segments]))
 
 
@@ -353,6 +357,9 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
     drive = smooth(measured)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
+    commanded = None
+    if log is not measured_log and controller is not None:
+        commanded = Commanded(commands(log, controller), grid, (smooth,))
     noise = noise_of(
         measured,
         raw,
@@ -376,13 +383,12 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         }
         | {name: uniform(log.time, x, t) for name, x in log.signals.items()},
-        noise=noise,
+        # a reconstructed drive leaps with its target, and has no noise
+        noise=noise if commanded is None else replace(noise, torque=0.0),
         driven_along=path_of(signals, noise.resolution),
         sample=sample,
         corner_hz=band.motion,
-        commanded=None
-        if log is measured_log or controller is None
-        else Commanded(commands(log, controller), grid, (smooth,)),
+        commanded=commanded,
     )
 
 

@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 
 # inches; a page is twice a half wide, a phone as wide as a half
 WIDE, HALF = 10.2, 5.0
-MEASURED, BEFORE, AFTER = "#8a8f94", "#d95f02", "#1b9e77"
+MEASURED, BEFORE, AFTER, REFINED = "#8a8f94", "#d95f02", "#1b9e77", "#7570b3"
 # stand for what the style sheet decides
 _INK, _LINE = "#010203", "#040506"
 _STYLE: dict[Any, Any] = {

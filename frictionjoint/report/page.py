@@ -73,6 +73,10 @@ def errors(report: Report) -> list[tuple[str, str, str, str]]:
     ]
     for when, loop in zip(("before", "after"), report.closed_loops or (), strict=False):
         found.append((when, "position in closed loop", loop.mae, None, position, unknown))
+    if report.refined:
+        taken = "taken" if report.refined.taken else "not taken"
+        what = f"position in closed loop, refined by simulation, {taken},"
+        found.append(("after", what, report.refined.loops.mae, None, position, unknown))
     for when, what, rms, pair, unit, whole in found:
         if (rms.fit is None and rms.held_out is None) or (when == "before" and not report.changed):
             continue  # nothing was simulated, or it diverged: a note says so

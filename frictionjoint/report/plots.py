@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report
-from frictionjoint.report.figure import AFTER, BEFORE, HALF, MEASURED, WIDE, cloud, figure
+from frictionjoint.report.figure import AFTER, BEFORE, HALF, MEASURED, REFINED, WIDE, cloud, figure
 from frictionjoint.report.wording import axis, drive
 
 # points of a line, and of a cloud
@@ -58,6 +58,8 @@ def closed_loop(report: Report) -> Figure | None:
     before, after = (x.held_out or x.fit for x in report.closed_loops)
     if before is None or after is None:
         return None
+    refined = report.refined.loops if report.refined else None
+    # the log that is furthest off is the one to look at
     i = int(np.argmax([float(np.mean(np.abs(e))) for e in after.errors]))
     course = after.courses[i]
     made, (axes,) = figure(HALF, 3.3)
@@ -67,6 +69,9 @@ def closed_loop(report: Report) -> Figure | None:
         ("before", before.simulated[i], BEFORE, 1.0),
         ("after", after.simulated[i], AFTER, 1.0),
     ]
+    again = (refined.held_out or refined.fit) if refined else None
+    if again is not None:
+        rows.append(("refined", again.simulated[i], REFINED, 1.0))
     for name, x, colour, width in rows:
         if name == "before" and not report.changed:
             continue

@@ -1,0 +1,104 @@
+"""What a controller does to the drive that its file does not say.
+
+A delay or a limit changes the drive itself, by far more than friction, and not in proportion to any
+number of it: no column tells what it would leave. There are few such effects, so each is fitted
+from all of its starts, on thinned logs, and the best few on all samples.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.library import Candidate, drive_terms
+from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import DriveTerm
+from frictionjoint.threads import side_by_side
+
+# samples of the coarse fits, steps of each; effects that are fitted to all samples
+_COARSE, _STEPS, _LEADERS, _FINE_STEPS = 1500, 6, 3, 8
+_FLIPS, _HALVES = 999, 50
+
+
+class Driven(NamedTuple):
+    """An effect of the drive added to a model.
+
+    Attributes:
+        look: all such effects, best first. tried: the leaders' terms with their scores, best first.
+        now: score of the model without.
+    """
+
+    look: Look
+    tried: tuple[tuple[DriveTerm, Scored], ...]
+    now: Scored
+
+
+def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:
+    """Every effect of the drive added to a fit; None where the drive is measured, or none is left.
+
+    Args:
+        prepared: the logs of the fit. rng: for sign flips and halves.
+    """
+    terms = drive_terms(prepared, fitted.terms)
+    if not terms:
+        return None
+    coarse = prepared.thinned(_COARSE)
+    start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
+
+    def attempt(term: DriveTerm) -> Fit:
+        return refit(coarse, (*start.effects, term), start.shape, ROUGH, _STEPS)
+
+    with side_by_side() as each:
+        fits = list(each(attempt, terms))
+    best: dict[str, tuple[float, DriveTerm]] = {}
+    for found in fits:
+        term = found.effects[-1]
+        assert isinstance(term, DriveTerm)
+        gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
+        if gain > best.get(term.name, (-np.inf, term))[0]:
+            best[term.name] = gain, term
+    order = sorted(best.values(), key=lambda pair: -pair[0])
+    blocks = make_blocks(prepared, fitted)
+    now = scored(fitted, blocks)
+    tried = []
+    for _, term in order[:_LEADERS]:
+        found = refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
+        moved = found.effects[-1]
+        assert isinstance(moved, DriveTerm)
+        tried.append((moved, scored(found, blocks)))
+    tried.sort(key=lambda pair: pair[1].total)
+    won = _frequencies([score.squares for _, score in tried], rng)
+    rows = [
+        Looked(
+            Candidate(term, np.zeros((0, 0))),
+            score.squares,
+            min(1.0, len(best) * _p_value(now.squares - score.squares, rng)),
+            frequency,
+        )
+        for (term, score), frequency in zip(tried, won, strict=True)
+    ]
+    rows += [
+        Looked(Candidate(term, np.zeros((0, 0))), (1.0 - gain) * now.squares, 1.0, 0.0)
+        for gain, term in order[_LEADERS:]
+    ]
+    return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
+
+
+def _p_value(difference: Array, rng: np.random.Generator) -> float:
+    """Chance of as large a gain where each block's could as well be a loss."""
+    flips = rng.choice([-1.0, 1.0], size=(_FLIPS, len(difference))) @ difference
+    return float((1 + np.sum(flips >= difference.sum())) / (_FLIPS + 1))
+
+
+def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:
+    """How often each leaves least of a half of the blocks."""
+    won = np.zeros(len(squares))
+    for _ in range(_HALVES):
+        half = rng.random(len(squares[0])) < 0.5
+        won[int(np.argmin([x[half].sum() for x in squares]))] += 1.0 / _HALVES
+    return list(won)

@@ -1,0 +1,110 @@
+"""Whole logs in closed loop by several models, and a refined model beside the balance's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.diagnose.closed_loop import ClosedLoop, Course, closed_loop, courses_of
+from frictionjoint.diagnose.rms import Rms
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+from frictionjoint.refine.refine import Refined
+
+
+@dataclass(frozen=True)
+class LoopErrors:
+    """Whole logs in closed loop, those fitted and those held out."""
+
+    fit: ClosedLoop | None
+    held_out: ClosedLoop | None
+
+    @property
+    def mae(self) -> Rms:
+        """Mean absolute position errors, rad (m)."""
+        return Rms(*(None if x is None else x.mae for x in (self.fit, self.held_out)))
+
+    @property
+    def rms(self) -> Rms:
+        """Roots of the mean square."""
+        return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
+
+
+@dataclass(frozen=True)
+class Loops:
+    """Courses of the logs fitted and of those held out."""
+
+    fit: tuple[Course, ...]
+    held_out: tuple[Course, ...]
+
+    @classmethod
+    def of(
+        cls,
+        pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
+        controller: Controller,
+    ) -> "Loops | None":
+        """Of logs with their bodies; None where a log has no target."""
+        if any(log.target is None for logs, _ in pairs for log in logs):
+            return None
+        return cls(*(courses_of(logs, bodies, controller) for logs, bodies in pairs))
+
+    def errors(self, fits: Sequence[Fit]) -> tuple[LoopErrors, ...]:
+        """Of each model."""
+        return tuple(
+            LoopErrors(*(closed_loop(c, f) if c else None for c in (self.fit, self.held_out)))
+            for f in fits
+        )
+
+
+@dataclass(frozen=True)
+class RefinedModel:
+    """A refinement as a report has it.
+
+    Attributes:
+        taken: whether it is the result: it predicted logs left out better than the balance's.
+        guard: mean absolute errors of those, before and after, rad (m).
+        loops: whole logs in closed loop. parameters: by name, with standard errors.
+    """
+
+    taken: bool
+    guard: tuple[float, float]
+    loops: LoopErrors
+    parameters: dict[str, Estimate]
+
+    @classmethod
+    def of(cls, outcome: Refined, loops: Loops, slide: bool) -> "RefinedModel":
+        """From a refinement, whether it was taken or not."""
+        fitted = outcome.vector.fit(outcome.values)
+        cov = _of_fit(outcome, fitted)
+        found = law_estimates(fitted, cov, slide)
+        for i, term in enumerate(fitted.effects):
+            found |= {
+                f"{term.name} {name}": x
+                for name, x in term_estimates(fitted, cov, i, slide).items()
+            }
+        (errors,) = loops.errors([fitted])
+        return cls(outcome.taken, outcome.guard, errors, found)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "taken": self.taken,
+            "left_out_mae": {"before": self.guard[0], "after": self.guard[1]},
+            "closed_loop_mae": self.loops.mae.to_dict(),
+            "closed_loop_rms": self.loops.rms.to_dict(),
+            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
+        }
+
+
+def _of_fit(outcome: Refined, fitted: Fit) -> Array:
+    """Covariance in the order and the units of the fit's own parameters."""
+    scale = np.ones(len(outcome.values))
+    scale[: fitted.layout.linear.stop] = 1.0 / fitted.gain
+    if outcome.vector.has_gain:  # the logarithm of the gain is there
+        scale[0] = abs(fitted.beta[0])
+    return np.asarray(outcome.cov * np.outer(scale, scale))

@@ -1,0 +1,21 @@
+"""A pair of errors."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Rms:
+    """A pair of errors, on the logs fitted and on those held out."""
+
+    fit: float | None
+    held_out: float | None
+
+    def worse_than(self, before: "Rms") -> bool:
+        """Whether held-out logs have more of it; where there are none, they contradict nothing."""
+        if self.held_out is None or before.held_out is None:
+            return False
+        return self.held_out > before.held_out
+
+    def to_dict(self) -> dict[str, float | None]:
+        """As in report.json."""
+        return {"fit": self.fit, "held_out": self.held_out}
