@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from frictionjoint.diagnose.report_data import Rms
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.replay import friction_spec
-from frictionjoint.diagnose.report_data import Evidence, Rms
+from frictionjoint.diagnose.report_data import Evidence
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose

@@ -10,7 +10,7 @@ from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.replay import replay
-from frictionjoint.diagnose.report_data import Rms
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, refit

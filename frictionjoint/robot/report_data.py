@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Rms, Verdict
+from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Verdict
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.robot.excitation import Excitation
 
