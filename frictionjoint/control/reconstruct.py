@@ -106,8 +106,8 @@ def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
         return log
     if controller is None:
         raise LogError(
-            f"{log.name}: target and position, but no torque_nm, voltage_v or current_a: add one of "
-            "them, or give the gains that drove the joint, --controller FILE"
+            f"{log.name}: target and position, but no torque_nm, voltage_v or current_a: add one "
+            "of them, or give the gains that drove the joint, --controller FILE"
         )
     drive = commands(log, controller).drive()
     kind = drive_kind(controller)
