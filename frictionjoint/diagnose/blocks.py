@@ -41,13 +41,14 @@ class Blocks:
     Attributes:
         of_sample: shape (n,). fold: logs or kinds of motion, shape (B,).
         halves: first and second half of each log, for what acts in one fold alone, shape (B,).
-        log: shape (B,).
+        log: shape (B,). noise: variance of white noise of the torque instrument's density, N m^2.
     """
 
     of_sample: Index
     fold: Index
     halves: Index
     log: Index
+    noise: float = 0.0
 
     @property
     def count(self) -> int:
@@ -87,11 +88,15 @@ def correlation_time(residual: Array) -> float:
     return float(1.0 + 2.0 * rho[1:end].sum())
 
 
-def whitened(U: Array, residual: Array, log_index: Index) -> Array:
+def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array:
     """Columns behind the filter that predicts a residual's next sample (Yule and Walker).
+
+    What the balance's filter took away stays away: up there the position's noise, which is in the
+    columns too, outdoes the torque's.
 
     Args:
         U: shape (n, k); residual: shape (n,); both of logs in turn.
+        noise: variance of white noise of the torque instrument's density.
     """
     lags = np.zeros(_AR_ORDER + 1)
     parts = [residual[log_index == i] for i in np.unique(log_index)]
@@ -99,7 +104,8 @@ def whitened(U: Array, residual: Array, log_index: Index) -> Array:
         lags += [float(e[k:] @ e[: len(e) - k]) for k in range(_AR_ORDER + 1)]
     if lags[0] <= 0.0:
         return U
-    lags[0] *= 1.0 + 1e-6  # keeps the filter tame where the spectrum has deep holes
+    # a little more keeps the filter tame where the spectrum has deep holes
+    lags[0] += noise * len(residual) + 1e-6 * lags[0]
     predictor = np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
     out = np.empty_like(U)
     for i in np.unique(log_index):
@@ -135,7 +141,9 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     else:
         # logs that are alike are no test of each other
         fold = _kinds(prepared, log_index)[np.array(log)]
-    return Blocks(of_sample, fold, np.array(halves), np.array(log))
+    variance = [s.noise.torque / (2.0 * s.dt * s.step) for s in prepared.segments]
+    noise = float(np.mean(variance)) * fitted.gain**2
+    return Blocks(of_sample, fold, np.array(halves), np.array(log), noise)
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:

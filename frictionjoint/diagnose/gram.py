@@ -26,8 +26,6 @@ Columns = NDArray[np.int64]
 
 FLIPS = 999
 _HALVES = 50
-# of a sample, from which on a delay may be an effect
-_LATE = 0.9
 # directions of a set of columns below this fraction of the largest count as dependent
 _RCOND = 1e-8
 # part of what determines a coefficient that may lie in one fold: beyond it that fold is halved
@@ -162,8 +160,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     w = fitted.weight[:, None]
     layout, free = fitted.layout, ~fitted.bound
     for i, term in enumerate(fitted.terms):
-        # a delay at the end of its sample is no longer one of sampling
-        if isinstance(term, Timing) and abs(term.delay) > _LATE * term.most:
+        if isinstance(term, Timing) and term.at_its_end:
             free[layout.numbers(i)] = False
     own = [
         np.array([k for k in layout.of_term(i) if free[k]], dtype=np.int64)
@@ -193,7 +190,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         U = np.column_stack([X, fitted.residual * fitted.weight])
         tested = _without(U, known)
         scores = blocks.sums(tested * tested[:, -1:])
-        V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index)
+        V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index, blocks.noise)
         V = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
         white = blocks.sums(V * V[:, -1:], fine=True)
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]

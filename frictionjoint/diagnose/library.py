@@ -22,7 +22,7 @@ from frictionjoint.identify.smooth import (
     WaveTerm,
     quantity,
 )
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
 from frictionjoint.threads import side_by_side
 
 _POSITION_BINS = 4096
@@ -49,11 +49,13 @@ class Candidate:
         term: effect at given shape numbers, or an unnamed dependence.
         columns: behind the balance's filter, N m per coefficient, shape (n, k).
         bounds: of each coefficient, N m; none where empty.
+        among: lines of the residual's spectrum that it was chosen from.
     """
 
     term: Term
     columns: Array
     bounds: tuple[tuple[float, float], ...] = ()
+    among: float = 1.0
 
     @property
     def unnamed(self) -> bool:
@@ -82,9 +84,14 @@ class Candidate:
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
-    terms = effect_terms(prepared, signals, fitted.terms)
-    terms += periodic_terms(prepared, signals, fitted, blocks)
-    terms += unnamed_terms(prepared, signals, fitted, blocks)
+    terms = effect_terms(prepared, signals, fitted.terms) + unnamed_terms(prepared, signals)
+    among = [1.0] * len(terms)
+    for found, lines in (
+        periodic_terms(prepared, signals, fitted, blocks),
+        wave_terms(prepared, fitted),
+    ):
+        terms += found
+        among += [lines] * len(found)
     with side_by_side() as each:
         columns = list(each(partial(columns_of, prepared, signals), terms))
     return [
@@ -92,8 +99,9 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
             term,
             x,
             tuple((lo * fitted.gain, hi * fitted.gain) for lo, hi in term_bounds(prepared, term)),
+            lines,
         )
-        for term, x in zip(terms, columns, strict=True)
+        for term, x, lines in zip(terms, columns, among, strict=True)
         if np.all(np.isfinite(x)) and np.any(x)
     ]
 
@@ -132,10 +140,12 @@ def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ..
     """Every effect on a grid that the logs can speak of and that is not in the model yet."""
     everything = np.concatenate(signals)
     names = {term.name for term in taken}
+    # a second delay would be that of the torque's own noise
+    timed = any(isinstance(term, Timing) and not term.at_its_end for term in taken)
     return [
         EffectTerm(effect, shape)
         for effect in CATALOGUE
-        if effect.sought == "grid" and effect.name not in names
+        if effect.sought == "grid" and effect.name not in names and not (timed and effect.delays)
         if spoken_of(prepared, effect, everything)
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
@@ -175,13 +185,11 @@ def _varies(x: Array, least: float = 0.0) -> bool:
     return bool(high - low > max(least, 1e-9 * (1.0 + np.abs(x).max())))
 
 
-def unnamed_terms(
-    prepared: Prepared, signals: list[Array], fitted: Fit, blocks: Blocks
-) -> list[Term]:
+def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
     """Dependences without a physical name, on every measured quantity.
 
     A spline alone and times the direction of friction; hysteresis in position over a hundredth to
-    a third of the travel; a friction level for each log; a wave in time.
+    a third of the travel; a friction level for each log.
     """
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:
@@ -201,11 +209,15 @@ def unnamed_terms(
     names = tuple(s.name for s in prepared.segments)
     if len(names) > 1:
         terms.append(LogTerm("log", names))
-    return terms + wave_terms(prepared, fitted, blocks)
+    return terms
 
 
-def wave_terms(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Term]:
-    """A wave in time, from outside the joint: the strongest line of the residual's spectrum."""
+def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
+    """A wave in time, from outside the joint: the strongest line of the residual's spectrum.
+
+    Returns:
+        also how many independent lines that is of.
+    """
     times = [(s.signals[:: s.step, TIME])[s.kept] for s in prepared.segments]
     longest = max(float(np.ptp(t)) for t in times)
     rate = min(1.0 / (s.dt * s.step) for s in prepared.segments)
@@ -219,18 +231,22 @@ def wave_terms(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Term]:
         # phases belong to the logs: power adds up over logs, not amplitudes
         power += np.abs(F[first : cells // 4]) ** 2
     if not power.size:
-        return []
+        return [], 1.0
     frequency = (int(np.argmax(power)) + first) * rate / (2 * cells)
-    return [WaveTerm("time", float(frequency), tuple(s.name for s in prepared.segments))]
+    wave = WaveTerm("time", float(frequency), tuple(s.name for s in prepared.segments))
+    return [wave], max(1.0, len(power) / 2.0)
 
 
 def periodic_terms(
     prepared: Prepared, signals: list[Array], fitted: Fit, blocks: Blocks
-) -> list[Term]:
+) -> tuple[list[Term], float]:
     """Harmonics of position: the strongest spatial frequencies of the residual.
 
     Those of all folds together and of all but each one, so that a frequency can be chosen on data
     it is not tested on.
+
+    Returns:
+        also how many independent lines they are of.
     """
     x = np.concatenate(
         [kept(s, g[:, [Q, H]]) for s, g in zip(prepared.segments, signals, strict=True)]
@@ -238,7 +254,7 @@ def periodic_terms(
     q = x[:, 0]
     span = float(np.ptp(q))
     if span <= 0.0:
-        return []
+        return [], 1.0
     e = fitted.residual * fitted.weight**2
     bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
@@ -267,7 +283,7 @@ def periodic_terms(
             reach = (_LEVEL_REACH * span,) if effect.memory else ()
             term = EffectTerm(effect, (float(N), *reach))
             found.append(_sharpened(prepared, signals, term, e, span))
-    return found
+    return found, max(1.0, (last - first) / 2.0)
 
 
 def _peaks(power: Array, count: int) -> list[int]:

@@ -93,7 +93,7 @@ def look(
     kinds: dict[tuple[str, str], list[int]] = {}
     for i, candidate in enumerate(candidates):
         kinds.setdefault(candidate.kind, []).append(i)
-    p_values, chance = _p_values(found, rng)
+    p_values, chance = _p_values(found, [c.among for c in candidates], rng)
     frequencies = _frequencies(found, list(kinds.values()), rng)
     rows = []
     for members, frequency in zip(kinds.values(), frequencies, strict=True):
@@ -108,14 +108,17 @@ def look(
     return Look(tuple(rows), without, chance), found
 
 
-def _p_values(found: Screen, rng: np.random.Generator) -> tuple[Array, float]:
+def _p_values(
+    found: Screen, among: Sequence[float], rng: np.random.Generator
+) -> tuple[Array, float]:
     """Of each candidate, the largest surprise of the family under flipped signs as its null.
 
     With the surprise that one in twenty of those exceeds.
 
     Scores of many coefficients and of single ones are put on one scale by the chi-square tail each
     would have (Westfall and Young 1993, with an approximate marginal: it weighs the candidates
-    against each other, the flips alone make the p-value).
+    against each other, the flips alone make the p-value). A line of a spectrum is the largest of
+    many, which flips of its sign do not search again.
     """
     if not found.candidates:
         return np.zeros(0), 0.0
@@ -123,7 +126,12 @@ def _p_values(found: Screen, rng: np.random.Generator) -> tuple[Array, float]:
         np.vstack([np.ones(len(grams)), rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))])
         for grams in (found.scores, found.white)
     )
-    surprises = np.array([found.surprises(signs, whites, at) for at in found.candidates])
+    surprises = np.array(
+        [
+            found.surprises(signs, whites, at) - np.log(lines)
+            for at, lines in zip(found.candidates, among, strict=True)
+        ]
+    )
     null = surprises[:, 1:].max(axis=0)
     p_values = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
     return p_values, float(np.quantile(null, 0.95))

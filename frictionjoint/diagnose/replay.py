@@ -112,20 +112,25 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
 
 
-def replayed_whole(prepared: Prepared, bodies: Sequence[RigidBody], fitted: Fit) -> float | None:
+def replayed_whole(
+    prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit
+) -> float | None:
     """rms position error of free runs that hold all that a fit says, m or rad.
 
     Returns:
-        None where they do not: a log's delay and its thermometer are no part of a simulation, and
-        an armature is never below nothing.
+        None where they do not: a log's delay and its thermometer are no part of a simulation, no
+        log holds where a link behind a spring or a gap is when a run begins, and an armature is
+        never below nothing.
     """
+    armature = (body if isinstance(body, RigidBody) else body[0]).armature
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
-        less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -bodies[0].armature
-        if term.delay or TEMP in term.effect.needs or less:
+        less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
+        hidden = TEMP in term.effect.needs or term.effect.acts == "mechanism"
+        if term.delay or hidden or less:
             return None
-    return replay(prepared, bodies, fitted).rms
+    return replay(prepared, body, fitted).rms
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:

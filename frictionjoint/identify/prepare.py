@@ -53,6 +53,9 @@ _STEP_S, _MOST_REFINED = 2.5e-3, 16
 # the second; above it only time is spent.
 _LEAST_HZ, _MOST_HZ = 5.0, 60.0
 BALANCE_ORDER = 4
+# samples of the log in a period of the balance's corner: a torque that a controller holds from one
+# to the next is less by 0.6% there, and no log tells whether it is held
+_A_SAMPLE = 16.0
 # samples in a period of each corner
 _A_MOTION, _A_BALANCE, _A_COARSE = 4.0, 4.0, 32.0
 # what a log holds of the motor, the one to be preferred first
@@ -293,7 +296,8 @@ def prepare(
 
 def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
-    most = min(_MOST_HZ, motion / 2.0)
+    slowest = max(s.sample for s in segments)
+    most = min(_MOST_HZ, motion / 2.0, 1.0 / (_A_SAMPLE * slowest))
     least = min(max(_LEAST_HZ, main), most)
     return float(np.median([s.noise.band_hz(least, most, BALANCE_ORDER) for s in segments]))
 

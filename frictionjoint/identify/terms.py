@@ -11,6 +11,9 @@ from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, LOAD
 from frictionjoint.identify.prepare import Segment
 
+# of a sample, from which on a delay may be an effect
+_LATE = 0.9
+
 
 class Term(Protocol):
     """What a fit asks of a term."""
@@ -162,6 +165,11 @@ class Timing:
     def delay(self) -> float:
         """See `EffectTerm`."""
         return self.shape[0]
+
+    @property
+    def at_its_end(self) -> bool:
+        """Whether the delay is at the end of its sample: no longer one of sampling."""
+        return abs(self.delay) > _LATE * self.most
 
     @property
     def free_shape(self) -> tuple[float, ...]:

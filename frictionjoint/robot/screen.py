@@ -17,8 +17,6 @@ from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
 
-# of a sample, from which on a delay may be an effect
-_LATE = 0.9
 # fraction of a joint's squares that an effect of its own must explain to contend
 _LITTLE = 0.02
 _DEPENDENT = 1e-6
@@ -230,7 +228,7 @@ def law_columns(joint: FittedJoint) -> Array:
     free = ~fitted.bound
     for i, term in enumerate(fitted.terms):
         # a delay at the end of its sample is no longer one of sampling
-        if isinstance(term, Timing) and abs(term.delay) > _LATE * term.most:
+        if isinstance(term, Timing) and term.at_its_end:
             free[fitted.layout.numbers(i)] = False
     return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
 
