@@ -17,6 +17,8 @@ MODELS = Path(__file__).resolve().parents[1] / "models"
 JOINTS = {
     "kuka_ir361_joint1": ["joint1"],
     "xl330_pendulum": ["pendulum"],
+    "sts3215_pendulum": ["pendulum"],
+    "sts3215_pendulum_heavy": ["pendulum"],
     "emps": ["carriage"],
     "panda": [f"joint{i}" for i in range(1, 8)],
     "ur10": [f"j{i}" for i in range(1, 7)],
