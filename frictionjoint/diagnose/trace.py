@@ -35,9 +35,10 @@ from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
 SIGNIFICANCE = 0.05
-# fraction of the squares left that a change must take away: less is as likely a by-product of
-# whatever else is wrong
-SMALLEST_GAIN = 0.2
+# fraction of the squares left that a change must take away: an effect is believed that is about as
+# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
+# some likeness to many an effect
+SMALLEST_GAIN = 0.4
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
 DISCREPANCY = 0.01
