@@ -65,7 +65,7 @@ class Candidate:
     @property
     def comes_first(self) -> bool:
         """Whether nothing else can be decided before it."""
-        return isinstance(self.term, EffectTerm) and self.term.effect.first
+        return comes_first(self.term)
 
     @property
     def kind(self) -> tuple[str, str]:
@@ -79,6 +79,11 @@ class Candidate:
         left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
         rest = other.columns - self.columns @ left
         return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
+
+
+def comes_first(term: Term) -> bool:
+    """Whether nothing else can be decided before a term."""
+    return isinstance(term, EffectTerm) and term.effect.first
 
 
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:

@@ -20,7 +20,7 @@ from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
-from frictionjoint.diagnose.library import Candidate, library
+from frictionjoint.diagnose.library import Candidate, comes_first, library
 from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import ROUGH, Fit, refit
@@ -243,7 +243,7 @@ def _looked_at_again(
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     """The best change that is needed, and the effects it is tied with."""
-    good = [t for t in tried if _needed(t.score, now)]
+    good = [t for t in tried if _needed(t.score, now, all(c.comes_first for c in t.move.added))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = min(singles, key=_total, default=None)
@@ -310,7 +310,8 @@ def _drop_idle(state: _State) -> None:
         with side_by_side() as each:
             others = list(each(partial(_without, state), state.fit.effects))
         scores = [scored(other, blocks) for other in others]
-        idle = [(now.gain(s), s.fit) for s in scores if not _needed(now, s)]
+        pairs = zip(state.fit.effects, scores, strict=True)
+        idle = [(now.gain(s), s.fit) for t, s in pairs if not _needed(now, s, comes_first(t))]
         if not idle:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
@@ -321,9 +322,13 @@ def _apart(one: Scored, other: Scored) -> bool:
     return one.better(other) and one.gain(other) >= _APART
 
 
-def _needed(now: Scored, other: Scored) -> bool:
-    """Whether a model predicts better than another, and by more than the law's own error."""
-    enough = now.gain(other) >= SMALLEST_GAIN and now.better(other)
+def _needed(now: Scored, other: Scored, first: bool = False) -> bool:
+    """Whether a model predicts better than another, and by more than the law's own error.
+
+    Args:
+        first: what it has besides comes first: it is known to be there, and only its size is not.
+    """
+    enough = (first or now.gain(other) >= SMALLEST_GAIN) and now.better(other)
     return enough and now.moved(other) >= DISCREPANCY
 
 

@@ -296,9 +296,10 @@ def prepare(
 
 def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
-    slowest = max(s.sample for s in segments)
-    most = min(_MOST_HZ, motion / 2.0, 1.0 / (_A_SAMPLE * slowest))
+    most = min(_MOST_HZ, motion / 2.0)
     least = min(max(_LEAST_HZ, main), most)
+    slowest = max(s.sample for s in segments)
+    most = max(least, min(most, 1.0 / (_A_SAMPLE * slowest)))
     return float(np.median([s.noise.band_hz(least, most, BALANCE_ORDER) for s in segments]))
 
 
