@@ -13,5 +13,10 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str
 
 def number_table(title: str, values: Iterable[tuple[str, object]]) -> str:
     """Numbers by name, to five figures; anything else as its text."""
-    rows = [(name, f"{x:.5g}" if isinstance(x, float) else str(x)) for name, x in values]
-    return table(title, ("parameter", "value"), rows)
+    return table(title, ("parameter", "value"), [(name, _text(x)) for name, x in values])
+
+
+def _text(x: object) -> str:
+    if isinstance(x, list | tuple):
+        return f"({', '.join(_text(y) for y in x)})"
+    return f"{x:.5g}" if isinstance(x, float) else str(x)

@@ -9,6 +9,7 @@ number has a criterion; a law that fails one is not wrong, it is a simpler law.
 """
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +17,8 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "docs"))
 from paper.slider import pull
 
 import frictionjoint as fj

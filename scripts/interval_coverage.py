@@ -3,7 +3,7 @@
     python scripts/interval_coverage.py --plants 60 --out coverage.jsonl
     python scripts/interval_coverage.py --plants 0 --out coverage.jsonl   only the table
 
-Plants without an effect and with one, in turn, from `scripts/plants`; the loop reads three of
+Plants without an effect and with one, in turn, from `tests/plants`; the loop reads three of
 their four logs, as in `trials.py`. A row a plant is added to the file, and a seed that is
 there is not run again. A plant counts where all its effects were named. Printed for the sandwich
 over blocks of time alone, and for what the report states: the fraction of 95% intervals that
@@ -22,11 +22,7 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parent))
-from plants.answers import logged_friction
-from plants.draw import draw_trial
-from plants.plant import simulate, write
-
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.trace import trace
@@ -38,6 +34,9 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
+from tests.plants.answers import logged_friction
+from tests.plants.draw import draw_trial
+from tests.plants.plant import simulate, write
 
 _NORMAL = 1.96
 # an effect's coefficient, the plant's number that it is, and their ratio

@@ -2,7 +2,7 @@
 
 Three families of plants, told by the layout of their answer.json:
 
-    kinds, accept, variable, family     `make_plants.py`, from `scripts/plants`
+    kinds, accept, variable, family     `make_plants.py`, from `tests/plants`
     kinds, accept, variable, effects    a third hand, `python -m tests.third_hand`
     kind                                one kind a plant; unknown-... is outside the catalogue
 
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-OURS, SECOND, THIRD = "scripts/plants", "second hand", "third hand"
+OURS, SECOND, THIRD = "tests/plants", "second hand", "third hand"
 NOTHING = "none"
 # the second hand's kinds that go by another name too, and quantities that those outside the
 # catalogue act through

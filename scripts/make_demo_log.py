@@ -10,11 +10,14 @@ The plant is a geared arm with a gravity load, generalised Maxwell-slip friction
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from plants.plant import (
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
+from tests.plants.plant import (
     Controller,
     Effect,
     Friction,

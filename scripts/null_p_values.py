@@ -19,14 +19,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import kstest
 
-sys.path.insert(0, str(Path(__file__).parent))
-from plants.plant import simulate, write
-from plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
-
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.readers import read_log
+from tests.plants.plant import simulate, write
+from tests.plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
 
 _BINS = 10
 

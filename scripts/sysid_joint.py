@@ -7,14 +7,17 @@ then fits Fc, Fs, Vs, sigma2 of the integrated law and the servo's stiffness tog
 """
 
 import argparse
+import sys
+from pathlib import Path
 
 import mujoco
 import numpy as np
 from mujoco import sysid
-from plants.friction import ATTRACTION, gms, maxwell_elements, stribeck
 
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 import frictionjoint as fj
 from frictionjoint.simulate.sysid import build_model, friction_parameters, identified, rollout
+from tests.plants.friction import ATTRACTION, gms, maxwell_elements, stribeck
 
 ARM = """
 <mujoco>

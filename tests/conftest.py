@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# the trial plants live beside the scripts that use them
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-# tests.third_hand has one name everywhere: numba's cache holds it. Last, so that an installed
+ROOT = Path(__file__).resolve().parents[1]
+# what judges trials, and the figures of the paper
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "docs")]
+# plants have one name everywhere, tests.plants: numba's cache holds it. Last, so that an installed
 # frictionjoint is the one that is tested
-sys.path.append(str(Path(__file__).resolve().parents[1]))
+sys.path.append(str(ROOT))
 
 # first examples compile kernels: a deadline would time the compiler
 settings.register_profile("frictionjoint", deadline=None)

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from plants.plant import Friction, Motion, simulate, write
 from test_cli import LOG, MODEL, run
 from test_plants import quiet
 
@@ -20,6 +19,7 @@ from frictionjoint.identify.starts import fit
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.laws import LAWS
 from frictionjoint.measured.readers import read_log
+from tests.plants.plant import Friction, Motion, simulate, write
 
 FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
 # the plants' names of laws that the package has too

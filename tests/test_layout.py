@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.intervals import stated_covariance
@@ -16,6 +15,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Timing, delay_of
+from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 SPRING = EffectTerm(spring.EFFECT)
 LOAD = EffectTerm(load_dependent.EFFECT, (1e-3,))

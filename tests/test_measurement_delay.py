@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants.draw import draw_trial
 from trial_logs import prepared_logs
 
 from frictionjoint.effects.measurement_delay import EFFECT
@@ -14,6 +13,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
+from tests.plants.draw import draw_trial
 
 DELAY = 8e-3
 

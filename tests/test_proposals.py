@@ -5,17 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants import motion as paths
-from plants.plant import (
-    Controller,
-    Effect,
-    Friction,
-    Instrument,
-    Motion,
-    assemble,
-    control_period,
-    follow,
-)
 from scipy.linalg import toeplitz
 from test_plants import quiet
 
@@ -33,6 +22,17 @@ from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
+from tests.plants import motion as paths
+from tests.plants.plant import (
+    Controller,
+    Effect,
+    Friction,
+    Instrument,
+    Motion,
+    assemble,
+    control_period,
+    follow,
+)
 
 PLANT = replace(
     quiet(),

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants.spec import Effect, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.intervals import stated_covariance
@@ -14,6 +13,7 @@ from frictionjoint.diagnose.trace import SIGNIFICANCE, SMALLEST_GAIN, trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.result import law_parameters, term_estimates
+from tests.plants.spec import Effect, Motion
 
 # 24 s at 250 Hz on a LuGre joint
 PLANT = replace(PENDULUM, instrument=replace(PENDULUM.instrument, rate=250.0))

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plants.plant import simulate, write
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
@@ -22,6 +20,8 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
+from tests.plants.plant import simulate, write
+from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 FC = 0.5
 # a pendulum that friction holds aside: moves from one rest to another

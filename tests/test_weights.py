@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants.spec import Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.effects.signals import V
@@ -13,6 +12,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.weights import DISCREPANCY, Errors, errors_of, reweighed, weighted
+from tests.plants.spec import Motion
 
 
 @pytest.fixture(scope="module")

@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from plants.plant import simulate, write
-from plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
-
 from frictionjoint.identify.prepare import Prepared, prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.readers import read_log
+from tests.plants.plant import simulate, write
+from tests.plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
 
 PENDULUM = PlantSpec(
     mass=1.0,

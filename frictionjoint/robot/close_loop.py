@@ -50,7 +50,10 @@ def close_loop_robot(
 
     Args:
         logs: of every joint. model: path or text of the MJCF or URDF the user believes in.
-        seed, progress, law, fixed: see `diagnose.close_loop`.
+        seed: see `diagnose.close_loop`.
+        progress: called with what is being done.
+        law: see `diagnose.close_loop`.
+        fixed: see `diagnose.close_loop`.
         jobs: processes; None: one for each core. The result does not depend on it.
     Raises:
         FrictionJointError: bad logs or model, in one line.

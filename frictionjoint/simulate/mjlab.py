@@ -32,7 +32,9 @@ def friction_of(mj_model: mujoco.MjModel, model: Any, data: Any) -> WarpFriction
     """The friction that acts in a scene, attached now if it was not.
 
     Args:
-        model, data: mujoco_warp's, bare or as mjlab's bridge hands them out.
+        mj_model: the compiled model.
+        model: mujoco_warp's, bare or as mjlab's bridge hands it out.
+        data: mujoco_warp's, in the same way.
     Raises:
         ModelError: see `attach_warp`.
     """

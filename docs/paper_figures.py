@@ -1,18 +1,20 @@
 """Every claim of Ganseman et al. (1997) as a figure and as numbers.
 
-python scripts/paper_figures.py --out paper            PNGs and numbers.json
-python scripts/paper_figures.py --out paper --only whisker --only general
-python scripts/paper_figures.py --docs                 writes docs/paper.md and its figures
+python docs/paper_figures.py --out paper            PNGs and numbers.json
+python docs/paper_figures.py --out paper --only whisker --only general
+python docs/paper_figures.py --docs                 writes docs/paper.md and its figures
 """
 
 import argparse
 import importlib
 import json
+import sys
 from pathlib import Path
 
 from paper.claim import Claim
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT))  # tests.plants
 NAMES = (
     "constant_velocity",
     "whisker",
@@ -27,7 +29,7 @@ HEAD = """# What the paper claims, and what is found
 
 Every claim of Ganseman, Swevers, Prajogo and Al-Bender (1997), run with this package's law. The
 curves of the paper survive only as pictures, so no figure here is a fit to them; what is compared
-are the claims. This page is written by `python scripts/paper_figures.py --docs`;
+are the claims. This page is written by `python docs/paper_figures.py --docs`;
 `tests/test_paper.py` and `tests/test_weaknesses.py` hold its numbers to account.
 
 """
