@@ -62,7 +62,7 @@ def close_loop_robot(
     with workers(processes(len(tasks)) if jobs is None else jobs) as each:
         progress(f"base fit of {len(tasks)} joints")
         firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
-        failed = {n: x for n, x in firsts.items() if isinstance(x, str)}
+        failed = logs.failed | {n: x for n, x in firsts.items() if isinstance(x, str)}
         fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
         if not fitted:
             raise LogError(next(iter(failed.values())))

@@ -69,7 +69,7 @@ def settle(
         if _cost(trial, now) > 1.0:
             break
         found, now, seen = stepped, trial, after
-    return Settled(found, now, seen.stack.clock, _covariances(seen, beside))
+    return Settled(found, now, seen.stack.clock, _covariances(seen))
 
 
 def _refitted(
@@ -136,7 +136,7 @@ def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
     return np.asarray(np.clip(found.x / scale, low, high))
 
 
-def _covariances(seen: Screened, beside: frozenset[str]) -> tuple[Array, ...]:
+def _covariances(seen: Screened) -> tuple[Array, ...]:
     """Of each cause's numbers: blocks of time are independent, samples are not."""
     own = [c.at for c in seen.taken]
     at = _all([*own, *(c.at for c in seen.candidates)])
