@@ -222,6 +222,13 @@ def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
         for name in values:
             slopes[name][k] = (above[name][0] - below[name][0]) / (2.0 * step)
     return {
-        name: Estimate(value, float(np.sqrt(np.abs(slopes[name] @ cov @ slopes[name]))), unit)
+        name: Estimate(value, _error(slopes[name], cov), unit)
         for name, (value, unit) in values.items()
     }
+
+
+def _error(slope: Array, cov: Array) -> float | None:
+    """Standard error of what depends on numbers by these slopes; None where it is open."""
+    at = np.flatnonzero(slope)
+    variance = float(slope[at] @ cov[np.ix_(at, at)] @ slope[at])
+    return float(np.sqrt(max(0.0, variance))) if np.isfinite(variance) else None
