@@ -62,8 +62,8 @@ class RobotRequest:
         if not names:
             model = compile_model(self.model)
             names = joints_to_explain([*self.logs, *self.kept], model, self.reading.columns)
-        return RobotLogs.of(
-            {n: split(self.logs, self.held_out, replace(self.reading, joint=n)) for n in names}
+        return RobotLogs.read(
+            names, lambda n: split(self.logs, self.held_out, replace(self.reading, joint=n))
         )
 
 

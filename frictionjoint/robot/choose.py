@@ -24,6 +24,8 @@ _TIE = 0.1
 # part of what a simpler form of a body's parameters leaves that a richer one may take and still be
 # no better: columns are taken where the laws are still bent
 _FORMS = 0.3
+# numbers from which on forms count as equally rich: the catalogue has the likelier one first
+_RICH = 4
 # halves of the blocks on which the leaders contend, and how many leaders
 _HALVES, _CONTENDERS = 25, 6
 
@@ -184,7 +186,7 @@ def _within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candid
 
 def _simplicity(row: _Row) -> tuple[int, bool, int]:
     """Fewest numbers first; of as many, a cause of the robot first, in the catalogue's order."""
-    return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
+    return min(len(row.candidate.at), _RICH), row.candidate.cause is None, row.candidate.order
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:

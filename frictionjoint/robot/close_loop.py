@@ -65,7 +65,7 @@ def close_loop_robot(
     with workers(processes(len(tasks)) if jobs is None else jobs) as each:
         progress(f"base fit of {len(tasks)} joints")
         firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
-        failed = {n: x for n, x in firsts.items() if isinstance(x, str)}
+        failed = logs.failed | {n: x for n, x in firsts.items() if isinstance(x, str)}
         fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
         if not fitted:
             raise LogError(next(iter(failed.values())))
@@ -225,6 +225,13 @@ def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
         for name in values:
             slopes[name][k] = (above[name][0] - below[name][0]) / (2.0 * step)
     return {
-        name: Estimate(value, float(np.sqrt(np.abs(slopes[name] @ cov @ slopes[name]))), unit)
+        name: Estimate(value, _error(slopes[name], cov), unit)
         for name, (value, unit) in values.items()
     }
+
+
+def _error(slope: Array, cov: Array) -> float | None:
+    """Standard error of what depends on numbers by these slopes; None where it is open."""
+    at = np.flatnonzero(slope)
+    variance = float(slope[at] @ cov[np.ix_(at, at)] @ slope[at])
+    return float(np.sqrt(max(0.0, variance))) if np.isfinite(variance) else None

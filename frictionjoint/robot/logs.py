@@ -1,10 +1,11 @@
 """Logs of a whole robot: every joint of every log, fitted or held out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from frictionjoint.diagnose.report_data import LogEntry
 from frictionjoint.errors import LogError
@@ -15,21 +16,47 @@ from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log
 from frictionjoint.model_files import compile_model
 
+# travel below which a joint stands still, rad (m)
+_STILL = 1e-3
+
 
 @dataclass(frozen=True)
 class RobotLogs:
-    """Attributes: fit, held_out: logs of each joint by its name, in the same order for all."""
+    """Logs of each joint by its name, in the same order for all.
+
+    Attributes:
+        fit, held_out: by joint, base first. failed: why a joint's logs cannot be used, by joint.
+    """
 
     fit: dict[str, list[JointLog]]
     held_out: dict[str, list[JointLog]]
+    failed: dict[str, str]
 
     @classmethod
-    def of(cls, joints: Mapping[str, tuple[Sequence[JointLog], Sequence[JointLog]]]) -> "RobotLogs":
-        """From logs fitted and held out by joint, base first; what is too long is made shorter."""
-        return cls(
-            {name: bounded(fitted) for name, (fitted, _) in joints.items()},
-            {name: bounded(kept) for name, (_, kept) in joints.items()},
-        )
+    def read(
+        cls,
+        joints: Sequence[str],
+        read: Callable[[str], tuple[Sequence[JointLog], Sequence[JointLog]]],
+    ) -> "RobotLogs":
+        """Every joint's logs; what is too long is made shorter.
+
+        Args:
+            joints: names, base first. read: logs fitted and held out of a joint.
+        Raises:
+            LogError: of the first joint, where no joint can be used.
+        """
+        fit: dict[str, list[JointLog]] = {}
+        kept: dict[str, list[JointLog]] = {}
+        failed: dict[str, str] = {}
+        for name in joints:
+            try:
+                fitted, held_out = read(name)
+                fit[name], kept[name] = bounded(fitted), bounded(held_out)
+            except LogError as error:
+                failed[name] = str(error)
+        if not fit:
+            raise LogError(next(iter(failed.values())))
+        return cls(fit, kept, failed)
 
     @property
     def joints(self) -> list[str]:
@@ -42,7 +69,9 @@ class RobotLogs:
         names = dict.fromkeys(self.fit)
         for logs in self.fit.values():
             for log in logs:
-                names |= dict.fromkeys(log.other_positions)
+                names |= dict.fromkeys(
+                    n for n, q in log.other_positions.items() if np.ptp(q) > _STILL
+                )
         return list(names)
 
     @property
@@ -73,14 +102,15 @@ def read_robot(
     """
     files = held_out if not isinstance(held_out, float | int) else []
     names = joints or joints_to_explain([*logs, *files], compile_model(model))
-    found = {}
-    for joint in names:
+
+    def read(joint: str) -> tuple[list[JointLog], list[JointLog]]:
         whole, kept = ([read_log(path, joint) for path in paths] for paths in (logs, files))
         if isinstance(held_out, float | int):
             pairs = [split_in_time(log, held_out) for log in whole]
             whole, kept = [a for a, _ in pairs], [b for _, b in pairs]
-        found[joint] = (whole, kept)
-    return RobotLogs.of(found)
+        return whole, kept
+
+    return RobotLogs.read(names, read)
 
 
 def joints_to_explain(

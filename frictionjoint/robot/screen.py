@@ -20,6 +20,8 @@ from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
 # fraction of a joint's squares that an effect of its own must explain to contend
 _LITTLE = 0.02
 _DEPENDENT = 1e-6
+# norm of a column over the largest one's, below which it is the rounding of a difference
+_NOTHING = 1e-8
 
 
 @dataclass(frozen=True)
@@ -157,13 +159,17 @@ def _screen(
     grams = []
     acts: dict[int, list[str]] = {}
     for joint, x, norm in zip(joints, parts, norms, strict=True):
-        at = np.flatnonzero(norm > 0.0)
+        at = np.flatnonzero(norm > _NOTHING * norm.max())
         for k in at:
             acts.setdefault(int(k), []).append(joint.name)
         grams.append(_gram(joint, x, at, clock))
-    stack = Stack(grams, clock, size)
-    sets = []
     numbers = [*found.numbers, *(c.start for c in causes)]
+    precision, pull = np.zeros(size), np.zeros(size)
+    for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
+        precision[at] = cause.prior**-2.0
+        pull[at] = -precision[at] * x
+    stack = Stack(grams, clock, precision, pull)
+    sets = []
     for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
         where = {name for k in at for name in acts.get(int(k), [])}
         named = tuple(j.name for j in joints if j.name in where)

@@ -16,7 +16,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Candidate, Found, Screened, screen
-from frictionjoint.robot.stack import Columns
+from frictionjoint.robot.stack import Columns, roots
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -25,6 +25,9 @@ Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
 _MOST_STEPS = 6
 # fraction of the squares left that a step must take away to be followed by another one
 _SETTLED = 1e-3
+# of the largest eigenvalue, below which a direction of the numbers is not determined, and its part
+# in a number from which on that is not
+_DETERMINED, _OPEN = 1e-8, 1e-4
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,8 @@ class Settled:
 
     Attributes:
         found: the causes. joints: with their laws fitted under them. clock: their blocks.
-        covariance: of each cause's numbers, by sums over blocks of time, (k, k).
+        covariance: of each cause's numbers, by sums over blocks of time, (k, k); infinite where
+            the logs do not determine a number.
     """
 
     found: Found
@@ -69,7 +73,7 @@ def settle(
         if _cost(trial, now) > 1.0:
             break
         found, now, seen = stepped, trial, after
-    return Settled(found, now, seen.stack.clock, _covariances(seen, beside))
+    return Settled(found, now, seen.stack.clock, _covariances(seen))
 
 
 def _refitted(
@@ -102,13 +106,9 @@ def _stepped(found: Found, seen: Screened) -> tuple[Found, float]:
     own = _all([c.at for c in seen.taken])
     also = _all([c.at for c in seen.candidates])
     at = np.concatenate([own, also])
-    x = np.concatenate(found.numbers)
     low, high = (np.concatenate([c.room[:, k] for c in seen.taken]) for k in (0, 1))
-    precision = np.concatenate([c.prior for c in found.causes]) ** -2.0
     G = seen.stack.total
-    A, b = G[np.ix_(at, at)].copy(), G[at, -1].copy()
-    A[np.arange(len(own)), np.arange(len(own))] += precision
-    b[: len(own)] -= precision * x
+    A, b = G[np.ix_(at, at)], G[at, -1]
     free = np.full(len(also), np.inf)
     step = _bounded(A, b, np.concatenate([low, -free]), np.concatenate([high, free]))
     # what single joints' effects take does not tell whether the causes have settled
@@ -124,7 +124,7 @@ def _stepped(found: Found, seen: Screened) -> tuple[Found, float]:
 
 def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
     """Least squares by normal equations between bounds."""
-    scale = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    scale = roots(A)
     values, vectors = np.linalg.eigh(A / np.outer(scale, scale))
     kept = values > 1e-10 * values[-1]
     root = np.sqrt(values[kept])
@@ -136,17 +136,21 @@ def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
     return np.asarray(np.clip(found.x / scale, low, high))
 
 
-def _covariances(seen: Screened, beside: frozenset[str]) -> tuple[Array, ...]:
+def _covariances(seen: Screened) -> tuple[Array, ...]:
     """Of each cause's numbers: blocks of time are independent, samples are not."""
     own = [c.at for c in seen.taken]
     at = _all([*own, *(c.at for c in seen.candidates)])
-    G = seen.stack.total[np.ix_(at, at)]
-    scale = np.sqrt(np.maximum(np.diag(G), 1e-300))
-    inverse = np.linalg.pinv(G / np.outer(scale, scale), rcond=1e-10, hermitian=True)
+    G = seen.stack.presumed_apart(at)
+    scale = roots(G)
+    values, vectors = np.linalg.eigh(G / np.outer(scale, scale))
+    told = values > _DETERMINED * values[-1]
+    inverse = (vectors[:, told] / values[told]) @ vectors[:, told].T
     scores = seen.stack.scores(at, np.zeros(0, dtype=np.int64)) / scale
     blocks = len(scores)
     spread = scores.T @ scores * blocks / max(1, blocks - len(at))
     cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
+    open_ones = np.sum(vectors[:, ~told] ** 2, axis=1) > _OPEN
+    cov[open_ones, open_ones] = np.inf
     ends = np.cumsum([0, *(len(a) for a in own)])
     return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.corrections import Corrections
@@ -40,6 +41,8 @@ def shared_causes(
 ) -> Shared:
     """Run the search.
 
+    Joints whose torque is known only up to a gain that their logs do not determine take no part.
+
     Args:
         joints: with their laws fitted under the model as it is. moving: joints whose motion the
             logs hold. each: a `map`, perhaps of processes.
@@ -48,9 +51,12 @@ def shared_causes(
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
-    causes = catalogue(model, [j.name for j in joints], moving)
     none = Found(Corrections.none(model))
-    now = settle(joints, none, each)
+    known = [j for j in joints if scale_is_determined(j.prepared, j.fit)]
+    if not known:
+        return Shared(settle(joints, none, each), ())
+    causes = catalogue(model, [j.name for j in known], moving)
+    now = settle(known, none, each)
     choices: list[Choice] = []
     beside: frozenset[str] = frozenset()
     for turn in range(1, _MOST_ROUNDS + 1):

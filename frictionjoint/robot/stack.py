@@ -19,6 +19,8 @@ Columns = NDArray[np.int64]
 
 FLIPS = 999
 _RCOND = 1e-8
+# part of a column, below which nothing is left of it
+_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,10 @@ def joint_gram(
     """
     base, _ = np.linalg.qr(law / lengths(law))
     U = np.column_stack([columns[:, at], residual])
+    before = np.linalg.norm(U, axis=0)
     U -= base @ (base.T @ U)
+    # what the law explains whole leaves rounding
+    U[:, np.linalg.norm(U, axis=0) < _ROUNDING * before] = 0.0
     grams = np.zeros((blocks, U.shape[1], U.shape[1]))
     order = np.argsort(of_block, kind="stable")
     edges = np.searchsorted(of_block[order], np.arange(blocks + 1))
@@ -66,13 +71,18 @@ class Stack:
     """All joints' Gram matrices.
 
     Args:
-        joints: one each. clock: the blocks. size: columns of the stack.
+        joints: one each. clock: the blocks.
+        precision: of what is presumed of each column's coefficient, shape (size,), 0 for nothing.
+        pull: precision times what is presumed of it, shape (size,).
     """
 
-    def __init__(self, joints: Sequence[JointGram], clock: Clock, size: int) -> None:
+    def __init__(
+        self, joints: Sequence[JointGram], clock: Clock, precision: Array, pull: Array
+    ) -> None:
         self.joints = tuple(joints)
         self.clock = clock
-        self.size = size
+        self.precision, self.pull = precision, pull
+        self.size = len(precision)
         self.squares = np.array([j.grams[:, -1, -1] for j in joints])
         self.folds = np.unique(clock.fold)
         self.outside = [self._sum(clock.fold != fold) for fold in self.folds]
@@ -84,6 +94,10 @@ class Stack:
         for joint in self.joints:
             at = np.append(joint.columns, self.size)
             G[np.ix_(at, at)] += joint.grams[blocks].sum(axis=0)
+        columns = np.arange(self.size)
+        G[columns, columns] += self.precision
+        G[-1, :-1] += self.pull
+        G[:-1, -1] += self.pull
         return G
 
     def restored(self, at: Columns, x: Array) -> "Stack":
@@ -94,7 +108,9 @@ class Stack:
             T = np.eye(len(joint.columns) + 1)
             T[own, -1] = weights
             joints.append(replace(joint, grams=T.T @ joint.grams @ T))
-        return Stack(joints, self.clock, self.size)
+        pull = self.pull.copy()
+        pull[at] += self.precision[at] * x
+        return Stack(joints, self.clock, self.precision, pull)
 
     def held_out(self, at: Columns) -> Array:
         """Squares of each joint and block under coefficients fitted without its fold, (J, B)."""
@@ -114,12 +130,20 @@ class Stack:
         """Coefficients of columns fitted to all that is left, shape (k,)."""
         return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
 
+    def presumed_apart(self, at: Columns) -> Array:
+        """Gram matrix of columns by the logs alone, without what is presumed, (k, k)."""
+        G: Array = self.total[np.ix_(at, at)].copy()
+        G[np.arange(len(at)), np.arange(len(at))] -= self.precision[at]
+        return G
+
     def scores(self, at: Columns, known: Columns) -> Array:
         """Score of each block for columns, with others known, summed over joints, (B, k)."""
         G = self.total
         inner = G[np.ix_(known, known)]
         beta = least_squares(inner, G[known, -1])
-        through = np.linalg.pinv(inner, rcond=_RCOND, hermitian=True) @ G[np.ix_(known, at)]
+        scale = roots(inner)
+        inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
+        through = (inverse @ (G[np.ix_(known, at)] / scale[:, None])) / scale[:, None]
         both = np.concatenate([known, at])
         slopes = np.vstack([-through, np.eye(len(at))])
         found = np.zeros((self.clock.count, len(both)))
@@ -142,7 +166,7 @@ class Stack:
 def surprises(scores: Array, signs: Array) -> Array:
     """How far out the sum of a candidate's scores is under each row of signs, in nats, (rows,)."""
     spread = scores.T @ scores
-    scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
+    scale = roots(spread)
     unit = spread / np.outer(scale, scale)
     inverse = np.linalg.pinv(unit, rcond=1e-9, hermitian=True)
     s = (signs @ scores) / scale
@@ -154,6 +178,12 @@ def least_squares(A: Array, b: Array) -> Array:
     """Solution of normal equations, the shortest where they are singular."""
     if not len(b):
         return b
-    scale = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    scale = roots(A)
     inverse = np.linalg.pinv(A / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
     return np.asarray(inverse @ (b / scale) / scale)
+
+
+def roots(A: Array) -> Array:
+    """Of a Gram matrix's diagonal, 1 where a column is zero, shape (k,)."""
+    diagonal = np.diag(A)
+    return np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
-from numba import set_num_threads
+from numba import config
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -45,4 +45,4 @@ def _begin() -> None:
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends them
-    set_num_threads(1)
+    config.NUMBA_NUM_THREADS = 1  # type: ignore[attr-defined]

@@ -10,7 +10,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import FREE
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.inertia import NAMES, UNITS, about_centre, of_body, of_pseudo, pseudo
 
@@ -19,6 +18,8 @@ _SIZES: dict[Form, int] = {"mass": 1, "mass and centre": 4, "all ten": 10}
 # standard deviation of the relative change of each entry of T: what the logs do not determine
 # stays near the model's own figures
 _PRESUMED = 1.0
+# beyond it, a factor of twenty in mass, it is another body
+_FURTHEST = 3.0
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,10 @@ class BodyInertia:
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
-        return (FREE,) * _SIZES[self.form]
+        found = [(-_FURTHEST, _FURTHEST)] * _SIZES[self.form]
+        if self.form == "mass and centre":
+            found[1:] = [(-_FURTHEST * self.size, _FURTHEST * self.size)] * 3
+        return tuple(found)
 
     @property
     def prior(self) -> Array:

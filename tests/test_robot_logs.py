@@ -1,0 +1,74 @@
+"""Logs of a whole robot: which joints are explained, and one that cannot be read stops no other."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.report_data import Rms
+from frictionjoint.errors import LogError
+from frictionjoint.measured.readers import joints_with_drive
+from frictionjoint.report.write_robot import page_names
+from frictionjoint.robot.logs import joints_to_explain, read_robot
+from frictionjoint.robot.report_data import mean_percent
+from tests.arms.arm import random_arm
+
+COLUMNS = {
+    "j1": ("position_rad", "torque_nm"),
+    "j2": ("position_rad", "torque_nm"),
+    "j3": ("position_rad",),
+}
+
+
+def write(path, still: str = "", columns=COLUMNS) -> str:
+    time = np.arange(0.0, 2.0, 0.01)
+    table = {"time_s": time}
+    for i, (joint, names) in enumerate(columns.items()):
+        for name in names:
+            x = np.sin((i + 1.0) * time)
+            table[f"{joint}.{name}"] = 0.0 * x if joint == still and "position" in name else x
+    np.savetxt(
+        path, np.column_stack(list(table.values())), delimiter=",", header=",".join(table),
+        comments="",
+    )  # fmt: skip
+    return str(path)
+
+
+@pytest.fixture
+def model() -> str:
+    return random_arm(1, 3).believed
+
+
+def test_all_joints_with_a_drive_are_explained(tmp_path, model):
+    log = write(tmp_path / "a.csv")
+    assert joints_with_drive(log) == ["j1", "j2"]
+    assert joints_to_explain([log], mujoco.MjModel.from_xml_string(model)) == ["j1", "j2"]
+    logs = read_robot([log], model)
+    assert logs.joints == ["j1", "j2"]
+    assert set(logs.moving) == {"j1", "j2", "j3"}
+    assert [entry.role for entry in logs.entries] == ["fit", "held-out"]
+
+
+def test_a_joint_that_stands_still_stops_no_other(tmp_path, model):
+    log = write(tmp_path / "a.csv", still="j2")
+    logs = read_robot([log], model)
+    assert logs.joints == ["j1"]
+    assert set(logs.failed) == {"j2"}
+    assert "j2" not in logs.moving
+
+
+def test_a_log_of_no_joint_of_the_model_is_refused(tmp_path, model):
+    log = write(tmp_path / "a.csv", columns={"elbow": COLUMNS["j1"]})
+    with pytest.raises(LogError, match=r"elbow.*j1"):
+        read_robot([log], model)
+
+
+def test_errors_are_averaged_over_joints_in_per_cent():
+    found = mean_percent([(Rms(0.1, 0.2), 1.0), (Rms(3.0, None), 10.0)])
+    assert found.fit == pytest.approx(20.0)
+    assert found.held_out == pytest.approx(20.0)
+
+
+def test_pages_have_names_of_their_own():
+    names = page_names(["a/b", "a b", "ok"])
+    assert len(set(names.values())) == 3
+    assert all("/" not in x and " " not in x for x in names.values())
