@@ -22,9 +22,14 @@ _U_SATURATED = 37.0
 # less than one Newton solution.
 _SMALL_STEP = 0.05
 _SMALL = 8 * _SMALL_STEP
-# A Taylor step of sixth order of n*a and of a/r below these is exact to about 1e-11, and takes one
-# power.
+# A Taylor step of sixth order of n*a and of a/r below these is exact to 1e-11, with one power.
 _TAYLOR_STEP, _TAYLOR_PART = 0.1, 0.05
+_MOST_TAYLOR_STEPS, _THIRD, _SIXTH = 4, 1.0 / 3.0, 1.0 / 6.0
+# As far above 1 a Taylor step does as well.
+_ABOVE = 1.02
+# Nearer to 1 than this a power of r is two terms of its binomial series, and the flow has a closed
+# form, to 1e-14.
+_NEAR = 1e-5
 _ORDER = 8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_ORDER)
 _X = tuple(float(x) for x in _NODES)
@@ -48,6 +53,9 @@ def power(r: float, n: float) -> float:
 @njit(cache=True, inline="always")
 def rate(r: float, n: float) -> float:
     """dz/dx = 1 - sgn(r) |r|**n."""
+    short = 1.0 - r
+    if abs(short) < _NEAR:
+        return n * short * (1.0 - 0.5 * (n - 1.0) * short)
     return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
 
 
@@ -277,30 +285,44 @@ def _advance_small(r: float, a: float, n: float) -> float:
 
 
 @compiled
+def _advance_near_one(r: float, a: float, n: float) -> float:
+    """r after the displacement a from next to 1, where e = 1 - r has e' = -n e + n (n-1)/2 e^2."""
+    e = 1.0 - r
+    fallen = math.exp(-n * a)
+    return 1.0 - e * fallen / (1.0 - 0.5 * (n - 1.0) * e * (1.0 - fallen))
+
+
+@njit(cache=True, inline="always")
+def _taylor_steps(r: float, a: float, n: float) -> int:
+    """Steps that a small displacement from r > 0 takes."""
+    return 1 + int(max(n * a / _TAYLOR_STEP, a / (_TAYLOR_PART * r)))
+
+
+@compiled
 def _advance_by_taylor(r: float, a: float, n: float) -> float:
-    """r after a small displacement from 0 < r < 1: the series of r and of w = r**n side by side.
+    """r after a small displacement from r > 0: the series of r and of w = r**n side by side.
 
     From w' r = n w r' the coefficients of w follow by recurrence (Knuth, 4.7), so that each step
     costs one power.
     """
-    steps = 1 + int(max(n * a / _TAYLOR_STEP, a / (_TAYLOR_PART * r)))
+    steps = _taylor_steps(r, a, n)
     h = a / float(steps)
     for _ in range(steps):
         q = 1.0 / r
         w0 = float(r**n)
         r1 = 1.0 - w0
         w1 = q * n * r1 * w0
-        r2 = -w1 / 2.0
-        w2 = q / 2.0 * ((n - 1.0) * r1 * w1 + 2.0 * n * r2 * w0)
-        r3 = -w2 / 3.0
-        w3 = q / 3.0 * ((n - 2.0) * r1 * w2 + (2.0 * n - 1.0) * r2 * w1 + 3.0 * n * r3 * w0)
-        r4 = -w3 / 4.0
+        r2 = -0.5 * w1
+        w2 = 0.5 * q * ((n - 1.0) * r1 * w1 + 2.0 * n * r2 * w0)
+        r3 = -_THIRD * w2
+        w3 = _THIRD * q * ((n - 2.0) * r1 * w2 + (2.0 * n - 1.0) * r2 * w1 + 3.0 * n * r3 * w0)
+        r4 = -0.25 * w3
         w4 = (n - 3.0) * r1 * w3 + (2.0 * n - 2.0) * r2 * w2
-        w4 = q / 4.0 * (w4 + (3.0 * n - 1.0) * r3 * w1 + 4.0 * n * r4 * w0)
-        r5 = -w4 / 5.0
+        w4 = 0.25 * q * (w4 + (3.0 * n - 1.0) * r3 * w1 + 4.0 * n * r4 * w0)
+        r5 = -0.2 * w4
         w5 = (n - 4.0) * r1 * w4 + (2.0 * n - 3.0) * r2 * w3 + (3.0 * n - 2.0) * r3 * w2
-        w5 = q / 5.0 * (w5 + (4.0 * n - 1.0) * r4 * w1 + 5.0 * n * r5 * w0)
-        r += h * (r1 + h * (r2 + h * (r3 + h * (r4 + h * (r5 - h * w5 / 6.0)))))
+        w5 = 0.2 * q * (w5 + (4.0 * n - 1.0) * r4 * w1 + 5.0 * n * r5 * w0)
+        r += h * (r1 + h * (r2 + h * (r3 + h * (r4 + h * (r5 - h * _SIXTH * w5)))))
     return r
 
 
@@ -314,9 +336,16 @@ def any_advance(r: float, a: float, n: float) -> float:
         r, a = 0.0, a - to_zero
     if r == 1.0:
         return 1.0
+    if abs(1.0 - r) < _NEAR:
+        return _advance_near_one(r, a, n)
+    # S that falls leaves r a bit above 1
+    if 1.0 < r < _ABOVE and n * a < _SMALL:
+        return _advance_by_taylor(r, a, n)
     if r < 1.0 and n * a < _SMALL:
         # powers 3 and 4 cost nothing; r**n is not smooth at 0 for small n, which both ways need
-        if r > 0.1 and n != 3.0 and n != 4.0:
+        if n == 3.0 or n == 4.0:
+            return _advance_small(r, a, n)
+        if r > 0.01 and _taylor_steps(r, a, n) <= _MOST_TAYLOR_STEPS:
             return _advance_by_taylor(r, a, n)
         if n >= 3.0:
             return _advance_small(r, a, n)
