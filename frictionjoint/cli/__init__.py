@@ -36,6 +36,7 @@ from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
+from frictionjoint.cli.sample import sample
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.laws import LAWS
@@ -301,6 +302,7 @@ def identify(
 
 
 app.command()(compare)
+app.command()(sample)
 
 
 for command in (install, uninstall, check, view, export):
