@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
-from frictionjoint.diagnose.drive import look_at_drive
+from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
@@ -156,7 +156,7 @@ def _of_drive(state: _State, rng: np.random.Generator) -> list[str]:
     gain = score.gain(found.now)
     row = found.look.rows[0]
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
-    if not enough or score.moved(found.now) < DISCREPANCY:
+    if not enough or of_drive(score, found.now) < LEAST_OF_DRIVE:
         return []
     near = [
         other.name
