@@ -192,6 +192,8 @@ def close_loop_command(
     if joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
         robot = models_of(model)
+        if controller or refine:
+            raise ModelError("--controller and --refine are for one joint: name it with --joint")
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
