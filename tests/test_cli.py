@@ -157,6 +157,7 @@ COMMANDS = (
     "close-loop",
     "identify",
     "compare",
+    "sample",
     "install",
     "uninstall",
     "check",

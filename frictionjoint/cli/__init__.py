@@ -36,6 +36,7 @@ from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
+from frictionjoint.cli.sample import sample
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.laws import LAWS
@@ -191,6 +192,8 @@ def close_loop_command(
     if joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
         robot = models_of(model)
+        if controller or refine:
+            raise ModelError("--controller and --refine are for one joint: name it with --joint")
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
@@ -301,6 +304,7 @@ def identify(
 
 
 app.command()(compare)
+app.command()(sample)
 
 
 for command in (install, uninstall, check, view, export):

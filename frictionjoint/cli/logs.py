@@ -77,10 +77,10 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     """An MJCF, or one by a pattern of the names of logs.
 
     Raises:
-        ModelError: several without a pattern.
+        ModelError: some with a pattern and some without.
     """
-    if len(model) == 1 and "=" not in model[0]:
-        return model[0]
+    if not any("=" in text for text in model):
+        return model[-1]  # as any option given twice
     found = {}
     for text in model:
         pattern, equals, path = text.partition("=")

@@ -18,7 +18,13 @@ from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.notes import DIVERGES, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
-from frictionjoint.diagnose.replay import Replay, friction_spec, replay, replayed_whole
+from frictionjoint.diagnose.replay import (
+    Replay,
+    friction_spec,
+    replay,
+    replayed_whole,
+    simulated_effects,
+)
 from frictionjoint.diagnose.report_data import (
     Added,
     Curve,
@@ -47,6 +53,7 @@ from frictionjoint.identify.result import (
     term_estimates,
     units_of,
 )
+from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import IN_MOTION, Prediction, predict
@@ -57,7 +64,11 @@ from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.model_text import model_text
+from frictionjoint.refine.posterior import Posterior
+from frictionjoint.refine.refine import Refined
 from frictionjoint.refine.refine import refine as refined_by
+from frictionjoint.refine.vector import Vector
+from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.threads import one_thread
 
 # length of the blocks of an rms's interval, s
@@ -159,7 +170,7 @@ def explain(
     left = errors_of(moving, found.final)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     cov = stated_covariance(moving, found.final)
-    loops, refined, best = None, None, found.final
+    loops, refined, outcome, best = None, None, None, found.final
     if controller and scaled:
         progress("closed loop")
         loops = Loops.of(((logs, mine), (held_out, theirs)), controller)
@@ -219,6 +230,7 @@ def explain(
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
         closed_loops=loops.errors((found.base, found.final)) if loops else None,
         refined=refined,
+        posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
         controller=found_controller(controller, best) if controller else None,
     )
     return report, found
@@ -241,6 +253,22 @@ def _entry(log: JointLog, role: Role) -> LogEntry:
 
 def _read(log: LogLike, joint: str) -> JointLog:
     return log if isinstance(log, JointLog) else read_log(log, joint)
+
+
+def _posterior(
+    prepared: Prepared, fitted: Fit, cov: Array, body: RigidBody, refined: Refined | None
+) -> Posterior:
+    """Of the model that is the result."""
+    vector = Vector(prepared, fitted, cov, body.armature)
+    values, spread = vector.start, vector.covariance(cov)
+    if refined and refined.taken:
+        vector, values, spread = refined.vector, refined.values, refined.cov
+
+    def made(x: Array) -> JointFriction:
+        one = vector.fit(x)
+        return JointFriction(law_parameters(one), tuple(simulated_effects(one)))
+
+    return Posterior.of(values, spread, made)
 
 
 def _check_refinable(controller: Controller | None, logs: Sequence[JointLog]) -> None:

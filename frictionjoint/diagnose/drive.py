@@ -23,6 +23,9 @@ from frictionjoint.threads import side_by_side
 # samples of the coarse fits, steps of each; effects that are fitted to all samples
 _COARSE, _STEPS, _LEADERS, _FINE_STEPS = 1500, 6, 3, 8
 _FLIPS, _HALVES = 999, 50
+# torque that an effect of the drive must move, over that of the whole drive: what is smaller is as
+# likely an error of the friction law, which a dead band resembles
+LEAST_OF_DRIVE = 0.02
 
 
 class Driven(NamedTuple):
@@ -36,6 +39,13 @@ class Driven(NamedTuple):
     look: Look
     tried: tuple[tuple[DriveTerm, Scored], ...]
     now: Scored
+
+
+def of_drive(score: Scored, now: Scored) -> float:
+    """rms of the torque by which a model is nearer than the present one, over the drive's."""
+    f = score.fit
+    nearer = max(0.0, now.total - score.total) / len(f.residual)
+    return float(np.sqrt(nearer)) * f.scale / f.target_rms
 
 
 def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:

@@ -10,8 +10,11 @@ from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
 from frictionjoint.diagnose.rms import Rms
+from frictionjoint.errors import ParameterError
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameters import Friction
+from frictionjoint.refine.posterior import Posterior
+from frictionjoint.simulate.carrier import JointFriction
 
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
@@ -125,7 +128,8 @@ class Report:
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
     page. `closed_loops`, before and after by the balance, and the controller as it was found are
-    None where none was given, `refined` where it was not asked for. Intervals are of the rms before
+    None where none was given, `refined` where it was not asked for; `posterior` is None where the
+    logs determine no scale. Intervals are of the rms before
     and after, at 95%, on held-out logs where there are any.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, there is no
@@ -160,11 +164,22 @@ class Report:
     closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
     refined: RefinedModel | None = None
     controller: Controller | None = None
+    posterior: Posterior | None = field(default=None, repr=False)
 
     @property
     def changed(self) -> bool:
         """Whether the result is another model than the base fit: effects added, or another law."""
         return bool(self.added) or self.laws[0].law != self.laws[1].law
+
+    def samples(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
+        """Parameter sets drawn from how sure the result is, for `frictionjoint.install`.
+
+        Raises:
+            ParameterError: the logs do not determine a scale; not at least one sample.
+        """
+        if self.posterior is None:
+            raise ParameterError("no samples: the logs do not determine the friction's scale")
+        return self.posterior.sample(n, seed)
 
     def _closed_loop(self, which: int) -> dict[str, Any]:
         """Of the model before (0) or after (1); nothing where no controller is known."""
@@ -218,6 +233,7 @@ class Report:
                 **self._closed_loop(1),
             },
             **({"refined": self._refined()} if self.refined else {}),
+            **({"posterior": self.posterior.to_dict()} if self.posterior else {}),
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
             "proposals": list(self.proposals),

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
-from frictionjoint.diagnose.drive import look_at_drive
+from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
@@ -130,14 +130,18 @@ def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tupl
 
 def _step(state: _State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
+    effects = state.fit.effects
+    early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
+    # the motor's own, then what its controller does to the drive, then the rest
+    taken = _of_drive(state, rng) if effects and early else []
+    if taken:
+        return taken
     blocks = make_blocks(state.prepared, state.fit)
     candidates = library(state.prepared, state.fit, blocks)
-    first = [c for c in candidates if c.comes_first] if not state.fit.effects else []
-    early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in state.fit.effects)
-    # the motor's own, then what its controller does to the drive, then the rest
+    first = [c for c in candidates if c.comes_first] if not effects else []
     return (
         (_taken(state, blocks, first, rng) if first else [])
-        or (_of_drive(state, rng) if early else [])
+        or (_of_drive(state, rng) if not effects else [])
         or _taken(state, blocks, candidates, rng)
         or (_of_drive(state, rng) if not early else [])
     )
@@ -152,7 +156,7 @@ def _of_drive(state: _State, rng: np.random.Generator) -> list[str]:
     gain = score.gain(found.now)
     row = found.look.rows[0]
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
-    if not enough or score.moved(found.now) < DISCREPANCY:
+    if not enough or of_drive(score, found.now) < LEAST_OF_DRIVE:
         return []
     near = [
         other.name

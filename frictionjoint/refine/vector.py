@@ -92,6 +92,20 @@ class Vector:
                 high.append(most)
         return np.array(low), np.array(high)
 
+    def covariance(self, cov: Array) -> Array:
+        """That of a fit's own parameters in the order and units of this vector, shape (p, p).
+
+        What the logs say nothing of stays where it is.
+        """
+        scale = np.ones(len(cov))
+        scale[: self.layout.linear.stop] = self.fitted.gain
+        if self.has_gain:
+            scale[0] = 1.0 / abs(self.fitted.beta[0])
+        silent = ~np.isfinite(np.diag(cov))
+        found = np.where(np.isfinite(cov), cov, 0.0) * np.outer(scale, scale)
+        found[silent] = found[:, silent] = 0.0
+        return np.asarray(found)
+
     def fit(self, x: Array) -> Fit:
         """The model at a point; residual and jacobian stay those of the balance."""
         f, k = self.fitted, int(self.has_gain)

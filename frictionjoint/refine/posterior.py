@@ -1,0 +1,153 @@
+"""How sure a model is, as parameter sets to draw: for training under every joint it could be.
+
+A posterior is kept of the numbers of a parameter file, not of those a fit searches: a report alone
+is enough to draw from it. Numbers that are never negative are drawn with lognormal spread, a curve
+by its increments, so that every set drawn is a valid one.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ParameterError
+from frictionjoint.files import joint_friction, toml_document
+from frictionjoint.simulate.carrier import JointFriction
+
+# step of a derivative, in standard errors
+_STEP = 0.1
+# standard errors beyond which nothing is drawn, and the largest relative error that is
+_FURTHEST, _LARGEST = 3.0, 0.7
+_PAIRS = ("pos", "neg")
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """A joint distribution of the numbers of a parameter file.
+
+    Attributes:
+        content: of the file at the mean. factor: change of each number with each of r independent
+            standard normal numbers, shape (m, r), in the order of `_numbers`.
+    """
+
+    content: dict[str, Any]
+    factor: Array
+
+    @classmethod
+    def of(cls, values: Array, cov: Array, made: Callable[[Array], JointFriction]) -> "Posterior":
+        """From a fit's numbers, their covariance and the friction that they make."""
+        squares, U = np.linalg.eigh(0.5 * (cov + cov.T))
+        known = np.isfinite(squares) & (squares > 0.0)
+        moves = (U[:, known] * np.sqrt(squares[known])).T
+        columns = []
+        for move in moves:
+            pair = [_numbers(_content(made(values + d * move))) for d in (_STEP, -_STEP)]
+            columns.append((pair[0] - pair[1]) / (2.0 * _STEP))
+        content = _content(made(values))
+        size = len(_numbers(content))
+        return cls(content, np.column_stack(columns) if columns else np.zeros((size, 0)))
+
+    def sample(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
+        """Draw parameter sets, for `install`.
+
+        Raises:
+            ParameterError: not at least one; a negative seed.
+        """
+        if n < 1 or seed < 0:
+            raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
+        rng = np.random.default_rng(seed)
+        mean = _numbers(self.content)
+        positive = _positive(self.content)
+        found = []
+        for _ in range(n):
+            z = np.clip(rng.standard_normal(self.factor.shape[1]), -_FURTHEST, _FURTHEST)
+            step = self.factor @ z
+            safe = np.where(mean != 0.0, mean, 1.0)
+            relative = np.clip(step / safe, -_FURTHEST * _LARGEST, _FURTHEST * _LARGEST)
+            drawn = np.where(positive, mean * np.exp(relative), mean + step)
+            found.append(joint_friction(_with(self.content, drawn)))
+        return tuple(found)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {"parameters": self.content, "factor": self.factor.tolist()}
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> "Posterior":
+        """Inverse of `to_dict`.
+
+        Raises:
+            ParameterError: not such a table.
+        """
+        try:
+            parameters = dict(content["parameters"])
+            factor = np.array(content["factor"], dtype=float)
+            joint_friction(parameters)
+            numbers = len(_numbers(parameters))
+        except (KeyError, TypeError, ValueError) as error:
+            raise ParameterError(f"its posterior cannot be read: {error}") from None
+        if factor.ndim != 2 or len(factor) != numbers:
+            raise ParameterError("its posterior cannot be read: factor is of another shape")
+        return cls(parameters, factor)
+
+
+def _content(friction: JointFriction) -> dict[str, Any]:
+    content: dict[str, Any] = toml_document(friction.parameters, friction.effects).unwrap()
+    return content
+
+
+def _numbers(content: Mapping[str, Any]) -> Array:
+    """All numbers of a parameter file: levels over Coulomb's, curves by increments."""
+    found: list[float] = []
+    for key, x in content.items():
+        if key == "knots":
+            found += list(np.diff(np.array(x), axis=0, prepend=[[0.0, 0.0]]).ravel())
+        elif key == "effects":
+            found += [float(v) for table in x for k, v in table.items() if _is_number(k, v)]
+        elif _is_number(key, x):
+            side = key.rpartition("_")[2]
+            below = content.get(f"Fc_{side}", 0.0) if key.startswith("Fs_") else 0.0
+            found.append(float(x) - float(below))
+    return np.array(found)
+
+
+def _positive(content: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Which of the numbers are never negative."""
+    found: list[bool] = []
+    for key, x in content.items():
+        if key == "knots":
+            found += [True] * (2 * len(x))
+        elif key == "effects":
+            found += [float(v) > 0.0 for table in x for k, v in table.items() if _is_number(k, v)]
+        elif _is_number(key, x):
+            found.append(True)
+    return np.array(found, dtype=bool)
+
+
+def _with(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:
+    """A parameter file with other numbers."""
+    left = iter(float(x) for x in numbers)
+    found: dict[str, Any] = {}
+    for key, x in content.items():
+        if key == "knots":
+            found[key] = np.cumsum([[next(left), next(left)] for _ in x], axis=0).tolist()
+        elif key == "effects":
+            found[key] = [
+                {k: next(left) if _is_number(k, v) else v for k, v in table.items()} for table in x
+            ]
+        else:
+            found[key] = next(left) if _is_number(key, x) else x
+    for side in _PAIRS:
+        if f"Fs_{side}" in found:
+            found[f"Fs_{side}"] += found[f"Fc_{side}"]
+    if "knots" in found:  # the curve goes on to where the levels need it
+        ends = [sum(c[f"Fs_{side}"] for side in _PAIRS) for c in (content, found)]
+        scale = content["knots"][-1][1] / ends[0] * ends[1] / found["knots"][-1][1]
+        found["knots"] = [[z, F * scale] for z, F in found["knots"]]
+    return found
+
+
+def _is_number(key: str, x: Any) -> bool:
+    return isinstance(x, float) and key not in ("n", "form")

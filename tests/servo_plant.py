@@ -1,0 +1,68 @@
+"""A servo in MuJoCo with MuJoCo's own friction, its firmware written here."""
+
+import math
+
+import mujoco
+import numpy as np
+
+from frictionjoint.control import Controller
+from frictionjoint.measured.log import JointLog
+
+PLANT = """<mujoco><option timestep="0.001" integrator="implicitfast"/><compiler angle="radian"/>
+<worldbody><body><joint name="j" axis="0 -1 0" armature="0.01" {}/>
+<inertial pos="0 0 -0.15" mass="0.8" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody></mujoco>"""
+COUNT = 2 * math.pi / 4096
+KT, EMF, SUPPLY = 0.4, 0.9, 12.0
+KNOWN = Controller(output="duty", kp="log:kp", supply_v=SUPPLY, limit=1.0, count_rad=COUNT)
+
+
+def steps(t):
+    return 0.9 * (np.floor(t / 1.1) % 2) - 0.3
+
+
+def sines(t):
+    return 0.7 * np.sin(2.1 * t) + 0.4 * np.sin(6.3 * t)
+
+
+def swept(t):
+    return 0.8 * np.sin(0.9 * t**2)
+
+
+def servo(name, kp, target, hidden, duration=5.0):
+    """A log at 100 Hz; `hidden` is what its firmware does that no file says."""
+    model = mujoco.MjModel.from_xml_string(PLANT.format('frictionloss="0.06" damping="0.03"'))
+    data = mujoco.MjData(model)
+    n = int(duration * 1000)
+    time = 1e-3 * np.arange(n)
+    command = target(0.01 * np.floor(time / 0.01))  # sent a hundred times a second
+    late = round(1000 * hidden.get("delay", 0.0))
+    position, inner = np.empty(n), command[0]
+    for i in range(n):
+        position[i] = round(data.qpos[0] / COUNT) * COUNT
+        wanted = command[max(0, i - late)]
+        way = hidden.get("rate", math.inf) * 1e-3
+        inner += min(way, max(-way, wanted - inner))
+        error = inner - position[i]
+        duty = kp * error
+        if abs(error) < hidden.get("deadband", 0.0):
+            duty = 0.0
+        limit = hidden.get("limit", 1.0)
+        duty = min(limit, max(-limit, duty))
+        if abs(error) > hidden.get("threshold", math.inf):
+            duty *= hidden["left"]
+        data.qfrc_applied[0] = KT * duty * SUPPLY - EMF * data.qvel[0]
+        mujoco.mj_step(model, data)
+    some = slice(0, n, 10)
+    return JointLog(
+        name=name,
+        joint="j",
+        time=time[some],
+        position=position[some],
+        target=command[some],
+        metadata={"kp": kp},
+    )
+
+
+def logs(hidden):
+    motions = (steps, sines, swept)
+    return [servo(f"{m.__name__} {kp}", kp, m, hidden) for kp in (0.8, 3.0) for m in motions]

@@ -1,0 +1,94 @@
+"""Effects of the drive on servos simulated by MuJoCo, their firmware written here."""
+
+import numpy as np
+import pytest
+from servo_plant import KNOWN, PLANT, logs
+
+from frictionjoint.control.block import block_of
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
+from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.fit import ROUGH, refit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.measured.log import JointLog
+
+EMF_TERM = EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf"))
+
+
+def looked(hidden):
+    body = RigidBody(PLANT.format(""), "j")
+    made = logs(hidden)
+    prepared = prepare(made, body, controller=KNOWN)
+    speed = max(float(np.abs(np.gradient(log.position, log.time)).max()) for log in made)
+    law = INTEGRATED[0].grid(speed, 2.0)[2]
+    base = refit(prepared, (EMF_TERM,), law, ROUGH)
+    return made, body, prepared, base, look_at_drive(prepared, base, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "name", "number", "value"),
+    [
+        ({"delay": 0.03}, "command-delay", 0, 0.03),
+        ({"rate": 2.5}, "command-rate", 0, 2.5),
+        ({"limit": 0.4}, "drive-limit", 0, 0.4),
+        ({"threshold": 0.35, "left": 0.3}, "duty-drop", 1, 0.3),
+    ],
+    ids=lambda x: x if isinstance(x, str) else None,
+)
+def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, value):
+    made, body, _, base, found = looked(hidden)
+    assert found is not None
+    term, score = found.tried[0]
+    assert term.name == name
+    assert term.shape[number] == pytest.approx(value, rel=0.1)
+    assert found.look.rows[0].p_value < 0.05
+    assert of_drive(score, found.now) > LEAST_OF_DRIVE
+    # whole logs, simulated from the target alone, come nearer
+    courses = courses_of(made, [body] * len(made), KNOWN)
+    before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
+    assert after < 0.6 * before
+
+
+def test_a_drive_as_its_file_says_asks_for_nothing():
+    _, _, _, _, found = looked({})
+    assert found is not None
+    _, score = found.tried[0]
+    assert of_drive(score, found.now) < LEAST_OF_DRIVE
+
+
+def test_a_measured_drive_is_not_looked_at():
+    made = logs({})[:1]
+    body = RigidBody(PLANT.format(""), "j")
+    made = [JointLog(**{**vars(x), "torque": np.sin(3 * x.time)}) for x in made]
+    prepared = prepare(made, body, controller=KNOWN)
+    base = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 1)
+    assert look_at_drive(prepared, base, np.random.default_rng(0)) is None
+
+
+@pytest.mark.parametrize("effect", DRIVE_EFFECTS, ids=lambda e: f"{e.name} {e.form}")
+def test_the_controller_found_does_what_the_effect_says(effect):
+    log = logs_of_nothing()
+    own = block_of(KNOWN, log)
+    shape = tuple(0.2 + 0.1 * i for i in range(len(effect.shape)))
+    block, delay = effect.drive(own.copy(), 0.0, shape)
+
+    class Fit:
+        terms = (DriveTerm(effect, shape),)
+
+    found = found_controller(KNOWN, Fit)
+    np.testing.assert_array_equal(block_of(found, log), block)
+    assert found.delay_s == delay
+    for text in (effect.cause, effect.form, effect.source, effect.signature):
+        assert text
+    assert effect.separating_motion
+    assert len(effect.shape) == len(effect.shape_units) == len(effect.shape_bounds)
+
+
+def logs_of_nothing():
+    time = np.arange(0.0, 1.0, 0.01)
+    return JointLog(
+        name="log", joint="j", time=time, position=time, target=time, metadata={"kp": 2.0}
+    )

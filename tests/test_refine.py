@@ -1,0 +1,62 @@
+"""Refinement by simulation on servos simulated by MuJoCo."""
+
+import numpy as np
+import pytest
+from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
+
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.fit import ROUGH, refit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.refine import refine
+from frictionjoint.refine.vector import Vector
+
+HIDDEN = {"delay": 0.03}
+TERMS = (
+    EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),
+    DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "command-delay"), (0.02,)),
+)
+
+
+@pytest.fixture(scope="module")
+def case():
+    body = RigidBody(PLANT.format(""), "j")
+    seen = [servo(f"{m.__name__} 3", 3.0, m, HIDDEN, 3.0) for m in (steps, sines, swept)]
+    unseen = [servo("swept 1", 1.0, swept, HIDDEN, 3.0)]
+    prepared = prepare(seen, body, controller=KNOWN)
+    fitted = refit(prepared, TERMS, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
+    courses = courses_of(seen, [body] * 3, KNOWN)
+    other = courses_of(unseen, [body], KNOWN)
+    # a balance that is a sixth off in the motor's constant and a third in the delay
+    vector = Vector(prepared, fitted, cov, body.armature)
+    off = vector.start.copy()
+    off[0] += 0.15
+    off[-2] *= 0.67
+    fitted = vector.fit(off)
+    return fitted, refine(prepared, fitted, cov, courses), other
+
+
+def test_the_refined_model_moves_nearer_on_another_gain(case):
+    fitted, found, other = case
+    assert found.taken
+    assert found.guard[1] < found.guard[0]
+    assert closed_loop(other, found.fit).mae < 0.8 * closed_loop(other, fitted).mae
+
+
+def test_what_is_hidden_is_found_again(case):
+    _, found, _ = case
+    delay = next(t for t in found.fit.terms if t.name == "command-delay").shape[0]
+    late = sum(t.delay for t in found.fit.terms)
+    # a target that acts late and a torque that comes late are alike but for the joint's own motion
+    assert delay + late == pytest.approx(HIDDEN["delay"], rel=0.2)
+
+
+def test_the_covariance_is_one(case):
+    _, found, _ = case
+    assert found.cov.shape == (len(found.values), len(found.values))
+    assert np.linalg.eigvalsh(found.cov).min() > -1e-12
+    assert np.all(np.sqrt(np.diag(found.cov)) <= found.vector.unit * 1.01)
