@@ -5,7 +5,7 @@
 Cases are drawn from `tests/balance_grid`: exact inertia, with or without Coulomb and viscous
 friction, torque noise, counts of an encoder. Each goes through the whole search. A row states
 
-    residual    left in motion, over what the torque's noise leaves behind the balance's filter
+    residual    left in motion, over what the noises of torque and position leave behind the filter
     inertia, jerk, snap, delay    coefficients over their standard errors
     added       what the search named, which is to be nothing
 """
@@ -79,7 +79,9 @@ def measures(case: Case, prepared: Prepared, base: Fit) -> dict[str, Any]:
     moving = base.weight**2 > IN_MOTION
     f = np.linspace(0.0, 0.5 * case.rate, 8192)
     passed = 1.0 / (1.0 + (f / prepared.band.balance) ** BALANCE_ORDER) ** 2
-    noise = case.noise * np.sqrt(np.mean(passed))
+    corner = prepared.band.balance
+    counts = [s.noise.left(corner, BALANCE_ORDER)[1] for s in prepared.segments]
+    noise = np.sqrt(case.noise**2 * np.mean(passed) + np.mean(counts))
     columns = np.concatenate([_motion(s)[s.kept] for s in prepared.segments])
     blocks = make_blocks(prepared, base).of_sample
     delay = base.layout.numbers(len(base.terms) - 1)

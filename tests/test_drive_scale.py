@@ -82,7 +82,8 @@ def test_a_report_states_all_torques_in_ampere(report: Report) -> None:
     assert report.final["Fc_pos"].value == pytest.approx(FC / KT, rel=0.05)
     assert report.final["sigma2_pos"].unit == "A s/rad"
     assert "gain" not in report.final
-    assert report.after_torque.held_out == pytest.approx(0.01, rel=0.6)
+    # of the noise of 0.01 A what lies in the band
+    assert 0.001 < report.after_torque.held_out < 0.01
     assert "of the measured current) on held-out data" in sentence(report)
     page = render(report, "frictionjoint close-loop log.csv")
     assert "The scale is not determined" in page

@@ -66,29 +66,23 @@ def path_of(signals: Array, resolution: float) -> Path:
 
 
 def _mean(t: Array, grid: Array, fine: Array) -> csr_array:
-    """Means over the half steps next to each sample, by the trapezoidal rule where they are fine.
+    """Means over a step by the trapezoidal rule, where it is fine on both sides of its sample.
 
-    A half step without further points counts as the sample itself.
+    Elsewhere the sample itself.
     """
     n = len(grid)
     own = np.searchsorted(t, grid)
-    rows, columns, weights = [np.arange(n)], [own], [np.zeros(n)]
+    at = np.flatnonzero(np.append(fine, False) & np.append(False, fine))
     half = _POINTS // 2
-    # of a half step from its sample to its middle
-    rule = np.full(half + 1, 1.0 / half)
+    rule = np.full(_POINTS + 1, 1.0 / _POINTS)
     rule[[0, -1]] *= 0.5
-    for side in (-1, 1):
-        inside = np.zeros(n, dtype=bool)
-        if side > 0:
-            inside[:-1] = fine
-        else:
-            inside[1:] = fine
-        at = np.flatnonzero(inside)
-        weights[0][~inside] += 0.5
-        for j, weight in enumerate(rule):
-            rows.append(at)
-            columns.append(own[at] + side * j)
-            weights.append(np.full(len(at), 0.5 * weight))
+    plain = np.ones(n)
+    plain[at] = 0.0
+    rows, columns, weights = [np.arange(n)], [own], [plain]
+    for j, weight in enumerate(rule):
+        rows.append(at)
+        columns.append(own[at] + j - half)
+        weights.append(np.full(len(at), weight))
     return csr_array(
         (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))),
         shape=(n, len(t)),

@@ -41,12 +41,25 @@ class Posterior:
         squares, U = np.linalg.eigh(0.5 * (cov + cov.T))
         known = np.isfinite(squares) & (squares > 0.0)
         moves = (U[:, known] * np.sqrt(squares[known])).T
+        content = _content(made(values))
+        mean = _numbers(content)
+        size = len(mean)
+
+        def reached(x: Array) -> Array | None:
+            """The numbers of a friction, None where it is impossible."""
+            try:
+                return _numbers(_content(made(x)))
+            except ParameterError:
+                return None
+
         columns = []
         for move in moves:
-            pair = [_numbers(_content(made(values + d * move))) for d in (_STEP, -_STEP)]
-            columns.append((pair[0] - pair[1]) / (2.0 * _STEP))
-        content = _content(made(values))
-        size = len(_numbers(content))
+            up, down = (reached(values + d * move) for d in (_STEP, -_STEP))
+            # at the end of a range there is one side alone, in its corner none
+            width = _STEP * ((up is not None) + (down is not None)) or 1.0
+            columns.append(
+                ((mean if up is None else up) - (mean if down is None else down)) / width
+            )
         return cls(content, np.column_stack(columns) if columns else np.zeros((size, 0)))
 
     def sample(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
