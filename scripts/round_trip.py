@@ -18,11 +18,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from tests.plants import motion
-from tests.plants.draw import draw_trial
-from tests.plants.plant import simulate, write
-from tests.plants.spec import PlantSpec
 
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import columns_of, effect_terms, periodic_terms, signals_of
@@ -37,6 +34,10 @@ from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model
+from tests.plants import motion
+from tests.plants.draw import draw_trial
+from tests.plants.plant import simulate, write
+from tests.plants.spec import PlantSpec
 
 # A plant each, by the seed it is drawn from; slow effects need longer logs.
 PLANTS = {
