@@ -8,6 +8,7 @@ measured motion. Limits and contacts are left out.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,51 +154,60 @@ def simulate(
             that motion up to there. None: the whole run is free.
     """
     n = len(run.target)
-    measured = motion if motion is not None else (np.zeros(0), np.zeros(0))
-    position, drive = np.empty(n), np.empty(n)
-    _simulate(
-        model.numbers,
-        model.effects,
-        np.zeros(model.row),
-        run.block,
-        np.zeros(STATE),
-        np.array([model.gain, model.back_emf, model.inertia, model.lag / run.step]),
-        np.ascontiguousarray(run.load.numbers),
-        np.array([run.load.armature, run.load.stiffness, run.load.rest]),
-        run.step,
-        run.target,
-        run.supply,
-        run.on,
-        run.start[0],
-        run.start[1],
-        *measured,
-        window or n,
-        np.zeros(model.row),
-        np.zeros(STATE),
-        position,
-        drive,
+    q, v = motion if motion is not None else (np.zeros(0), np.zeros(0))
+    given = _Given(
+        P=model.numbers,
+        effects=model.effects,
+        B=run.block,
+        motor=np.array([model.gain, model.back_emf, model.inertia, model.lag / run.step]),
+        load=np.ascontiguousarray(run.load.numbers),
+        body=np.array([run.load.armature, run.load.stiffness, run.load.rest]),
+        step=run.step,
+        target=run.target,
+        supply=run.supply,
+        on=run.on,
+        q=q,
+        v=v,
     )
+    X, S, position, drive = np.zeros(model.row), np.zeros(STATE), np.empty(n), np.empty(n)
+    if motion is None:
+        _part(given, X, S, run.start[0], run.start[1], False, 0, n, position, drive)
+    else:
+        _windows(given, X, S, window or n, position, drive)
     return position
+
+
+class _Given(NamedTuple):
+    """What stays the same through a run.
+
+    Attributes:
+        P: block of the law, then of the effects. effects: where those begin.
+        B: block of the controller. motor: gain, back-EMF, inertia and lag, in steps.
+        load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
+        step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
+    """
+
+    P: Array
+    effects: int
+    B: Array
+    motor: Array
+    load: Array
+    body: Array
+    step: float
+    target: Array
+    supply: Array
+    on: NDArray[np.bool_]
+    q: Array
+    v: Array
 
 
 @compiled
 def _part(
-    P: Vector,
-    effects: int,
+    given: _Given,
     X: Array,
-    B: Vector,
     S: Array,
-    motor: Vector,
-    load: Array,
-    body: Vector,
-    h: float,
-    target: Vector,
-    supply: Vector,
-    on: NDArray[np.bool_],
     q: float,
     v: float,
-    q_measured: Vector,
-    v_measured: Vector,
     follow: bool,
     begin: int,
     end: int,
@@ -205,20 +215,24 @@ def _part(
     drive: Vector,
 ) -> None:
     """Steps from `begin` to `end`, free or along the measured motion."""
+    P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
+    motor, on = given.motor, given.on
     gain, emf, extra, lag = motor[0], motor[1], motor[2], motor[3]
     late = int(lag)
     part = lag - late
     some = P[effects] > 0.0
     for k in range(begin, end):
         if follow:
-            q, v = q_measured[k], v_measured[k]
+            q, v = given.q[k], given.v[k]
         i = min(k, load.shape[1] - 1)
         c, s = math.cos(q), math.sin(q)
         # a negative error beyond the armature is not inertia, see `replay.friction_spec`
         inertia = load[INERTIA, i] + max(extra, -body[0])
         bias = load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2])
         position[k] = q
-        drive[k] = tick(B, S, k * h, target[k], q, v, supply[k]) if on[k] else 0.0
+        drive[k] = 0.0
+        if on[k]:
+            drive[k] = tick(given.B, S, k * h, given.target[k], q, v, given.supply[k])
         first = drive[k - late] if k >= late else 0.0
         second = drive[k - late - 1] if k > late else 0.0
         torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
@@ -239,45 +253,14 @@ def _part(
 
 
 @compiled
-def _simulate(
-    P: Vector,
-    effects: int,
-    X: Array,
-    B: Vector,
-    S: Array,
-    motor: Vector,
-    load: Array,
-    body: Vector,
-    h: float,
-    target: Vector,
-    supply: Vector,
-    on: NDArray[np.bool_],
-    q: float,
-    v: float,
-    q_measured: Vector,
-    v_measured: Vector,
-    window: int,
-    X_free: Array,
-    S_free: Array,
-    position: Vector,
-    drive: Vector,
+def _windows(
+    given: _Given, X: Array, S: Array, window: int, position: Vector, drive: Vector
 ) -> None:
-    """Fill `position` and `drive`; X and S follow the measured motion where one is given."""
-    followed = len(q_measured) > 0
-    if followed:
-        along_motion = np.empty(len(target))
-        at = 0
-        while at < len(target):
-            end = min(at + window, len(target))
-            X_free[:] = X
-            S_free[:] = S
-            _part(P, effects, X_free, B, S_free, motor, load, body, h, target, supply, on,
-                  q_measured[at], v_measured[at], q_measured, v_measured, False, at, end,
-                  position, drive)  # fmt: skip
-            _part(P, effects, X, B, S, motor, load, body, h, target, supply, on,
-                  q_measured[at], v_measured[at], q_measured, v_measured, True, at, end,
-                  along_motion, drive)  # fmt: skip
-            at = end
-        return
-    _part(P, effects, X, B, S, motor, load, body, h, target, supply, on,
-          q, v, q_measured, v_measured, False, 0, len(target), position, drive)  # fmt: skip
+    """Steps free from the measured motion in windows; X and S follow that motion between them."""
+    n = len(given.target)
+    along_motion = np.empty(n)
+    for begin in range(0, n, window):
+        end = min(begin + window, n)
+        q, v = given.q[begin], given.v[begin]
+        _part(given, X.copy(), S.copy(), q, v, False, begin, end, position, drive)
+        _part(given, X, S, q, v, True, begin, end, along_motion, drive)
