@@ -25,6 +25,7 @@ from frictionjoint.simulate.carrier import (
     write_parameters,
 )
 from frictionjoint.simulate.motor_demand import saturates
+from frictionjoint.simulate.with_effects import asks_for_load
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be distinguished from repeated ones.
@@ -71,7 +72,10 @@ class WarpFriction:
         self._numbers, self._found = np.array(mjm.numeric_data), found
         numbers = self._numbers
         sizes = [warp_kernel.FRONT + rows_of_block(numbers[at:].tolist()) for at in found.values()]
-        self._effects = any(numbers[at + int(numbers[at + EFFECTS])] > 0 for at in found.values())
+        effects = [at + int(numbers[at + EFFECTS]) for at in found.values()]
+        self._effects = any(numbers[at] > 0 for at in effects)
+        loads = [int(asks_for_load(numbers, at)) for at in effects]
+        self._loaded = max(loads) >= 0
         # what the kernel reads: each block without the pieces that follow it
         lengths = [HEAD + int(numbers[at + COUNT]) for at in found.values()]
         starts = np.cumsum([0, *lengths[:-1]])
@@ -86,6 +90,8 @@ class WarpFriction:
             self.parameters = wp.array(numbers[None, self._read], dtype=wp.float64)
             self._blocks = wp.array(starts, dtype=int)
             self._rows = wp.array(first, dtype=int)
+            self._loads = wp.array(loads, dtype=int)
+            self._moved = wp.zeros((d.nworld, m.nv), dtype=float)
             # worlds side by side: neighbouring threads then read neighbouring numbers
             self.state = wp.zeros((sum(sizes), d.nworld), dtype=wp.float64).transpose()
             self._torque = wp.zeros((d.nworld, len(found)), dtype=float)
@@ -108,9 +114,11 @@ class WarpFriction:
                 "this friction remembers the worlds of another mujoco_warp Data: attach_warp with "
                 "the one that is stepped"
             )
-        if self._effects:
-            # load-dependent effects want this step's bias forces, which come after passive ones
+        if self._loaded:
+            # the load of a gear: this step's bias forces, which come after passive ones, and what
+            # the step before has left, accelerations and constraint forces
             self._mjw.rne(m, d)
+            self._mjw.mul_m(m, d, self._moved, d.qacc)
         self._wp.launch(
             self._friction,
             dim=(d.nworld, len(self.joints)),
@@ -118,6 +126,7 @@ class WarpFriction:
                 self.parameters,
                 self._blocks,
                 self._rows,
+                self._loads,
                 m.opt.timestep,
                 m.M_rowadr,
                 m.M_rownnz,
@@ -130,6 +139,9 @@ class WarpFriction:
                 d.qvel,
                 d.M,
                 d.qfrc_bias,
+                self._moved,
+                d.qacc,
+                d.qfrc_constraint,
                 d.xaxis,
                 d.xmat,
                 self.state,

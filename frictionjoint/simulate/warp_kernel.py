@@ -22,9 +22,9 @@ from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.row import ASTRAY, STARTED, evaluate
+from frictionjoint.simulate.row import ASTRAY, STARTED, T_EVALUATED, evaluate
 from frictionjoint.simulate.warp_source import translate
-from frictionjoint.simulate.with_effects import effects_torque, unit_gravity
+from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
 # the row of `simulate.row`
@@ -47,13 +47,14 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
 
     room = max(room, N_SIGNALS)
     made = translate(
-        [evaluate, effects_torque, unit_gravity] if with_effects else [evaluate],
+        [evaluate, effects_torque, unit_gravity, coupled_load] if with_effects else [evaluate],
         room,
         f"frictionjoint_warp_{room}_{int(with_effects)}",
     )
     joint_torque = made["simulate_row_evaluate"]
     effect_torque = made.get("simulate_with_effects_effects_torque")
     gravity_arms = made.get("simulate_with_effects_unit_gravity")
+    load_of_others = made.get("simulate_with_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
 
@@ -86,6 +87,7 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         numbers: doubles,
         blocks: wp.array(dtype=int),
         rows: wp.array(dtype=int),
+        loads: wp.array(dtype=int),
         timestep: floats,
         rowadr: wp.array(dtype=int),
         rownnz: wp.array(dtype=int),
@@ -98,6 +100,9 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         qvel: wp.array2d(dtype=float),
         mass: wp.array2d(dtype=float),
         bias: wp.array2d(dtype=float),
+        moved: wp.array2d(dtype=float),
+        qacc: wp.array2d(dtype=float),
+        constraint: wp.array2d(dtype=float),
         world_axis: vectors,
         xmat: matrices,
         state: doubles,
@@ -122,6 +127,7 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         J = double(mass[world, rowadr[dof] + rownnz[dof] - 1])
         law = block + HEAD
         effects = block + int(P[block + EFFECTS])
+        later = X[x + FRONT + T_EVALUATED] != t
         F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h, J)
         if wp.static(with_effects):  # noqa: SIM102 - one test is for the compiler
             if P[effects] > double(0.0):
@@ -147,6 +153,12 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
                     0,
                 )
                 b = double(bias[world, dof])
+                if loads[k] >= 0:
+                    others = double(moved[world, dof]) - J * double(qacc[world, dof])
+                    others = others - double(constraint[world, dof])
+                    if others != others:
+                        others = double(0.0)  # left by a state gone astray that was set right
+                    b = b + load_of_others(P, law, X, x + FRONT, loads[k], later, others)
                 geared = J - double(armature[world % armature.shape[0], dof])
                 # no motor that saturates: `attach_warp` refuses it
                 none = double(0.0)
