@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
 from scipy.io import savemat
+from torch_file import torch_file
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog, read_log
@@ -116,6 +117,9 @@ def whole(suffix: str) -> bytes:
     buffer = io.BytesIO()
     if suffix == "npz":
         np.savez(buffer, **table)
+    elif suffix == "pt":
+        two = {name: np.column_stack([x, x]) for name, x in (("dof_pos", t), ("des_dof_pos", t))}
+        torch_file(buffer, {"time": t} | two)
     elif "mat" in suffix:
         savemat(buffer, table, do_compression=suffix == "packed.mat")
     else:
@@ -123,7 +127,7 @@ def whole(suffix: str) -> bytes:
     return buffer.getvalue()
 
 
-WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "packed.mat", "parquet")}
+WHOLE = {suffix: whole(suffix) for suffix in ("npz", "mat", "packed.mat", "parquet", "pt")}
 
 
 @settings(max_examples=EXAMPLES, deadline=None)

@@ -1,5 +1,6 @@
 """Readers of other formats give the log that was written."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -8,9 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.io import savemat
+from torch_file import torch_file
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import read_log
+from frictionjoint.measured.readers import joints_with_drive
 
 T = 0.004 * np.arange(300)
 TABLE = {
@@ -87,28 +90,69 @@ def test_a_slide_and_a_current(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.current, TABLE["tau"])
 
 
-def write_bag(path: Path, plugin: str, effort: bool = True, stamped: bool = True) -> Path:
-    """A ROS 2 bag of two joints; returns its folder."""
+CONTROLLER_STATE_NAME = "control_msgs/msg/JointTrajectoryControllerState"
+CONTROLLER_STATE = """std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint reference
+trajectory_msgs/JointTrajectoryPoint feedback
+"""
+
+
+def write_bag(
+    path: Path, plugin: str, effort: bool = True, stamped: bool = True, command: str = ""
+) -> Path:
+    """A ROS 2 bag of two joints, with commands of a type; returns its folder."""
     rosbag2 = pytest.importorskip("rosbags.rosbag2", reason="reading bags needs rosbags")
-    from rosbags.typesys import Stores, get_typestore
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg(CONTROLLER_STATE, CONTROLLER_STATE_NAME))
     kinds = SimpleNamespace(**{k.rpartition("/")[2]: v for k, v in store.types.items()})
     storage = rosbag2.StoragePlugin.MCAP if plugin == "mcap" else rosbag2.StoragePlugin.SQLITE3
+
+    def header(recorded: int) -> object:
+        stamp = divmod(recorded, 1_000_000_000) if stamped else (0, 0)
+        return kinds.Header(stamp=kinds.Time(sec=stamp[0], nanosec=stamp[1]), frame_id="")
+
+    def joint_state(recorded: int, position: np.ndarray, torque: np.ndarray) -> object:
+        return kinds.JointState(
+            header=header(recorded),
+            name=["elbow", "wrist"],
+            position=position,
+            velocity=np.zeros(0),
+            effort=torque,
+        )
+
+    def controller_state(recorded: int, target: np.ndarray) -> object:
+        def point(x: np.ndarray) -> object:
+            none, zero = np.zeros(0), kinds.Duration(sec=0, nanosec=0)
+            return kinds.JointTrajectoryPoint(
+                positions=x, velocities=none, accelerations=none, effort=none, time_from_start=zero
+            )
+
+        names = ["wrist", "elbow"]
+        points = {"reference": point(target[::-1].copy()), "feedback": point(np.zeros(2))}
+        return kinds.JointTrajectoryControllerState(
+            header=header(recorded), joint_names=names, **points
+        )
+
     with rosbag2.Writer(path, version=9, storage_plugin=storage) as writer:
         connection = writer.add_connection("/arm", kinds.JointState.__msgtype__, typestore=store)
+        told = kinds.JointState if command == "JointState" else kinds.JointTrajectoryControllerState
+        commands = command and writer.add_connection("/told", told.__msgtype__, typestore=store)
         for i in range(len(T)):
             recorded = 1_700_000_000_000_000_000 + 4_000_000 * i
-            stamp = divmod(recorded, 1_000_000_000) if stamped else (0, 0)
-            message = kinds.JointState(
-                header=kinds.Header(stamp=kinds.Time(sec=stamp[0], nanosec=stamp[1]), frame_id=""),
-                name=["elbow", "wrist"],
-                position=np.array([TABLE["q"][i], 0.1]),
-                velocity=np.zeros(0),
-                effort=np.array([TABLE["tau"][i], 0.0]) if effort else np.zeros(0),
-            )
-            data = store.serialize_cdr(message, connection.msgtype)
-            writer.write(connection, recorded, data)
+            some = np.array([TABLE["tau"][i], 0.0]) if effort else np.zeros(0)
+            message = joint_state(recorded, np.array([TABLE["q"][i], 0.1]), some)
+            writer.write(connection, recorded, store.serialize_cdr(message, connection.msgtype))
+            if command and i >= 3 and i % 2:  # every second sample, 1 ms later, from the fourth on
+                later, target = recorded + 1_000_000, np.array([0.01 * i, -0.1])
+                message = (
+                    joint_state(later, target, np.zeros(0))
+                    if command == "JointState"
+                    else controller_state(later, target)
+                )
+                writer.write(commands, later, store.serialize_cdr(message, commands.msgtype))
     return path
 
 
@@ -133,8 +177,163 @@ def test_ros_bags(tmp_path: Path, plugin: str, stamped: bool) -> None:
 
 
 def test_a_bag_without_effort(tmp_path: Path) -> None:
-    with pytest.raises(LogError, match="effort is empty"):
+    with pytest.raises(LogError, match="effort is empty and name the topic of its commands"):
         read_log(write_bag(tmp_path / "bag", "mcap", effort=False), "elbow")
+
+
+@pytest.mark.parametrize("kind", ["JointState", "controller state"])
+@pytest.mark.parametrize("effort", [True, False])
+def test_a_bag_with_commands(tmp_path: Path, kind: str, effort: bool) -> None:
+    bag = write_bag(tmp_path / "bag", "mcap", effort=effort, command=kind)
+    topics = {"command": "/told", "topic": "/arm"}
+    log = read_log(bag, "elbow", topics)
+    # the first command comes 1 ms after sample 3, so that sample 4 is the first to know it
+    assert len(log.time) == len(T) - 4
+    np.testing.assert_array_equal(log.position, TABLE["q"][4:])
+    expected = [0.01 * ((i - 2) // 2 * 2 + 1) for i in range(4, len(T))]
+    np.testing.assert_allclose(log.target, expected, atol=1e-15)
+    assert (log.torque is None) is not effort
+    assert set(joints_with_drive(bag, topics)) == {"elbow", "wrist"}
+    with pytest.raises(LogError, match="topic named /asked, it has /arm"):
+        read_log(bag, "elbow", topics | {"command": "/asked"})
+
+
+PACE = {
+    "time": T.astype(np.float32),
+    "dof_pos": np.column_stack([TABLE["q"], 0.3 * np.cos(3 * T)]).astype(np.float32),
+    "des_dof_pos": np.column_stack([TABLE["q"] + 0.1, 0.3 * np.cos(3 * T)]).astype(np.float32),
+}
+
+
+def test_a_log_of_pace(tmp_path: Path) -> None:
+    path = torch_file(tmp_path / "chirp.pt", PACE)
+    log = read_log(path, "joint_1")
+    np.testing.assert_allclose(log.time, T, atol=1e-6)
+    np.testing.assert_array_equal(log.position, PACE["dof_pos"][:, 0].astype(float))
+    np.testing.assert_array_equal(log.target, PACE["des_dof_pos"][:, 0].astype(float))
+    assert list(log.other_positions) == ["joint_2"]
+    assert read_log(path, "knee", {"joints": "hip, knee"}).position[0] == PACE["dof_pos"][0, 1]
+    assert joints_with_drive(path, {"joints": "hip,knee"}) == ["hip", "knee"]
+    for joint, columns, what in (
+        ("hip", None, "no joint 'hip', it has joint_1, joint_2"),
+        (None, None, "several joints, name one of"),
+        ("hip", {"joints": "hip"}, "it has 2 joints, joints names hip"),
+        ("hip", {"unit": "deg"}, "takes the column joints"),
+    ):
+        with pytest.raises(LogError, match=what):
+            read_log(path, joint, columns)
+
+
+class Harm:
+    def __reduce__(self) -> tuple[object, tuple[str]]:
+        return print, ("harm",)
+
+
+@pytest.mark.parametrize(
+    ("table", "cut", "what"),
+    [
+        (PACE | {"bounds": Harm()}, 0, r"more than tensors and plain containers \(\w+.print\)"),
+        ({"time": PACE["time"]}, 0, "no tensor 'dof_pos', it has time"),
+        ([PACE["time"]], 0, "holds a list, a dict of tensors is needed"),
+        (PACE | {"des_dof_pos": PACE["dof_pos"][:-1]}, 0, "give a row a time"),
+        (PACE, 4, "storage 2 holds 2396 bytes and not 2400"),
+    ],
+)
+def test_a_bad_file_of_tensors_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: object, cut: int, what: str
+) -> None:
+    path = torch_file(tmp_path / "chirp.pt", table, cut)
+    with pytest.raises(LogError, match=what) as found:
+        read_log(path, "joint_1")
+    assert "\n" not in str(found.value)
+    assert not capsys.readouterr().out
+    for content in (b"", b"PK\x03\x04", path.read_bytes()[:300]):
+        path.write_bytes(content)
+        with pytest.raises(LogError, match="chirp"):
+            read_log(path, "joint_1")
+
+
+def lerobot_set(folder: Path, version: int, names: object = None) -> Path:
+    """A data set of two episodes of two joints, in degrees, at 50 frames a second."""
+    names = names or ["elbow.pos", "wrist.pos"]
+    feature = {"dtype": "float32", "shape": [2], "names": names}
+    pattern = (
+        "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
+        if version == 2
+        else "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+    )
+    info = {
+        "codebase_version": f"v{version}.0",
+        "fps": 50,
+        "total_episodes": 2,
+        "chunks_size": 1000,
+        "data_path": pattern,
+        "features": {"observation.state": feature, "action": feature},
+    }
+    (folder / "meta").mkdir(parents=True)
+    (folder / "meta/info.json").write_text(json.dumps(info))
+    (folder / "data/chunk-000").mkdir(parents=True)
+    n = len(T)
+    episodes = [
+        pd.DataFrame(
+            {
+                "timestamp": (np.arange(n) / 50).astype(np.float32),
+                "episode_index": i,
+                "observation.state": list(
+                    np.column_stack([(i + 1) * np.degrees(TABLE["q"]), T]).astype(np.float32)
+                ),
+                "action": list(
+                    np.column_stack([np.degrees(TABLE["q"]) + 1.0, T]).astype(np.float32)
+                ),
+            }
+        )
+        for i in range(2)
+    ]
+    if version == 2:
+        for i, table in enumerate(episodes):
+            table.to_parquet(folder / f"data/chunk-000/episode_{i:06d}.parquet")
+    else:
+        pd.concat(episodes).to_parquet(folder / "data/chunk-000/file-000.parquet")
+    return folder
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_lerobot_data_set(tmp_path: Path, version: int) -> None:
+    folder = lerobot_set(tmp_path / "set", version)
+    log = read_log(folder, "elbow", {"unit": "deg", "episode": "1"})
+    np.testing.assert_allclose(log.time, np.arange(300) / 50, atol=1e-12)
+    np.testing.assert_allclose(log.position, 2.0 * TABLE["q"], atol=1e-6)
+    np.testing.assert_allclose(log.target, TABLE["q"] + np.radians(1.0), atol=1e-6)
+    assert list(log.other_positions) == ["wrist"]
+    assert joints_with_drive(folder) == ["elbow", "wrist"]
+    known = {"unit": "deg", "episode": "0"}
+    for columns, what in (
+        ({"episode": "0"}, "unit is not in the data set: give unit=deg"),
+        (known | {"unit": "percent"}, "unit is 'percent': give unit=deg"),
+        ({"unit": "deg"}, "several episodes, it has 0 to 1"),
+        (known | {"episode": "2"}, "no episode '2'"),
+        (known | {"topic": "/arm"}, "columns unit and episode"),
+    ):
+        with pytest.raises(LogError, match=what):
+            read_log(folder, "elbow", columns)
+    with pytest.raises(LogError, match="no joint 'hip', it has elbow, wrist"):
+        read_log(folder, "hip", known)
+    file = sorted((folder / "data").glob("*/*.parquet"))[0]
+    file.write_bytes(file.read_bytes()[:400])
+    with pytest.raises(LogError, match=file.name):
+        read_log(folder, "elbow", known)
+
+
+def test_names_of_a_lerobot_data_set(tmp_path: Path) -> None:
+    known = {"unit": "rad", "episode": "0"}
+    nested = lerobot_set(tmp_path / "nested", 2, {"motors": ["elbow", "wrist"]})
+    assert read_log(nested, "elbow", known).joint == "elbow"
+    nameless = lerobot_set(tmp_path / "nameless", 2, {"axes": ["elbow"]})
+    with pytest.raises(LogError, match="2 numbers and no name for each"):
+        read_log(nameless, "elbow", known)
+    (nameless / "meta/info.json").write_text("{")
+    with pytest.raises(LogError, match="cannot be read as JSON"):
+        read_log(nameless, "elbow", known)
 
 
 def test_an_odrive_recording(tmp_path: Path) -> None:

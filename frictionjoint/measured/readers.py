@@ -1,8 +1,8 @@
 """Read a log, whatever its format; the format follows from the file's name and content.
 
 The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and
-.mat with a mapping of names, ROS bags, JSON of BAM and K-Scale, and the public logs of EMPS, Panda,
-ODrive and TX40.
+.mat with a mapping of names, ROS bags, LeRobot data sets, PACE's .pt, JSON of BAM and K-Scale, and
+the public logs of EMPS, Panda, ODrive and TX40.
 """
 
 from collections.abc import Iterable, Mapping
@@ -15,8 +15,10 @@ from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.emps import is_emps, read_emps
+from frictionjoint.measured.lerobot import is_lerobot, joints_of_lerobot, read_lerobot
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.odrive import read_odrive
+from frictionjoint.measured.pace import joints_of_pace, read_pace
 from frictionjoint.measured.panda import JOINTS as PANDA
 from frictionjoint.measured.panda import is_panda, read_panda
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
@@ -25,7 +27,8 @@ from frictionjoint.measured.tx40 import JOINTS as TX40
 from frictionjoint.measured.tx40 import is_tx40, read_tx40
 
 _TABLES = (".csv", ".parquet", ".npz", ".mat")
-_KINDS = (*_TABLES, *SUFFIXES, ".json", ".npy")
+_PACE = ".pt"
+_KINDS = (*_TABLES, *SUFFIXES, _PACE, ".json", ".npy")
 
 
 def read_log(
@@ -38,11 +41,13 @@ def read_log(
     """Read one joint of a log.
 
     Args:
-        path: .csv, .parquet, .npz, .mat, .db3, .mcap, .bag, BAM's and K-Scale's .json, the
-            ODrive's .npy, or the folder of a ROS 2 bag, of the Panda's or of the TX40's log.
+        path: .csv, .parquet, .npz, .mat, .db3, .mcap, .bag, PACE's .pt, BAM's and K-Scale's .json,
+            the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data set, of the Panda's
+            or of the TX40's log.
         joint: which one, where the log holds several.
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. Names only: values are never converted.
+            What a bag, a data set or a .pt takes instead stands with its reader.
         signals: columns of a table that friction may depend on, as a normal load.
         wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
     Returns:
@@ -59,7 +64,11 @@ def read_log(
         raise LogError(f"{path}: no such log, check the path")
     if is_bag(path):
         return read_rosbag(path, joint, columns)
+    if is_lerobot(path):
+        return read_lerobot(path, joint, columns)
     kind = path.suffix.lower()
+    if kind == _PACE:
+        return read_pace(path, joint, columns)
     if kind in _TABLES and path.is_file():
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
@@ -82,7 +91,10 @@ def _read_folder(path: Path, joint: str | None) -> JointLog:
         return read_panda(path, joint)
     if is_tx40(path):
         return read_tx40(path, joint)
-    raise LogError(f"{path.name}: a folder, but no ROS 2 bag, Panda or TX40 log: name a file in it")
+    raise LogError(
+        f"{path.name}: a folder, but no ROS 2 bag, LeRobot data set, Panda or TX40 log: name a "
+        "file in it"
+    )
 
 
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
@@ -98,6 +110,10 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
         raise LogError(f"{path}: no such log, check the path")
     if is_bag(path):
         return joints_of_bag(path, columns)
+    if is_lerobot(path):
+        return joints_of_lerobot(path)
+    if path.suffix.lower() == _PACE:
+        return joints_of_pace(path, columns)
     if path.is_dir():
         return list(PANDA if is_panda(path) else TX40 if is_tx40(path) else ())
     if path.suffix.lower() not in _TABLES:

@@ -2,6 +2,10 @@
 
 Read with the ``rosbags`` library, no ROS installation needed. ``effort`` is the torque, N m (N for
 a slide). Time is the message's stamp; where no stamp was set, the time of recording.
+
+Commands are read from a topic of their own, which is named: JointState messages that hold commanded
+positions, or the state of a joint trajectory controller, whose reference is what the position loop
+was told. A JointTrajectory is not enough: how it is interpolated is up to its controller.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,6 +22,11 @@ from frictionjoint.measured.table import log_of
 
 SUFFIXES = (".db3", ".mcap", ".bag")
 _TYPE = "sensor_msgs/msg/JointState"
+# messages that hold commanded positions by joint
+_COMMANDS = (_TYPE, "control_msgs/msg/JointTrajectoryControllerState")
+# rows of a joint: ns, then these
+_POSITION, _VELOCITY, _EFFORT, _TARGET = 1, 2, 3, 4
+_Rows = dict[str, list[tuple[float, ...]]]
 
 
 def is_bag(path: Path) -> bool:
@@ -31,17 +40,20 @@ def read_rosbag(
     """Read one joint; rows in messages are its samples, counted from 1.
 
     Args:
-        columns: ``{"topic": name}`` where the bag has several JointState topics, and
-            ``{"position_m": "position"}`` to say that the joint is a slide.
+        columns: ``{"topic": name}`` where the bag has several JointState topics,
+            ``{"command": name}``, the topic of the commands, and ``{"position_m": "position"}`` to
+            say that the joint is a slide.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """
     mapping = dict(columns or {})
-    topic = mapping.pop("topic", None)
     slide = mapping.pop("position_m", None) == "position"
+    topics = mapping.pop("topic", None), mapping.pop("command", None)
     if mapping:
-        raise LogError(f"{path.name}: a bag takes the columns topic and position_m, not {mapping}")
-    samples = _by_joint(path, topic)
+        raise LogError(
+            f"{path.name}: a bag takes the columns topic, command and position_m, not {mapping}"
+        )
+    samples = _by_joint(path, *topics)
     if joint is None and len(samples) == 1:
         joint = next(iter(samples))
     if joint is None or joint not in samples:
@@ -50,46 +62,53 @@ def read_rosbag(
     own = samples.pop(joint)
     time = own[:, 0]
     units = (
-        ("position_m", "velocity_m_s", "force_n")
+        ("position_m", "velocity_m_s", "force_n", "target_m")
         if slide
-        else ("position_rad", "velocity_rad_s", "torque_nm")
+        else ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
     )
     data = {"time_s": time} | {
         name: own[:, k].copy()
         for k, name in enumerate(units, start=1)
         if not np.isnan(own[:, k]).all()
     }
-    if units[2] not in data:
-        raise LogError(f"{path.name}, {joint}: effort is empty, record a bag with torques")
+    if units[2] not in data and units[3] not in data:
+        what = "no command names it" if topics[1] else "name the topic of its commands (command)"
+        raise LogError(
+            f"{path.name}, {joint}: effort is empty and {what}: record torques or commands"
+        )
     for other, x in samples.items():
         if np.array_equal(x[:, 0], time):  # published in the same messages
-            data[f"{other}.position_rad"] = x[:, 1].copy()
-            if np.isfinite(x[:, 2]).all():
-                data[f"{other}.velocity_rad_s"] = x[:, 2].copy()
+            data[f"{other}.position_rad"] = x[:, _POSITION].copy()
+            if np.isfinite(x[:, _VELOCITY]).all():
+                data[f"{other}.velocity_rad_s"] = x[:, _VELOCITY].copy()
     return log_of(path, joint, data)
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints whose effort a bag holds.
+    """Names of the joints whose effort, or command, a bag holds.
 
     Raises:
         LogError: see `read_rosbag`.
     """
-    samples = _by_joint(path, dict(columns or {}).get("topic"))
-    return [name for name, x in samples.items() if not np.isnan(x[:, 3]).all()]
+    mapping = dict(columns or {})
+    samples = _by_joint(path, mapping.get("topic"), mapping.get("command"))
+    drives = [_EFFORT, _TARGET]
+    return [name for name, x in samples.items() if not np.isnan(x[:, drives]).all()]
 
 
-def _by_joint(path: Path, topic: str | None) -> dict[str, Array]:
-    """Rows of time, position, velocity, effort by joint; what a message leaves out is NaN."""
-    rows: dict[str, list[tuple[float, ...]]] = {}
+def _by_joint(path: Path, topic: str | None, command: str | None) -> dict[str, Array]:
+    """Rows of time, position, velocity, effort, target by joint; what is not told is NaN."""
+    rows: _Rows = {}
+    commands: _Rows = {}
     try:
-        for message, recorded in _messages(path, topic):
-            stamp = message.header.stamp
-            nanoseconds = stamp.sec * 1_000_000_000 + stamp.nanosec or recorded
+        for message, recorded in _messages(path, topic, (_TYPE,), other_than=command):
             for i, name in enumerate(message.name):
                 fields = (message.position, message.velocity, message.effort)
                 values = (float(x[i]) if i < len(x) else np.nan for x in fields)
-                rows.setdefault(str(name), []).append((nanoseconds, *values))
+                rows.setdefault(str(name), []).append((_nanoseconds(message, recorded), *values))
+        for message, recorded in _messages(path, command, _COMMANDS) if command else ():
+            for name, position in _commanded(message):
+                commands.setdefault(name, []).append((_nanoseconds(message, recorded), position))
     except LogError:
         raise
     except Exception as error:  # a corrupt bag fails anywhere in the library
@@ -99,26 +118,75 @@ def _by_joint(path: Path, topic: str | None) -> dict[str, Array]:
     # from the first sample, in whole nanoseconds: stamps since 1970 lose digits in a float
     start = min(int(samples[0][0]) for samples in rows.values())
     return {
-        name: np.array([((int(t) - start) * 1e-9, *rest) for t, *rest in samples])
+        name: _with_target(path, name, samples, commands.get(name, []), start)
         for name, samples in rows.items()
     }
 
 
-def _messages(path: Path, topic: str | None) -> Iterator[tuple[Any, int]]:
-    """JointState messages of one topic with their recording times, ns."""
+def _nanoseconds(message: Any, recorded: int) -> int:
+    stamp = message.header.stamp
+    return int(stamp.sec * 1_000_000_000 + stamp.nanosec) or recorded
+
+
+def _commanded(message: Any) -> Iterator[tuple[str, float]]:
+    """Joints of a command with their commanded positions."""
+    if hasattr(message, "joint_names"):
+        # called desired before ROS 2 Iron
+        point = message.reference if hasattr(message, "reference") else message.desired
+        pairs = zip(message.joint_names, point.positions, strict=False)
+    else:
+        pairs = zip(message.name, message.position, strict=False)
+    for name, position in pairs:
+        yield str(name), float(position)
+
+
+def _with_target(
+    path: Path,
+    joint: str,
+    samples: list[tuple[float, ...]],
+    commands: list[tuple[float, ...]],
+    start: int,
+) -> Array:
+    """Rows of a joint, shape (n, 5): a command holds until the next one; before there is none."""
+    found = np.full((len(samples), 5), np.nan)
+    found[:, :4] = [((int(t) - start) * 1e-9, *rest) for t, *rest in samples]
+    if not commands:
+        return found
+    commands = sorted(commands)
+    given = np.array([(int(t) - start) * 1e-9 for t, _ in commands])
+    at = np.searchsorted(given, found[:, 0] + 1e-9, side="right") - 1
+    known = at >= 0
+    if not known.any():
+        raise LogError(
+            f"{path.name}, {joint}: the first command comes {given[0] - found[-1, 0]:.3g} s after "
+            "the last position: are both stamped by one clock?"
+        )
+    found[known, _TARGET] = np.array([x for _, x in commands])[at[known]]
+    return found[known]
+
+
+def _messages(
+    path: Path, topic: str | None, kinds: tuple[str, ...], other_than: str | None = None
+) -> Iterator[tuple[Any, int]]:
+    """Messages of one topic with their recording times, ns.
+
+    Args:
+        kinds: types of the messages. other_than: a topic that is meant for something else.
+    """
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise LogError(f"{path.name}: reading a bag needs rosbags: pip install rosbags") from None
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        found = [c for c in reader.connections if c.msgtype == _TYPE]
+        found = [c for c in reader.connections if c.msgtype in kinds and c.topic != other_than]
         topics = sorted({c.topic for c in found})
         if not topics or (topic is not None and topic not in topics):
             asked = f" named {topic}" if topic else ""
             there = sorted({f"{c.topic} ({c.msgtype})" for c in reader.connections})
             raise LogError(
-                f"{path.name}: no {_TYPE} topic{asked}, it has {', '.join(there) or 'none'}"
+                f"{path.name}: no {' or '.join(kinds)} topic{asked}, it has "
+                f"{', '.join(there) or 'none'}"
             )
         if topic is None and len(topics) > 1:
             raise LogError(f"{path.name}: several topics, name one of {', '.join(topics)}")

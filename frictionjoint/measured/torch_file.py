@@ -1,0 +1,140 @@
+"""Tensors of a file that ``torch.save`` wrote, without torch.
+
+Such a file is a zip archive: a pickle of plain containers, whose tensors refer to members
+``data/0``, ``data/1``, ... that hold their numbers (PyTorch 1.6 and later,
+https://docs.pytorch.org/docs/stable/notes/serialization.html). A pickle can call any function by
+name, so this one is read by an unpickler that knows three names of its own and refuses all others.
+"""
+
+import io
+import math
+import pickle
+import zipfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import corrupt, one_line
+
+# classes of storages, and what their numbers are; a half has no digits to spare for a log
+_STORAGES = {
+    "DoubleStorage": "f8",
+    "FloatStorage": "f4",
+    "HalfStorage": "f2",
+    "LongStorage": "i8",
+    "IntStorage": "i4",
+    "ShortStorage": "i2",
+    "CharStorage": "i1",
+    "ByteStorage": "u1",
+}
+# bytes of the pickle itself: containers and names, no numbers
+_LARGEST_PICKLE = 1 << 24
+
+
+class _Storage(NamedTuple):
+    """Numbers of a member of the archive."""
+
+    numbers: np.ndarray[Any, Any]
+
+
+def read_tensors(path: Path) -> dict[str, Array]:
+    """The tensors of a file that holds a table of them, by name, as float64.
+
+    Raises:
+        LogError: not such a file, or one that holds more than tensors and plain containers.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            content = _load(path, archive)
+    except LogError:
+        raise
+    except pickle.UnpicklingError as error:
+        raise LogError(
+            f"{path.name}: holds more than tensors and plain containers ({one_line(error)}): save "
+            "a dict of tensors"
+        ) from None
+    except zipfile.BadZipFile as error:
+        raise LogError(
+            f"{path.name}: not a file of torch.save since PyTorch 1.6 ({one_line(error)})"
+        ) from None
+    except Exception as error:  # a corrupt archive or pickle fails anywhere
+        raise corrupt(path, error) from None
+    if not isinstance(content, dict):
+        raise LogError(
+            f"{path.name}: holds a {type(content).__name__}, a dict of tensors is needed"
+        )
+    return {
+        str(name): np.asarray(x, dtype=np.float64)
+        for name, x in content.items()
+        if isinstance(x, np.ndarray)
+    }
+
+
+def _load(path: Path, archive: zipfile.ZipFile) -> Any:
+    pickles = [i for i in archive.infolist() if i.filename.rpartition("/")[2] == "data.pkl"]
+    if len(pickles) != 1:
+        raise LogError(f"{path.name}: not a file of torch.save: it has no data.pkl")
+    if pickles[0].file_size > _LARGEST_PICKLE:
+        raise LogError(f"{path.name}: its containers alone take {pickles[0].file_size} bytes")
+    folder = pickles[0].filename[: -len("data.pkl")]
+    order = "<"
+    if f"{folder}byteorder" in archive.namelist():
+        order = ">" if archive.read(f"{folder}byteorder") == b"big" else "<"
+    return _Unpickler(path, archive, folder, order, archive.read(pickles[0])).load()
+
+
+class _Unpickler(pickle.Unpickler):
+    """Of tensors and plain containers; no other name is looked up, none is imported."""
+
+    def __init__(
+        self, path: Path, archive: zipfile.ZipFile, folder: str, order: str, content: bytes
+    ) -> None:
+        super().__init__(io.BytesIO(content))
+        self.path, self.archive, self.folder, self.order = path, archive, folder, order
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Stand-ins for the few names that a table of tensors needs."""
+        if module == "torch" and name in _STORAGES:
+            return _STORAGES[name]
+        if (module, name) == ("torch._utils", "_rebuild_tensor_v2"):
+            return _tensor
+        if (module, name) == ("collections", "OrderedDict"):
+            return dict
+        raise pickle.UnpicklingError(f"{module}.{name}")
+
+    def persistent_load(self, pid: Any) -> _Storage:
+        """Numbers of a tensor: ("storage", class, member, device, count)."""
+        kind, code, member, _, count = pid
+        if kind != "storage" or code not in _STORAGES.values():
+            raise pickle.UnpicklingError(f"{kind} {code}")
+        dtype = np.dtype(f"{self.order}{code}")
+        info = self.archive.getinfo(f"{self.folder}data/{member}")
+        # never compressed by torch: no small file becomes a large one
+        stored = info.compress_type == zipfile.ZIP_STORED
+        if not stored or info.file_size != count * dtype.itemsize:
+            raise LogError(
+                f"{self.path.name}: storage {member} holds {info.file_size} bytes and not "
+                f"{count * dtype.itemsize}, is the file whole?"
+            )
+        return _Storage(np.frombuffer(self.archive.read(info), dtype))
+
+
+def _tensor(
+    storage: _Storage, offset: int, size: tuple[int, ...], stride: tuple[int, ...], *_: Any
+) -> np.ndarray[Any, Any]:
+    """A copy of a tensor's numbers; a view beyond its storage is refused."""
+    last = offset + sum((n - 1) * step for n, step in zip(size, stride, strict=True))
+    inside = offset >= 0 and all(n >= 0 and step >= 0 for n, step in zip(size, stride, strict=True))
+    most = len(storage.numbers)
+    if not inside or (all(size) and (last >= most or math.prod(size) > most)):
+        raise pickle.UnpicklingError(f"a tensor of size {size} beyond its storage")
+    if not all(size):
+        return np.zeros(size)
+    bytes_each = storage.numbers.itemsize
+    view = np.lib.stride_tricks.as_strided(
+        storage.numbers[offset:], size, [bytes_each * step for step in stride], writeable=False
+    )
+    return view.copy()
