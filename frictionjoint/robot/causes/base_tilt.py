@@ -7,27 +7,20 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import FREE
+from frictionjoint.robot.causes.cause import FREE, Cause
 from frictionjoint.robot.corrections import Corrections
 
 
 @dataclass(frozen=True)
-class BaseTilt:
-    """Numbers: the turn of gravity about two axes across it, rad."""
+class BaseTilt(Cause):
+    """Numbers: the rotation of gravity about two axes perpendicular to it, rad."""
 
     name: ClassVar[str] = "base-tilt"
-    homogeneous: ClassVar[bool] = False
-    essential: ClassVar[int] = 0
 
     @property
     def place(self) -> dict[str, str]:
         """See `Cause`."""
         return {}
-
-    @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(2)
 
     @property
     def steps(self) -> Array:
@@ -38,11 +31,6 @@ class BaseTilt:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return (FREE, FREE)
-
-    @property
-    def prior(self) -> Array:
-        """See `Cause`."""
-        return np.full(2, np.inf)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
@@ -59,7 +47,7 @@ class BaseTilt:
 
 
 def _across(g: Array) -> Array:
-    """Two unit vectors across another one, in rows."""
+    """Two unit vectors perpendicular to another one, as rows."""
     first = np.cross(g, np.eye(3)[int(np.argmin(np.abs(g)))])
     first /= np.linalg.norm(first)
     second = np.cross(g, first)

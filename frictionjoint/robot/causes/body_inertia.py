@@ -10,6 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.inertia import NAMES, UNITS, about_centre, of_body, of_pseudo, pseudo
 
@@ -23,7 +24,7 @@ _FURTHEST = 3.0
 
 
 @dataclass(frozen=True)
-class BodyInertia:
+class BodyInertia(Cause):
     """Numbers: the logarithm of the mass over the model's; with the shift of the centre, m; or the
     logarithms of T's diagonal and what is below it.
 
@@ -37,18 +38,11 @@ class BodyInertia:
     form: Form
     size: float = 0.1
     name: ClassVar[str] = "body-inertia"
-    homogeneous: ClassVar[bool] = False
-    essential: ClassVar[int] = 0
 
     @property
     def place(self) -> dict[str, str]:
         """See `Cause`."""
         return {"body": self.body_name}
-
-    @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(_SIZES[self.form])
 
     @property
     def steps(self) -> Array:

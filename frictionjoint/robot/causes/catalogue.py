@@ -1,4 +1,4 @@
-"""All shared causes that a robot's logs can speak of."""
+"""All shared causes that a robot's logs can show."""
 
 import itertools
 from collections.abc import Sequence

@@ -1,6 +1,7 @@
 """What a shared cause offers: the corrections that it makes of its numbers."""
 
-from typing import Protocol
+from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,58 +12,54 @@ FREE = (-np.inf, np.inf)
 POSITIVE = (0.0, np.inf)
 
 
-class Cause(Protocol):
-    """A change of the rigid-body model that several joints may show."""
+class Cause(ABC):
+    """A change of the rigid-body model that several joints may show.
+
+    Attributes:
+        name: canonical name.
+        homogeneous: whether twice the numbers are twice the torque, though it is not linear in
+            them.
+        essential: how many of its first numbers must be within their bounds for it to be at all.
+    """
+
+    name: ClassVar[str]
+    homogeneous: ClassVar[bool] = False
+    essential: ClassVar[int] = 0
 
     @property
-    def name(self) -> str:
-        """Canonical name."""
-        ...
-
-    @property
+    @abstractmethod
     def place(self) -> dict[str, str]:
         """Where it acts: a body, or one or two joints, by key of the report."""
-        ...
+
+    @property
+    @abstractmethod
+    def steps(self) -> Array:
+        """Steps of a central difference by each number, shape (k,)."""
+
+    @property
+    @abstractmethod
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """Range of each number."""
 
     @property
     def start(self) -> Array:
         """Numbers at which it changes nothing, shape (k,)."""
-        ...
-
-    @property
-    def steps(self) -> Array:
-        """Steps of a central difference by each number, shape (k,)."""
-        ...
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Range of each number."""
-        ...
+        return np.zeros(len(self.bounds))
 
     @property
     def prior(self) -> Array:
         """Standard deviation of each number around the model's own figures, shape (k,); inf where
         nothing is presumed.
         """
-        ...
+        return np.full(len(self.bounds), np.inf)
 
-    @property
-    def homogeneous(self) -> bool:
-        """Whether twice the numbers are twice the torque, though it is not linear in them."""
-        ...
-
-    @property
-    def essential(self) -> int:
-        """How many of its first numbers must be within their bounds for it to be at all."""
-        ...
-
+    @abstractmethod
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """A model's state with the cause in it."""
-        ...
 
+    @abstractmethod
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """What it amounts to in a state without it: values and units by name."""
-        ...
 
 
 def composed(

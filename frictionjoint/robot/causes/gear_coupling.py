@@ -10,12 +10,12 @@ from typing import ClassVar
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import POSITIVE
+from frictionjoint.robot.causes.cause import POSITIVE, Cause
 from frictionjoint.robot.corrections import Corrections, Shaft
 
 
 @dataclass(frozen=True)
-class GearCoupling:
+class GearCoupling(Cause):
     """Numbers: friction level, N m, viscous friction, N m s/rad, and inertia, kg m^2, of the shaft.
 
     Attributes:
@@ -25,18 +25,11 @@ class GearCoupling:
     joints: tuple[str, str]
     ratio: float
     name: ClassVar[str] = "gear-coupling"
-    homogeneous: ClassVar[bool] = False
-    essential: ClassVar[int] = 0
 
     @property
     def place(self) -> dict[str, str]:
         """See `Cause`."""
         return {"joint": self.joints[0], "other_joint": self.joints[1]}
-
-    @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(3)
 
     @property
     def steps(self) -> Array:
@@ -47,11 +40,6 @@ class GearCoupling:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return (POSITIVE,) * 3
-
-    @property
-    def prior(self) -> Array:
-        """See `Cause`."""
-        return np.full(3, np.inf)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""

@@ -6,29 +6,22 @@ from typing import ClassVar
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import FREE
+from frictionjoint.robot.causes.cause import FREE, Cause
 from frictionjoint.robot.corrections import Corrections
 
 
 @dataclass(frozen=True)
-class JointOffset:
+class JointOffset(Cause):
     """Number: what is to be added to the measured position, rad (m of a slide)."""
 
     joint: str
     slide: bool = False
     name: ClassVar[str] = "joint-offset"
-    homogeneous: ClassVar[bool] = False
-    essential: ClassVar[int] = 0
 
     @property
     def place(self) -> dict[str, str]:
         """See `Cause`."""
         return {"joint": self.joint}
-
-    @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(1)
 
     @property
     def steps(self) -> Array:
@@ -39,11 +32,6 @@ class JointOffset:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return (FREE,)
-
-    @property
-    def prior(self) -> Array:
-        """See `Cause`."""
-        return np.full(1, np.inf)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""

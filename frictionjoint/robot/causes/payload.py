@@ -1,6 +1,6 @@
-"""A mass in the hand that the model does not know.
+"""A mass in the hand that is not in the model.
 
-A ball of some extent: the second moment of its mass about its centre is alike in all directions.
+It is taken for a ball: the second moment of its mass about its centre is alike in all directions.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import FREE, POSITIVE
+from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.inertia import TEN, point_mass
 
@@ -18,7 +18,7 @@ _NONE = 1e-6
 
 
 @dataclass(frozen=True)
-class Payload:
+class Payload(Cause):
     """Numbers: mass, kg; mass times centre in the frame of the body, kg m; and its second moment
     about the centre along each axis, kg m^2.
 
@@ -38,11 +38,6 @@ class Payload:
         return {"body": self.body_name}
 
     @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(5)
-
-    @property
     def steps(self) -> Array:
         """See `Cause`."""
         return np.array([1e-4, 1e-5, 1e-5, 1e-5, 1e-5])
@@ -51,11 +46,6 @@ class Payload:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return (POSITIVE, FREE, FREE, FREE, POSITIVE)
-
-    @property
-    def prior(self) -> Array:
-        """See `Cause`."""
-        return np.full(5, np.inf)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""

@@ -6,33 +6,27 @@ from typing import ClassVar
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.corrections import Corrections
 
 
 @dataclass(frozen=True)
-class RotorInertia:
+class RotorInertia(Cause):
     """Number: what is added to the model's armature, kg m^2 (kg of a slide).
 
     Attributes:
-        joint: name. armature: of the model: what is added takes away no more than this.
+        joint: name. armature: the model's; with what is added it is never negative.
     """
 
     joint: str
     armature: float
     slide: bool = False
     name: ClassVar[str] = "rotor-inertia"
-    homogeneous: ClassVar[bool] = False
-    essential: ClassVar[int] = 0
 
     @property
     def place(self) -> dict[str, str]:
         """See `Cause`."""
         return {"joint": self.joint}
-
-    @property
-    def start(self) -> Array:
-        """See `Cause`."""
-        return np.zeros(1)
 
     @property
     def steps(self) -> Array:
@@ -43,11 +37,6 @@ class RotorInertia:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return ((-self.armature, np.inf),)
-
-    @property
-    def prior(self) -> Array:
-        """See `Cause`."""
-        return np.full(1, np.inf)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
