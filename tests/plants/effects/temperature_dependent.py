@@ -27,11 +27,16 @@ def draw(rng: np.random.Generator, spec: PlantSpec) -> dict[str, float]:
 
 
 def build(parts: Parts, p: dict[str, float]) -> None:
+    warming(parts, p)
+    parts.log_temperature = True
+    parts.start_temperatures = (25.0, 33.0, 41.0, 29.0)
+
+
+def warming(parts: Parts, p: dict[str, float]) -> None:
+    """A joint that its friction warms, from 25 C on."""
     speed = 0.5 * float(np.mean([m.speed for m in parts.spec.motions]))
     loss = (parts.spec.friction.Fc + parts.spec.friction.sigma2 * speed) * speed
     parts.loop |= {
         "visc_T": p["viscous"], "level_T": p["level"], "T0": p["scale"],
         "cooling_tau": p["tau"], "heat": p["rise"] / (p["tau"] * loss),
     }  # fmt: skip
-    parts.log_temperature = True
-    parts.start_temperatures = (25.0, 33.0, 41.0, 29.0)

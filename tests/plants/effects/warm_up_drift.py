@@ -3,32 +3,8 @@
 Every log starts cold at 25 C.
 """
 
-from __future__ import annotations
+from .temperature_dependent import draw
+from .temperature_dependent import warming as build
 
-import numpy as np
-
-from ..parts import Parts
-from ..spec import PlantSpec
-
+__all__ = ["NAME", "build", "draw"]
 NAME = "warm-up-drift"
-
-
-def draw(rng: np.random.Generator, spec: PlantSpec) -> dict[str, float]:
-    """The friction's own loss warms the joint by 10 to 30 K in steady motion."""
-    tau = float(rng.uniform(15.0, 60.0))
-    return {
-        "viscous": float(rng.uniform(1.0, 2.5) * spec.friction.sigma2),
-        "level": float(rng.uniform(0.15, 0.4)),
-        "rise": float(rng.uniform(12.0, 30.0)),
-        "tau": tau,
-        "scale": float(rng.uniform(15.0, 30.0)),
-    }
-
-
-def build(parts: Parts, p: dict[str, float]) -> None:
-    speed = 0.5 * float(np.mean([m.speed for m in parts.spec.motions]))
-    loss = (parts.spec.friction.Fc + parts.spec.friction.sigma2 * speed) * speed
-    parts.loop |= {
-        "visc_T": p["viscous"], "level_T": p["level"], "T0": p["scale"],
-        "cooling_tau": p["tau"], "heat": p["rise"] / (p["tau"] * loss),
-    }  # fmt: skip
