@@ -10,12 +10,9 @@ friction, torque noise, counts of an encoder. Each goes through the whole search
     added       what the search named, which is to be nothing
 """
 
-import argparse
-import json
 import sys
 import time
 import warnings
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -24,6 +21,8 @@ import numpy as np
 from scipy.linalg import lstsq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from searches import options, search_all
+
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.trace import trace
@@ -157,23 +156,13 @@ def told(rows: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     """Draw cases, search them, print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--cases", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--out", type=Path, required=True, help="file of rows, written anew")
-    asked = parser.parse_args()
+    asked = options(__doc__, "cases", 100)
     chosen = np.random.default_rng(asked.seed).choice(len(specs()), asked.cases, replace=False)
-    rows = []
-    with ProcessPoolExecutor(asked.jobs) as pool, asked.out.open("w") as file:
-        todo = [pool.submit(searched, specs()[i], asked.seed) for i in chosen]
-        for done in todo:
-            rows.append(done.result())
-            file.write(json.dumps(rows[-1]) + "\n")
-            file.flush()
-    print(told(rows))
+    print(
+        told(
+            search_all(searched, ((specs()[i], asked.seed) for i in chosen), asked.jobs, asked.out)
+        )
+    )
 
 
 if __name__ == "__main__":

@@ -7,11 +7,8 @@ look, over the whole family of candidates, should be uniform. Prints its histogr
 Kolmogorov and Smirnov against uniformity, and how often anything was added.
 """
 
-import argparse
-import json
 import sys
 import warnings
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,6 +17,8 @@ import numpy as np
 from scipy.stats import kstest
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
+from searches import options, search_all
+
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -79,21 +78,9 @@ def told(rows: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     """Run the searches, print the histogram."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--n", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--out", type=Path, required=True, help="file of rows, written anew")
-    asked = parser.parse_args()
-    rows = []
-    with ProcessPoolExecutor(asked.jobs) as pool, asked.out.open("w") as file:
-        for row in pool.map(one, [asked.seed] * asked.n, range(asked.n), chunksize=4):
-            rows.append(row)
-            file.write(json.dumps(row) + "\n")
-            file.flush()
-    print(told(rows))
+    asked = options(__doc__, "n", 500)
+    work = ((asked.seed, number) for number in range(asked.n))
+    print(told(search_all(one, work, asked.jobs, asked.out)))
 
 
 if __name__ == "__main__":
