@@ -21,8 +21,6 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.measured.log import JointLog
-from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
@@ -34,7 +32,7 @@ from tests.arms.arm import (
     hide_tilt,
     random_arm,
 )
-from tests.arms.run import run
+from tests.arms.fitted import fitted_joints
 
 KINDS = ("payload", "rotor-inertia", "body-inertia", "base-tilt", "gear-coupling", "load-dependent")
 WITHIN = {"payload": 0.05}
@@ -69,21 +67,7 @@ def _hide(arm: Arm, kind: str, rng: np.random.Generator) -> None:
 
 def searched(arm: Arm, number: int) -> Shared:
     """Shared causes in two logs."""
-    logs = [run(arm, 2 * number + k, SECONDS) for k in (0, 1)]
-    joints = []
-    for j in arm.joints:
-        own = [
-            JointLog(
-                name=f"log{k}",
-                joint=j,
-                time=x["time_s"],
-                position=x[f"{j}.position_rad"],
-                torque=x[f"{j}.torque_nm"],
-                other_positions={n: x[f"{n}.position_rad"] for n in arm.joints if n != j},
-            )
-            for k, x in enumerate(logs)
-        ]
-        joints.append(first_fit(own, arm.believed, j, None))
+    joints = fitted_joints(arm, (2 * number, 2 * number + 1), SECONDS)
     return shared_causes(joints, arm.joints, map)
 
 

@@ -3,38 +3,16 @@
 import numpy as np
 import pytest
 
-from frictionjoint.measured.log import JointLog
-from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import Arm, hide_mass, hide_payload, hide_rotor, hide_tilt, random_arm
-from tests.arms.run import run
+from tests.arms.fitted import fitted_joints
 
 SECONDS = 8.0
 
 
 def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2)) -> Shared:
     """Shared causes in two short logs of an arm."""
-    logs = [run(arm, seed, SECONDS) for seed in seeds]
-    joints = [
-        first_fit(
-            [
-                JointLog(
-                    name=f"log{i}",
-                    joint=j,
-                    time=x["time_s"],
-                    position=x[f"{j}.position_rad"],
-                    torque=x[f"{j}.torque_nm"],
-                    other_positions={n: x[f"{n}.position_rad"] for n in arm.joints if n != j},
-                )
-                for i, x in enumerate(logs)
-            ],
-            arm.believed,
-            j,
-            None,
-        )
-        for j in arm.joints
-    ]
-    return shared_causes(joints, arm.joints, map)
+    return shared_causes(fitted_joints(arm, seeds, SECONDS), arm.joints, map)
 
 
 def values(found: Shared) -> list[tuple[str, dict[str, str], dict[str, float]]]:
