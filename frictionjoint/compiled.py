@@ -19,7 +19,7 @@ from numba.extending import intrinsic
 # Division by zero is as in C: the test for it would be most of a small kernel. Other threads go on
 # meanwhile, see `threads.side_by_side`.
 compiled = njit(cache=True, error_model="numpy", nogil=True)
-# of a function on the way of every step: its call would cost as much as its work
+# for a function that every step calls: the call would cost as much as its work
 in_line = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
 
 # without annotations of its own

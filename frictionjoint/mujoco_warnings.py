@@ -13,12 +13,12 @@ def as_python_warnings() -> Iterator[None]:
 
     MuJoCo itself prints its warnings and writes them to MUJOCO_LOG.TXT wherever one stands.
     """
-    told: list[str] = []
+    texts: list[str] = []
     before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(told.append)
+    mujoco.set_mju_user_warning(texts.append)
     try:
         yield
     finally:
         mujoco.set_mju_user_warning(before)
-    for text in dict.fromkeys(told):
+    for text in dict.fromkeys(texts):
         warnings.warn(" ".join(text.split()), RuntimeWarning, stacklevel=4)

@@ -343,10 +343,10 @@ class MaxwellSlipParameters(_Stribeck):
     Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
-        elements: ((k, share), ...), 1 to 16 elements; k in N m/rad, > 0, shares of the level S,
-            > 0, that sum to 1.
+        elements: ((k, fraction), ...), 1 to 16 elements; k in N m/rad, > 0, fractions of the level
+            S, > 0, that sum to 1.
         C: attraction to the Stribeck curve, N m/s, > 0.
-        sigma1: damping of the elements while they stick, by their shares, N m s/rad, >= 0.
+        sigma1: damping of the elements while they stick, by their fractions, N m s/rad, >= 0.
     """
 
     elements: tuple[tuple[float, float], ...]
@@ -367,22 +367,22 @@ class MaxwellSlipParameters(_Stribeck):
         require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
         try:
             pairs = tuple(
-                (check_number("elements", k), check_number("elements", share))
-                for k, share in self.elements
+                (check_number("elements", k), check_number("elements", fraction))
+                for k, fraction in self.elements
             )
         except (TypeError, ValueError) as error:
             if isinstance(error, ParameterError):
                 raise
             raise ParameterError(
-                "elements must be pairs [k, share] of numbers: N m/rad and a share of 1"
+                "elements must be pairs [k, share] of numbers: N m/rad and a fraction of the level"
             ) from None
         most = MOST_ELEMENTS
         require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")
-        for i, (k, share) in enumerate(pairs):
+        for i, (k, fraction) in enumerate(pairs):
             require(k > 0, f"elements[{i}] stiffness", k, "> 0")
-            require(share > 0, f"elements[{i}] share", share, "> 0")
-        total = math.fsum(share for _, share in pairs)
-        require(abs(total - 1) < 1e-9, "sum of the elements' shares", total, "1")
+            require(fraction > 0, f"elements[{i}] fraction", fraction, "> 0")
+        total = math.fsum(fraction for _, fraction in pairs)
+        require(abs(total - 1) < 1e-9, "sum of the elements' fractions", total, "1")
         object.__setattr__(self, "elements", pairs)
 
     def to_dict(self) -> dict[str, Any]:

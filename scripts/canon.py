@@ -124,7 +124,7 @@ def steady(p: Friction, h: float) -> tuple[float, bool]:
 
 
 def stick_slip(p: Friction, h: float) -> tuple[float, bool]:
-    """Share of time below 0.1 mm/s when drawn at 1 mm/s through 50 N/m; 0.2 to 0.999 to pass."""
+    """Fraction of time below 0.1 mm/s when drawn at 1 mm/s through 50 N/m; 0.2 to 0.999 to pass."""
     _, v = _controlled(p, h, 6000.0 * 1e-2, lambda t, q, v, i: 50.0 * (1e-3 * t - q))
     share = float(np.mean(np.abs(v[len(v) // 2 :]) < 1e-4))
     slips = float(v.max()) > 5e-3

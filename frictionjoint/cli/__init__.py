@@ -123,15 +123,15 @@ def demo() -> None:
 
     out = Path("frictionjoint-demo")
     require_writable(out, (), force=False, files=FILES)
-    with progress() as told:
-        told("stick-slip of the KUKA IR 361 joint")
+    with progress() as say:
+        say("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
         write_files(out, {"stick_slip.svg": draw(ours, native)})
         folder = Path(str(files("frictionjoint.demo")))
         logs = Reading("joint")
         read = [logs.read(folder / f"{n}.csv") for n in ("pick_and_place", "ramps")]
         kept = [logs.read(folder / "multisine.csv")]
-        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=told)
+        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=say)
         write_report(report, out, "frictionjoint demo")
     typer.echo(ours.summary())
     typer.echo("")
@@ -199,7 +199,7 @@ def close_loop_command(
         request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
         close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json)
         return
-    with progress() as told:
+    with progress() as say:
         read = [*logs, *(Path(text) for text in held_out or []), *paths_of(model)]
         require_writable(out, read, force, FILES)
         reading = Reading.of(joint[0], column, signal, wrap, gain)
@@ -210,13 +210,13 @@ def close_loop_command(
             joint[0],
             kept,
             seed,
-            told,
+            say,
             law,
             poses(fixed),
             controller,
             refine,
         )
-        told("writing the report")
+        say("writing the report")
         write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
@@ -268,7 +268,7 @@ def identify(
     from frictionjoint.measured.bounded import bounded
     from frictionjoint.report.write import write_files
 
-    with progress() as told:
+    with progress() as say:
         require_writable(out, [*logs, *paths_of(model)], force)
         forms = forms_of(law)
         bodies = Bodies(models_of(model), joint, poses(fixed))
@@ -281,7 +281,7 @@ def identify(
             said += tuple(note for log in read for note in check_drive(log, driven_by))
         prepared = prepare(read, bodies.of(read), controller=driven_by)
         check_balance(prepared)
-        found = fit(prepared, forms=forms, progress=told)
+        found = fit(prepared, forms=forms, progress=say)
         prepared, fitted = reweighed(prepared, found)
         check_fit(prepared, fitted)
         scaled = scale_is_determined(prepared, fitted)

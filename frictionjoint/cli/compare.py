@@ -43,17 +43,17 @@ def compare(
         raise ParameterError(f"--out {out}: end it in {', '.join(KINDS)}")
     if out is not None:
         require_writable(out, parameters, force)
-    with progress() as told:
+    with progress() as say:
         read = {}
         for i, path in enumerate(parameters):
-            told(f"driving {path.name}, {i + 1} of {len(parameters)}")
+            say(f"driving {path.name}, {i + 1} of {len(parameters)}")
             name = path.stem if path.stem not in read else str(path)
             if path in parameters[:i]:
                 raise ParameterError(f"{path} is given twice: give it once")
             read[name] = read_parameters(path)
         found = compared(read)
         if out is not None:
-            told("drawing")
+            say("drawing")
             write_files(out.parent, {out.name: draw(found, out.suffix.lower())})
     if as_json:
         typer.echo(json.dumps({x.name: x.figures for x in found}, indent=2))

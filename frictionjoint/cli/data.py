@@ -62,8 +62,8 @@ def get_command(
     """
     from frictionjoint.measured.registry import get_data, list_data
 
-    with progress() as told:
-        told(f"fetching {name}")
+    with progress() as say:
+        say(f"fetching {name}")
         folder = get_data(name)
     found = next(x for x in list_data() if x.name == name)
     logs = [str(folder / log) for log in found.logs]

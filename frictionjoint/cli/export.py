@@ -70,9 +70,9 @@ def export(
     target = Target(to)
     file = output_file(out, target)
     require_writable(file, [model, *([log] if log else [])], force)
-    with progress() as told:
-        told(f"reading {model.name}")
-        done = run(model, target, file, _range(speeds), log, columns_of(column), lugre, told)
+    with progress() as say:
+        say(f"reading {model.name}")
+        done = run(model, target, file, _range(speeds), log, columns_of(column), lugre, say)
         write_files(file.parent, {file.name: done.text})
     if as_json:
         rows = [loss.to_dict() for loss in done.losses]

@@ -81,11 +81,11 @@ def close_loop_of_robot(
     from frictionjoint.report.write_robot import write_robot_report
     from frictionjoint.robot.close_loop import close_loop_robot
 
-    with progress() as told:
+    with progress() as say:
         require_writable(out, request.files, force, FILES)
         logs = request.read()
-        report = close_loop_robot(logs, request.model, seed, told, law, fixed)
-        told("writing the report")
+        report = close_loop_robot(logs, request.model, seed, say, law, fixed)
+        say("writing the report")
         write_robot_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))

@@ -45,10 +45,10 @@ def progress() -> Iterator[Callable[[str], None]]:
 @contextlib.contextmanager
 def warnings_afterwards() -> Iterator[None]:
     """Show warnings of the block when it has succeeded, each once: an error is a line alone."""
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
-    for text in dict.fromkeys(str(warning.message) for warning in told):
+    for text in dict.fromkeys(str(warning.message) for warning in caught):
         warnings.warn(text, RuntimeWarning, stacklevel=3)
 
 

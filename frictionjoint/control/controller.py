@@ -44,7 +44,7 @@ class Controller:
     Attributes:
         output: what u is. A duty drives the motor with supply_v u.
         kp, kd, ki: per rad, per rad/s, per rad s, in `gain_unit`; ``"log:NAME"`` is a figure of
-            each log; ``"unknown"`` kp: what the load tells, see `reconstruct`; unknown kd: none,
+            each log; ``"unknown"`` kp: estimated from the load (`reconstruct`); unknown kd: none,
             and what is found of viscous friction and back-EMF holds it too.
         gain_unit: u per unit of kp, kd and ki, for gains in units of the firmware.
         supply_v: V at full duty, of a duty. A log's own ``supply_v`` column goes before it.
@@ -123,7 +123,7 @@ class Controller:
 
     @property
     def scale_unknown(self) -> bool:
-        """Whether the size of its output is not known: the load must tell it."""
+        """Whether the size of its output is not known: the load must determine it."""
         return self.kp == UNKNOWN or self.output != "torque_nm"
 
     def to_toml(self) -> str:

@@ -24,7 +24,7 @@ DRIVE_OF = {"torque_nm": "torque", "voltage_v": "voltage", "duty": "voltage"}
 
 @dataclass(frozen=True)
 class Commands:
-    """What a controller was told and saw along a log, each of shape (n,).
+    """What a controller was given and measured along a log, each of shape (n,).
 
     Attributes:
         time: s. target, position: rad. velocity: rad/s. supply: over that of the block, 1.

@@ -1,8 +1,8 @@
 """What a controller does to the drive that its file does not say.
 
 A delay or a limit changes the drive itself, by far more than friction, and not in proportion to any
-number of it: no column tells what it would leave. There are few such effects, so each is fitted
-from all of its starts, on thinned logs, and the best few on all samples.
+number of it: no linear column predicts what it would leave. There are few such effects, so each is
+fitted from all of its starts, on thinned logs, and the best few on all samples.
 """
 
 from collections.abc import Sequence

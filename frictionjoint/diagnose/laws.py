@@ -44,7 +44,7 @@ class Laws:
         self.ripen(prepared, base.effects)
 
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
-        """Look for the rivals' shapes beside some effects from everywhere."""
+        """Fit the rivals' shapes together with some effects, from all starts."""
         for forms in self._rivals:
             self._progress("fit: other laws")
             place = ripened(prepared, effects, forms)[0]

@@ -1,4 +1,4 @@
-"""Whole logs in closed loop by several models, and a refined model beside the balance's."""
+"""Whole logs in closed loop by several models, and a refined model compared with the balance's."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

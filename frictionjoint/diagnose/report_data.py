@@ -199,7 +199,7 @@ class Report:
         return report_html(self)
 
     def _refined(self) -> dict[str, Any]:
-        """The refinement beside the balance fit."""
+        """The refinement compared with the balance fit."""
         assert self.refined is not None
         assert self.closed_loops is not None
         balance = self.closed_loops[1]

@@ -2,7 +2,7 @@
 
 Of two rival models each is taken for the truth in turn; what it predicts on the logs and on the
 further record is fitted by the other one, with the law and everything else in the model refitted
-beside it (to first order). What that fit leaves is the distance of the two: Hunter and Reiner
+too (to first order). What that fit leaves is the distance of the two: Hunter and Reiner
 (1965), Atkinson and Fedorov (1975, T-optimality). The noise is the residual of the logs with its
 autocorrelation, as far as a block of `blocks.make_blocks` reaches; a law that is wrong in the same
 way in every record is not noise and not seen.
@@ -115,7 +115,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Separation:
-    """How far two effects part.
+    """How well two effects are distinguished.
 
     Attributes:
         deviations: difference of the two models' squared errors over its standard deviation.
@@ -162,7 +162,7 @@ def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
 
     Args:
         covariance: of the parameters from the logs; what it is infinite for stays unknown unless
-            the record tells it. jacobian: of the fit on the logs, shape (n, p).
+            the record determines it. jacobian: of the fit on the logs, shape (n, p).
         further: of the sensitivities along the record.
     """
     old = jacobian.T @ jacobian

@@ -18,7 +18,7 @@ _SCALES = (8.0, 20.0, 60.0, 300.0)
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where nothing else tells T."""
+    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where T is not a signal."""
     warmer = X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
     change = math.expm1(-warmer / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])

@@ -10,8 +10,8 @@ from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, TIME, H, V
 
-# grids: time constants over a log's duration, and the warmth that a first-order change is told
-# from one that levels off by, over the most that the log reaches
+# grids: time constants over a log's duration, and the warmth by which a first-order change is
+# distinguished from one that levels off, over the most that the log reaches
 _TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
 # s; oil, grease and the metal around them warm no faster. Memory shorter than that is of the
 # motion, not of heat.

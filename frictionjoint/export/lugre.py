@@ -21,7 +21,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.rivals import LuGreParameters
 
-# bristle stiffness that is searched, over the law's own
+# range of the bristle stiffness that is searched, over the law's own
 _STIFFNESS = (0.05, 5.0)
 
 

@@ -1,8 +1,8 @@
 """``--to native``: an MJCF with the best friction that plain MuJoCo has, for what loads MJCF.
 
 Coulomb friction is MuJoCo's constraint `frictionloss`, made as stiff as MuJoCo takes it: with its
-defaults a joint creeps under half the limit at 0.05 rad/s, so 10,000 times faster than so. Constant
-torques and springs become `stiffness` and `springref`, an inertia error becomes `armature`.
+defaults a joint under half the limit creeps at 0.05 rad/s, 10,000 times faster than with these.
+Constant torques and springs become `stiffness` and `springref`, an inertia error `armature`.
 """
 
 from collections.abc import Mapping

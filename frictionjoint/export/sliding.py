@@ -21,7 +21,7 @@ from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 _PER_SIDE = 5
 # effects that are a function of the speed alone
 _OF_SPEED = ("back-emf", "nonlinear-viscous")
-# a polynomial is worth its terms where it misses so much less than a line
+# a polynomial is taken where its misfit is below this fraction of a line's
 _WORTH = 0.9
 # fraction of the torque below which a term is not written
 _NOTHING = 1e-9

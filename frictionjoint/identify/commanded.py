@@ -20,7 +20,7 @@ Change = Callable[[Array, float], tuple[Array, float]]
 
 @dataclass(frozen=True)
 class Commanded:
-    """Commands of a log and the way of its drive to the grid of a fit.
+    """Commands of a log and how its drive gets to the grid of a fit.
 
     Attributes:
         grid: s, uniform times of the samples, shape (m,). filters: passed in turn.

@@ -83,8 +83,8 @@ class SplineTerm(SmoothTerm):
         low, high: range the knots span; the curve goes on as a constant outside.
         odd: multiplied by H, the direction of friction.
         means, slopes: of the columns over the logs, taken off. What is constant is a bias, which
-            has a name, and a curve that held it would outdo every effect beside a bias; what is
-            linear in the load is a gain, and beside a curve that held it none is determined.
+            has a name, and a curve that held it would outdo every other effect; what is linear in
+            the load is a gain, and together with a curve that held it no gain is determined.
     """
 
     low: float

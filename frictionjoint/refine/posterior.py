@@ -1,8 +1,8 @@
-"""How sure a model is, as parameter sets to draw: for training under every joint it could be.
+"""How uncertain a model is, as parameter sets to draw: for training under every joint it could be.
 
-A posterior is kept of the numbers of a parameter file, not of those a fit searches: a report alone
-is enough to draw from it. Numbers that are never negative are drawn with lognormal spread, a curve
-by its increments, so that every set drawn is a valid one.
+The posterior is that of the numbers of a parameter file, not of those that a fit varies: a report
+alone is enough to draw from it. Numbers that are never negative are drawn with lognormal spread, a
+curve by its increments, so that every set drawn is a valid one.
 """
 
 from collections.abc import Callable, Mapping

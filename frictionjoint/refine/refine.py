@@ -86,7 +86,7 @@ def _search(
 
         def residual(z: Array, window: float | None = window, size: float = size) -> Array:
             e = np.concatenate(errors(courses, vector.fit(vector.start + z * vector.unit), window))
-            # as one number a tenth of a second: samples between those tell nothing new
+            # as one number a tenth of a second: samples between those add nothing
             soft = np.sign(e) * np.sqrt(2.0 * (np.sqrt(1.0 + (e / size) ** 2) - 1.0))
             return np.concatenate([soft / np.sqrt(_CORRELATED), z])
 
@@ -105,7 +105,7 @@ def _search(
     return x, np.asarray(cov)
 
 
-# samples that share an error
+# samples with one error in common
 _CORRELATED = 10.0
 
 

@@ -10,8 +10,8 @@ from frictionjoint.identify.fit import Fit, shape_limits
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
 
-# standard errors of the balance that a number may move by one unit of the prior: it leaves out
-# what is wrong in every log alike
+# unit of the prior, in standard errors of the balance: those leave out what is wrong in every log
+# alike
 _WIDER = 10.0
 # least and largest unit of the prior, over the number itself
 _LEAST, _MOST = 0.05, 0.5
@@ -46,7 +46,7 @@ class Vector:
         if self.has_gain:
             error[0] *= 1.0 / abs(fitted.beta[0]) / fitted.gain
         size = np.maximum(np.abs(self.start), 1e-12)
-        # a level that the balance leaves at nothing may be wanted by the motion
+        # a level that the balance puts at zero may still improve the motion
         levels = slice(self.has_gain, len(self.layout.base))
         speed = float(np.quantile(_speeds(prepared), 0.99)) or 1.0
         names = fitted.names[levels]

@@ -32,7 +32,7 @@ class Along:
     state: Corrections
 
     def __getstate__(self) -> dict[str, object]:
-        """Without what is computed on demand, which is large and as quickly made again."""
+        """Without the cached columns, which are large and quickly recomputed."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def corrected(self, state: Corrections) -> "Along":

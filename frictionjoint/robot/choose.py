@@ -1,7 +1,7 @@
 """Which shared causes the robot's logs show: forward selection over all joints at once.
 
 One score decides: squares of all joints predicted by coefficients fitted to other motion. The
-joints' own effects contend for the same residual, so that a cause of one joint does not pass for
+joints' own effects compete for the same residual, so that a cause of one joint does not pass for
 one of the robot; those that win are projected out here, and named by each joint's own search.
 """
 
@@ -16,17 +16,17 @@ from frictionjoint.robot.screen import Candidate, Screened
 from frictionjoint.robot.stack import FLIPS, Columns, Stack, surprises
 
 _MOST_CHANGES = 16
-# gain from which on a cause may have bent the laws: what is left is looked at after they are
-# fitted again
+# gain from which on a cause that was missing may have distorted the fitted laws: the residual is
+# examined again after they are refitted
 _BENT = 0.3
 # models within this fraction of the best one's gain are a tie
 _TIE = 0.1
-# part of what a simpler form of a body's parameters leaves that a richer one may take and still be
-# no better: columns are taken where the laws are still bent
+# a richer form of a body's parameters must explain more than this fraction of what a simpler one
+# leaves: its columns are taken where the laws are still distorted
 _FORMS = 0.3
-# numbers from which on forms count as equally rich: the catalogue has the likelier one first
+# forms with this many numbers or more count as equally rich: the catalogue has the likelier first
 _RICH = 4
-# halves of the blocks on which the leaders contend, and how many leaders
+# random halves of the blocks on which the leaders are compared, and how many leaders
 _HALVES, _CONTENDERS = 25, 6
 
 
@@ -53,7 +53,7 @@ class Choice:
 
     @property
     def bends(self) -> bool:
-        """Whether without it the laws may have been bent."""
+        """Whether the laws, fitted without it, may be distorted."""
         return self.gain > _BENT
 
 

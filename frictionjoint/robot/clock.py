@@ -1,4 +1,4 @@
-"""Blocks of time that all joints share, and the kinds of motion they are of.
+"""Blocks of time common to all joints, and the kinds of motion they are of.
 
 Joints of a robot are logged at once, so that what is left of one is not independent of what is left
 of another: a block is a stretch of time of all joints.

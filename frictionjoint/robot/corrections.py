@@ -53,7 +53,7 @@ class Corrections:
     Attributes:
         phi: inertial parameters of all bodies, shape (nbody, 10). gravity: m/s^2, shape (3,).
         armature: added to a joint's, kg m^2 (kg), by name. offset: added to a joint's measured
-            position, rad (m), by name. shafts: beside the model's own tendons.
+            position, rad (m), by name. shafts: in addition to the model's own tendons.
     """
 
     phi: Array

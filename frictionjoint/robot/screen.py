@@ -17,7 +17,7 @@ from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
 
-# fraction of a joint's squares that an effect of its own must explain to contend
+# fraction of a joint's squares that an effect of its own must explain to compete
 _LITTLE = 0.02
 _DEPENDENT = 1e-6
 # norm of a column over the largest one's, below which it is the rounding of a difference
@@ -127,7 +127,7 @@ def screen(
 
     Args:
         found: causes in the model. causes: those that may come.
-        own: which of the joints' own effects contend, by label.
+        own: which of the joints' own effects compete, by label.
     """
     return _screen(joints, clock, found, causes, _starts(joints, clock, found, causes), own)
 

@@ -58,7 +58,7 @@ def settle(
     Args:
         found: causes with numbers to start from; joints: fitted under whatever.
         each: a `map`, perhaps of processes. beside: labels of effects of single joints that are
-            fitted along. anew: laws are first fitted from everywhere: they may be bent.
+            fitted too. anew: first refit the laws from all starts, for they may be distorted.
     """
     if not found.causes:
         return Settled(found, tuple(joints), clock(joints))
@@ -111,7 +111,7 @@ def _stepped(found: Found, seen: Screened) -> tuple[Found, float]:
     A, b = G[np.ix_(at, at)], G[at, -1]
     free = np.full(len(also), np.inf)
     step = _bounded(A, b, np.concatenate([low, -free]), np.concatenate([high, free]))
-    # what single joints' effects take does not tell whether the causes have settled
+    # what effects of single joints explain does not show whether the causes have settled
     moved = step[: len(own)]
     taken = 2.0 * moved @ b[: len(own)] - moved @ A[: len(own), : len(own)] @ moved
     if len(also):
@@ -143,13 +143,13 @@ def _covariances(seen: Screened) -> tuple[Array, ...]:
     G = seen.stack.presumed_apart(at)
     scale = roots(G)
     values, vectors = np.linalg.eigh(G / np.outer(scale, scale))
-    told = values > _DETERMINED * values[-1]
-    inverse = (vectors[:, told] / values[told]) @ vectors[:, told].T
+    determined = values > _DETERMINED * values[-1]
+    inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
     scores = seen.stack.scores(at, np.zeros(0, dtype=np.int64)) / scale
     blocks = len(scores)
     spread = scores.T @ scores * blocks / max(1, blocks - len(at))
     cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
-    open_ones = np.sum(vectors[:, ~told] ** 2, axis=1) > _OPEN
+    open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > _OPEN
     cov[open_ones, open_ones] = np.inf
     ends = np.cumsum([0, *(len(a) for a in own)])
     return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))

@@ -47,7 +47,7 @@ def shared_causes(
         joints: with their laws fitted under the model as it is. moving: joints whose motion the
             logs hold. each: a `map`, perhaps of processes.
         seed: of flips and halves; equal seeds give equal results.
-        progress: told what is being done.
+        progress: called with what is being done.
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
@@ -68,7 +68,7 @@ def shared_causes(
         if not new:
             break
         progress(f"round {turn}: {', '.join(c.candidate.label for c in new)}")
-        # an effect of one joint was looked for under causes that hold no longer
+        # effects of single joints were found under causes that have changed since
         beside = own
         found, choices = _with(now.found, choices, new)
         now = settle(now.joints, found, each, beside, any(c.bends for c in new))
@@ -95,7 +95,7 @@ def _without_idle(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> tuple[Settled, list[Choice]]:
-    """Leave out, one after the other, what the robot is predicted as well without."""
+    """Leave out, one by one, causes without which the robot is predicted as well."""
     while now.found.causes:
         seen = screen(now.joints, now.clock, now.found, (), lambda label: label in beside)
         i = idle(seen, now.found.numbers)

@@ -31,7 +31,7 @@ class JointGram:
         grams: by block, the law projected out, the residual last, shape (B, c + 1, c + 1).
         columns: of the stack that it has, shape (c,).
         name: of the joint. samples: number of its rows.
-        left: what its fit leaves, and friction: rms of its friction, N m: weighted both.
+        left, friction: rms of what its fit leaves and of its friction, N m, both weighted.
     """
 
     name: str
@@ -72,8 +72,8 @@ class Stack:
 
     Args:
         joints: one each. clock: the blocks.
-        precision: of what is presumed of each column's coefficient, shape (size,), 0 for nothing.
-        pull: precision times what is presumed of it, shape (size,).
+        precision: of the prior of each column's coefficient, shape (size,), 0 without a prior.
+        pull: precision times mean of that prior, shape (size,).
     """
 
     def __init__(
@@ -131,7 +131,7 @@ class Stack:
         return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
 
     def presumed_apart(self, at: Columns) -> Array:
-        """Gram matrix of columns by the logs alone, without what is presumed, (k, k)."""
+        """Gram matrix of columns by the logs alone, without priors, (k, k)."""
         G: Array = self.total[np.ix_(at, at)].copy()
         G[np.arange(len(at)), np.arange(len(at))] -= self.precision[at]
         return G

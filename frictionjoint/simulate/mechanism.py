@@ -1,9 +1,9 @@
 """What elasticity and backlash are in a model: a second joint between motor and link.
 
 The joint that carries friction turns with the motor: actuators, encoder and friction act on it, and
-the rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is what the
-link is ahead of it: the spring and damper of `joint-elasticity`, or within the gap of `backlash`
-nothing, and beyond it the flanks, which push and do not hold.
+the rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is how far
+the link is ahead of it: it has the spring and damper of `joint-elasticity`, or within the gap of
+`backlash` nothing, and beyond it the flanks, which push and do not hold.
 
 The numbers of a fit are those that a motor feels: the inertia J behind the spring, its resonance
 with the motor held, its damping. For the last joint of a chain the link is given that inertia: what

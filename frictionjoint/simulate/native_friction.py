@@ -1,4 +1,4 @@
-"""MuJoCo's own friction and damping of a joint, which would count twice together with ours."""
+"""MuJoCo's own friction and damping of a joint, which would count twice with ours."""
 
 from collections.abc import Iterable
 

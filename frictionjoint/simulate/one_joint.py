@@ -23,7 +23,7 @@ from frictionjoint.simulate.carrier import SimulatedEffect
 from frictionjoint.simulate.row import evaluate, row_size
 from frictionjoint.simulate.with_effects import effects_torque
 
-# positions at which a load is looked up: three tell its mean and its first harmonic
+# positions at which a load is evaluated: three determine its mean and its first harmonic
 _TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
 # rows of `Load.numbers`
 INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
@@ -32,7 +32,7 @@ _ROWS = 10
 
 @dataclass(frozen=True)
 class Load:
-    """What the rigid body asks of a joint: inertia a + c cos q + s sin q + r + stiffness (q - q0).
+    """Torque of the rigid body: inertia a + c cos q + s sin q + r + stiffness (q - q0).
 
     Exact for a joint alone; among other joints their motion enters at the measured position.
 
@@ -86,7 +86,7 @@ def _harmonic(x: list[Array]) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class JointModel:
-    """All that a simulation of one joint needs beside its load and its controller.
+    """All that a simulation of one joint needs besides its load and its controller.
 
     Attributes:
         numbers: block of the law, then of the effects. effects: where those begin.
@@ -245,7 +245,7 @@ def _part(
             behind = load[INERTIA, i] - body[0]
             F += effects_torque(P, 0, effects, X, 0, k * h, q, v, bias, behind, gx, gy, asked)
         v = (inertia * v + h * (torque - F - bias)) / (inertia + h * brake)
-        if not abs(v) < 1e6:  # gone astray: what follows is worth nothing
+        if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):
                 position[later] = 1e6
             return

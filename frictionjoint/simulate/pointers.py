@@ -1,7 +1,7 @@
 """MuJoCo's structures and functions as compiled code reaches them.
 
 Addresses of arrays stay pointers: numba's arrays carry a shape and a count of references, which
-every function along the way would hand on, and which the law does not need.
+every function in between would hand on, and which the law does not need.
 """
 
 import ctypes

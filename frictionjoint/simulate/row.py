@@ -12,7 +12,7 @@ evaluated one:
 A step never takes longer than ``opt.timestep``, so a gap of several steps is no motion but another
 state that somebody has set: ``mujoco.rollout`` from states of increasing time, say, whose user
 data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
-that was longer, so that a time step that is made shorter during a run is no leap.
+that was longer, so that shortening the time step during a run is no leap.
 
 Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
 torque, committed velocity and torque, then the law's row, then the effects' memory, committed and

@@ -52,9 +52,9 @@ class StickSlip:
 def kuka_model() -> Path:
     """The MJCF that ships with the package."""
     name = "kuka_ir361_joint1.xml"
-    # beside the package in a source tree, inside it once installed
-    beside = Path(str(files("frictionjoint"))).parent / "models" / name
-    return beside if beside.is_file() else Path(str(files("frictionjoint") / "models" / name))
+    # next to the package in a source tree, inside it once installed
+    here = Path(str(files("frictionjoint"))).parent / "models" / name
+    return here if here.is_file() else Path(str(files("frictionjoint") / "models" / name))
 
 
 def native_model(path: Path) -> mujoco.MjModel:

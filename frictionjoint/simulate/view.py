@@ -28,12 +28,12 @@ def view(path: str | Path) -> None:
         raise FrictionJointError(
             f"MuJoCo's viewer cannot be loaded ({error}): pip install --force-reinstall mujoco glfw"
         ) from None
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         ready = glfw.init()
     if not ready:
         # MuJoCo would end the process here, with no word of where it came from
-        reason = f" ({'; '.join(str(w.message) for w in told)})" if told else ""
+        reason = f" ({'; '.join(str(w.message) for w in caught)})" if caught else ""
         raise FrictionJointError(
             f"the viewer finds no display{reason}: run it where windows can be opened"
         )

@@ -10,7 +10,7 @@ step after some minutes, and the law divides by the step. A float position of a 
 each row keeps both in doubles. `CLOCK` advances by whole steps wherever the float clock agrees with
 whole steps to its own rounding. `PLACE` advances by velocity times step, as the integrators do
 before they round, wherever the position shown agrees with that to its own rounding. Left to itself
-it would part from the position shown, and what friction holds would drift: one way in steps too
+it would leave the position shown, and what friction holds would drift: forward in steps too
 small to show, back in larger ones. So while the position shown moves, `PLACE` is pulled to it.
 """
 
@@ -31,7 +31,7 @@ from frictionjoint.simulate.with_effects import coupled_load, effects_torque, un
 TIME_SHOWN, CLOCK, PLACE_SHOWN, PLACE, FRONT = range(5)
 # of the difference of two numbers in single precision, relative to them
 ROUNDING = 2.0**-22
-# of its way back to the position shown that our place goes in a step in which that moves
+# of its distance from the position shown that our place goes in a step in which that moves
 PULL = 0.01
 
 

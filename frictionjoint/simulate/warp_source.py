@@ -140,7 +140,7 @@ class _Rewriting(ast.NodeTransformer):
             statements += self._statement(statement)
         arguments = ", ".join(f"{a.arg}: Any" for a in tree.args.args)
         code = "\n".join(ast.unparse(ast.fix_missing_locations(s)) for s in statements)
-        # out of line where numba is not told to put it in line: CUDA's compiler would inline all of
+        # out of line where numba does not put it in line: CUDA's compiler would inline all of
         # it everywhere, and take minutes
         small = self.options.get("inline") == "always"
         decorator = "@wp.func" if small else "@wp.func(inline=False)"
