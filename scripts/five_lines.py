@@ -18,14 +18,10 @@ ARM = """
     <inertial pos="0 0 -0.4" mass="1.2" diaginertia="0.05 0.05 0.05"/></body></worldbody>
 </mujoco>
 """
+# displacement, rad, and torque, N m, of the transition curve
+KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 ELBOW = fj.FrictionParameters.symmetric(
-    Fs=1.5,
-    Fc=1.0,
-    Vs=0.05,
-    sigma1=3.0,
-    sigma2=0.3,
-    n=2,
-    knots=((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2)),
+    Fs=1.5, Fc=1.0, Vs=0.05, sigma1=3.0, sigma2=0.3, n=2, knots=KNOTS
 )
 
 
