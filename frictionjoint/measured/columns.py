@@ -6,6 +6,7 @@ slides ``position_m``, ``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`
 current: a torque up to an unknown gain. A target without any of these needs a controller.
 """
 
+import difflib
 from collections import Counter
 from collections.abc import Iterable
 
@@ -16,6 +17,7 @@ _SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
 _BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a", "target_rad", "target_m")
 KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
+_OURS = ("time_s", *KNOWN)
 # of another joint, for the inverse dynamics of the whole arm
 _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
 
@@ -36,8 +38,13 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     if twice:
         raise LogError(f"{source}: column {twice[0]!r} appears twice: rename one")
     for ours, theirs in mapping.items():
-        if ours != "time_s" and ours.rpartition(".")[2] not in KNOWN:
-            raise LogError(f"{source}: no column is called {ours!r}, give one of {_list(KNOWN)}")
+        ours_last = ours.rpartition(".")[2]
+        if ours_last not in _OURS:
+            near = difflib.get_close_matches(ours_last, _OURS, 1)
+            mend = f"{near[0]!r}?" if near else f"ours are {_list(_OURS)}"
+            if theirs.rpartition(".")[2] in _OURS and ours in names:
+                mend = f"ours comes first, {theirs}={ours}"
+            raise LogError(f"{source}: --column {ours}={theirs}: {ours!r} is not ours: {mend}")
         if theirs not in names:
             raise LogError(f"{source}: no column {theirs!r}, it has {_list(names)}")
     return {name: name for name in names} | mapping
