@@ -18,6 +18,7 @@ EFFECT = Effect(
     title="back-EMF",
     effect_id=10,
     coefficients=("kt2_over_R",),
+    of_speed=True,
     units=("T s/x",),
     cause="motor driven by voltage: current falls with speed",
     form="kt^2/R v",

@@ -22,6 +22,7 @@ Entry = Literal[
     "acts on the motor",
     "acts on the drive",
 ]
+Plain = Literal["preload", "stiffness", "armature"]
 Acts = Literal["torque", "mechanism", "sensors"]
 
 
@@ -61,6 +62,8 @@ class Effect:
         is_inertia: its coefficient adds to the joint's inertia.
         acts: what it is in a simulation: a torque of the callback, a joint and its springs, or a
             delay of the joint's sensors.
+        of_speed: its torque is a function of the speed alone, which a joint's damping approximates.
+        plain: what each coefficient is of a joint in any simulator; none where empty.
         of_inertia: bounds are in units of the joint's inertia.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
@@ -98,6 +101,8 @@ class Effect:
     delays: bool = False
     geared: bool = False
     is_inertia: bool = False
+    of_speed: bool = False
+    plain: tuple[Plain, ...] = ()
     of_inertia: bool = False
     title: str = ""
     acts: Acts = "torque"

@@ -18,6 +18,7 @@ EFFECT = Effect(
     title="wrong inertia",
     effect_id=3,
     coefficients=("inertia",),
+    plain=("armature",),
     units=("T s^2/x",),
     cause="rotor inertia through the gear, payload, wrong link inertia",
     form="dJ a",

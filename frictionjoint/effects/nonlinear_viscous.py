@@ -26,6 +26,7 @@ EFFECT = Effect(
     title="curved viscous friction",
     effect_id=6,
     coefficients=("c",),
+    of_speed=True,
     units=("T (s/x)^p",),
     cause="grease and hydrodynamic lubrication; churning losses",
     form="c sgn(v) |v|**p; concave (p < 1) in geared joints, quadratic in churning",

@@ -18,6 +18,7 @@ EFFECT = Effect(
     title="spring, cable or balancer",
     effect_id=4,
     coefficients=("stiffness", "preload"),
+    plain=("stiffness", "preload"),
     units=("T/x", "T"),
     cause="cable, hose, balancing spring",
     form="k (q - q0), stored as k q + c",

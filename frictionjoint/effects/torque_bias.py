@@ -17,6 +17,7 @@ EFFECT = Effect(
     title="constant torque offset",
     effect_id=1,
     coefficients=("bias",),
+    plain=("preload",),
     units=("T",),
     cause="current sensor offset, preload of a seal or a balancer",
     form="c",

@@ -11,16 +11,15 @@ import numpy as np
 from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.effect import Plain
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import DT, N_SIGNALS, H, V
 from frictionjoint.errors import ParameterError
 from frictionjoint.law.stribeck import stribeck_level
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+from frictionjoint.simulate.carrier import JointFriction
 
 _PER_SIDE = 5
-# effects that are a function of the speed alone
-_OF_SPEED = ("back-emf", "nonlinear-viscous")
 # a polynomial is taken where its misfit is below this fraction of a line's
 _WORTH = 0.9
 # fraction of the torque below which a term is not written
@@ -71,7 +70,7 @@ def sliding_torque(carried: JointFriction, speeds: Array, side: str) -> Array:
     signals = np.zeros((len(speeds), N_SIGNALS))
     signals[:, V], signals[:, H], signals[:, DT] = speeds, 1.0, 1.0
     for effect in carried.effects:
-        if effect.effect.name in _OF_SPEED:
+        if effect.effect.of_speed:
             own = columns(effect.effect.effect_id, effect.shape, len(effect.coefficients), signals)
             F = F + own @ np.array(effect.coefficients)
     return np.asarray(F)
@@ -95,18 +94,17 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
         if left < _WORTH * misfit:
             found, misfit = more, left
     by_side = levels(carried.parameters)
-    spring = _total(carried, "spring", "stiffness")
-    bias = _total(carried, "torque-bias", "bias") + _total(carried, "spring", "preload")
-    known = (*_OF_SPEED, "spring", "torque-bias", "inertia-error")
     return PlainFriction(
         coulomb=found[0],
         breakaway=max(found[0], 0.5 * (by_side["pos"][0] + by_side["neg"][0])),
         damping=tuple(found[1:]),
-        preload=float(np.mean(0.5 * (up - down))) + bias,
-        stiffness=spring,
-        armature=_total(carried, "inertia-error", "inertia"),
+        preload=float(np.mean(0.5 * (up - down))) + _total(carried, "preload"),
+        stiffness=_total(carried, "stiffness"),
+        armature=_total(carried, "armature"),
         misfit=misfit,
-        lost=tuple(e.effect.name for e in carried.effects if e.effect.name not in known),
+        lost=tuple(
+            e.effect.name for e in carried.effects if not (e.effect.of_speed or e.effect.plain)
+        ),
     )
 
 
@@ -121,9 +119,11 @@ def _polynomial(speeds: Array, F: Array, terms: int) -> tuple[list[float], float
     return coefficients, float(left / np.sqrt(len(F)))
 
 
-def _total(carried: JointFriction, name: str, coefficient: str) -> float:
-    return sum(_value(e, coefficient) for e in carried.effects if e.effect.name == name)
-
-
-def _value(effect: SimulatedEffect, coefficient: str) -> float:
-    return effect.coefficients[effect.effect.coefficients.index(coefficient)]
+def _total(carried: JointFriction, part: Plain) -> float:
+    """Sum of the effects' coefficients that are this part of a plain joint."""
+    return sum(
+        coefficient
+        for e in carried.effects
+        for kind, coefficient in zip(e.effect.plain, e.coefficients, strict=False)
+        if kind == part
+    )

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.load_dependent import COULOMB, STRIBECK
+from frictionjoint.effects.back_emf import EFFECT as BACK_EMF
+from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.sliding import levels
 from frictionjoint.parameters import check_number
@@ -44,7 +44,6 @@ MODELS = {
 }
 # rad/s over which BAM's standstill is drawn out, and rad over which a change of load is reached
 _STANDSTILL, _REACH = 1e-3, 1e-4
-_BACK_EMF = next(effect for effect in CATALOGUE if effect.name == "back-emf")
 
 
 @dataclass(frozen=True)
@@ -135,7 +134,7 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
         f"no displacement before sliding is known: the joint creeps below {_STANDSTILL:g} rad/s"
     ]
     if kt is not None and R is not None:
-        effects.append(SimulatedEffect(_BACK_EMF, (), (kt * kt / R,)))
+        effects.append(SimulatedEffect(BACK_EMF, (), (kt * kt / R,)))
         said.append(f"kt {kt:.4g} and R {R:.4g} remain as the back-EMF's kt^2/R alone")
     if "armature" in bam.motor:
         said.append(f"armature {bam.motor['armature']:.4g} kg m^2 belongs to the MJCF's joint")
@@ -202,12 +201,12 @@ def _loads(joint: JointFriction) -> tuple[float, float, list[str]]:
     load = falling = 0.0
     said: list[str] = []
     for effect in joint.effects:
-        if effect.effect.name == "load-dependent":
+        if effect.effect in FORMS:
             load += effect.coefficients[0]
-            if effect.effect.effect_id == STRIBECK.effect_id:
+            if effect.effect == STRIBECK:
                 falling += effect.coefficients[1]
                 said.append(f"the load's fall with speed has its own {effect.shape[1]:.3g} rad/s")
-        elif effect.effect.name == "back-emf":
+        elif effect.effect == BACK_EMF:
             said.append("back-EMF: that of the given kt and R is taken")
         else:
             said.append(f"effect {effect.effect.name}")
