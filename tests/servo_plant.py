@@ -28,9 +28,13 @@ def swept(t):
     return 0.8 * np.sin(0.9 * t**2)
 
 
-def servo(name, kp, target, hidden, duration=5.0):
-    """A log at 100 Hz; `hidden` is what its firmware does that no file says."""
-    model = mujoco.MjModel.from_xml_string(PLANT.format('frictionloss="0.06" damping="0.03"'))
+def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" damping="0.03"'):
+    """A log at 100 Hz; `hidden` is what its firmware does that no file says.
+
+    Args:
+        friction: attributes of the joint, MuJoCo's own.
+    """
+    model = mujoco.MjModel.from_xml_string(PLANT.format(friction))
     data = mujoco.MjData(model)
     n = int(duration * 1000)
     time = 1e-3 * np.arange(n)
@@ -43,14 +47,14 @@ def servo(name, kp, target, hidden, duration=5.0):
         way = hidden.get("rate", math.inf) * 1e-3
         inner += min(way, max(-way, wanted - inner))
         error = inner - position[i]
-        duty = kp * error
+        duty = kp * hidden.get("factor", 1.0) * error
         if abs(error) < hidden.get("deadband", 0.0):
             duty = 0.0
         limit = hidden.get("limit", 1.0)
         duty = min(limit, max(-limit, duty))
         if abs(error) > hidden.get("threshold", math.inf):
             duty *= hidden["left"]
-        data.qfrc_applied[0] = KT * duty * SUPPLY - EMF * data.qvel[0]
+        data.qfrc_applied[0] = KT * duty * SUPPLY - hidden.get("emf", EMF) * data.qvel[0]
         mujoco.mj_step(model, data)
     some = slice(0, n, 10)
     return JointLog(

@@ -37,7 +37,8 @@ class Course:
     Attributes:
         name: of the log. time, position: as measured, shape (n,). target: of the log.
         run: for the controller as given. motion: measured position and velocity on its steps.
-        delay: of the controller, s.
+        delay: of the controller, s. figures: what distinguishes logs by kind, by name: figures that
+            came with the log, its motion, its load.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Course:
     run: Run
     motion: tuple[Array, Array]
     delay: float
+    figures: dict[str, float | str]
 
     def changed(self, changes: Sequence[Change]) -> Run:
         """The run with a controller that effects of the drive have changed."""
@@ -55,8 +57,9 @@ class Course:
         block, delay = self.run.block.copy(), self.delay
         for change in changes:
             block, delay = change(block, delay)
-        steps = self.time[0] + self.run.step * np.arange(len(self.run.target))
-        return replace(self.run, block=block, target=held(self.time, self.target, steps - delay))
+        steps = self.time[0] + self.run.step * np.arange(len(self.run.target)) - delay
+        target = _held_over(self.time, self.target, steps, self.run.step)
+        return replace(self.run, block=block, target=target)
 
     def at_samples(self, position: Array) -> Array:
         """Simulated positions at the times of the log, shape (n,)."""
@@ -98,10 +101,14 @@ def courses_of(
     Raises:
         LogError: a log has no target, or lacks a figure of the controller.
     """
-    return tuple(_course(log, body, controller) for log, body in zip(logs, bodies, strict=True))
+    loads = list({id(body): body for body in bodies})
+    return tuple(
+        _course(log, body, controller, loads.index(id(body)))
+        for log, body in zip(logs, bodies, strict=True)
+    )
 
 
-def _course(log: JointLog, body: RigidBody, controller: Controller) -> Course:
+def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -> Course:
     if log.target is None:
         raise LogError(f"{log.name}: no target to follow, add target_rad")
     steps = max(1, int(np.ceil(log.duration / _STEP)))
@@ -127,7 +134,7 @@ def _course(log: JointLog, body: RigidBody, controller: Controller) -> Course:
         target=log.target,
         run=Run(
             step=h,
-            target=held(log.time, log.target, time - delay),
+            target=_held_over(log.time, log.target, time - delay, h),
             supply=held(log.time, supply_of(controller, log), time),
             on=on,
             start=start,
@@ -136,7 +143,23 @@ def _course(log: JointLog, body: RigidBody, controller: Controller) -> Course:
         ),
         motion=(np.interp(time, smooth.time, smooth.position), velocity),
         delay=delay,
+        figures={**log.metadata, "motion": log.motion, "load": float(load)},
     )
+
+
+def _held_over(time: Array, command: Array, steps: Array, h: float) -> Array:
+    """Mean over each step of a command that holds until the next one, shape of `steps`.
+
+    A command that comes within a step acts for the rest of it: so the motion depends smoothly on a
+    delay, and derivatives by one that is finer than a step are what they should be.
+    """
+    area = np.concatenate([[0.0], np.cumsum(np.diff(time) * command[:-1])])
+
+    def until(t: Array) -> Array:
+        before, after = np.minimum(t - time[0], 0.0), np.maximum(t - time[-1], 0.0)
+        return np.asarray(np.interp(t, time, area) + before * command[0] + after * command[-1])
+
+    return (until(steps + h) - until(steps)) / h
 
 
 def changes_of(fitted: Fit) -> list[Change]:

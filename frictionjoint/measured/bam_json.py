@@ -1,9 +1,10 @@
 """Logs of a servo swinging a pendulum, as recorded for BAM (Duclusaud et al. 2024) and by K-Scale.
 
-JSON: figures of the log (``mass`` kg, ``length`` m, ``kp`` in the firmware's unit, ``vin`` V) and
-``entries`` with ``timestamp`` s, ``position`` rad, ``speed`` rad/s, ``input_volts`` V, ``temp``
-deg C, ``goal_position`` rad, ``torque_enable``; of a Dynamixel XL330 also ``load``, the signed duty
-in an unsigned 16-bit register, 885 = full. Other servos tell no duty: their controller does.
+JSON: figures of the log (``mass`` kg, ``length`` m, ``kp`` in the firmware's unit, ``vin`` V), the
+name of its motion, ``trajectory``, and ``entries`` with ``timestamp`` s, ``position`` rad,
+``speed`` rad/s, ``input_volts`` V, ``temp`` deg C, ``goal_position`` rad, ``torque_enable``; of a
+Dynamixel XL330 also ``load``, the signed duty in an unsigned 16-bit register, 885 = full. Other
+servos tell no duty: their controller does.
 """
 
 import json
@@ -50,7 +51,12 @@ def read_bam_json(path: Path, joint: str | None = None) -> JointLog:
         # the arm let go: the motor's leads are open, no voltage is applied
         columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
     figures = {key: _figure(path, key, x) for key, x in content.items() if _is_number(x)}
-    return replace(log_of(path, joint or "joint", columns), metadata=figures)
+    motion = content.get("trajectory")
+    return replace(
+        log_of(path, joint or "joint", columns),
+        metadata=figures,
+        motion=motion if isinstance(motion, str) else "",
+    )
 
 
 def _content(path: Path) -> dict[str, Any]:

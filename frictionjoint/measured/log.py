@@ -37,6 +37,7 @@ class JointLog:
         signals: further measured quantities by name, in whatever unit: candidates for what friction
             depends on (a normal load, a bus voltage).
         metadata: figures that came with the log (gains, masses), by name.
+        motion: what was commanded, by the name that its recorder gave it.
         notes: what a reader of a result must know of the log: what was mended in it.
     """
 
@@ -58,6 +59,7 @@ class JointLog:
     other_velocities: dict[str, Array] = field(default_factory=dict)
     signals: dict[str, Array] = field(default_factory=dict)
     metadata: dict[str, float] = field(default_factory=dict)
+    motion: str = ""
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

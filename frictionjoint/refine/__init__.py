@@ -4,7 +4,10 @@ The balance of torques finds and names in seconds; what a user wants right is th
 
 ``vector``    the numbers of a fitted model as one vector, with its prior
 ``motion``    simulated motion of logs, in windows or whole
-``refine``    least squares, and the guard that decides whether its result is taken
+``objective`` what is made small: errors of that motion, and the prior
+``secant``    its derivatives, by differences and by the steps of a search
+``guard``     errors on kinds of logs left out
+``refine``    least squares, and whether its result is taken
 """
 
 from frictionjoint.refine.refine import Refined, refine

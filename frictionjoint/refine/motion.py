@@ -35,8 +35,3 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
 
     with side_by_side() as each:
         return list(each(one, courses))
-
-
-def mean_absolute(courses: Sequence[Course], fitted: Fit) -> float:
-    """Mean absolute error of whole logs, rad (m)."""
-    return float(np.mean(np.abs(np.concatenate(errors(courses, fitted, None)))))

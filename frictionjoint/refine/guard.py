@@ -1,0 +1,89 @@
+"""Whether a refined model predicts unlike motion better: whole kinds of logs are left out.
+
+A kind is what a user will have more of: another gain, another load, another motion. Logs left out
+at random are like those that are kept, and tell how well a model interpolates.
+
+For each kind the refined numbers are moved to where the other logs alone would have them, by steps
+with the derivatives that the search has found, and the logs left out are simulated anew.
+"""
+
+from collections.abc import Hashable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.closed_loop import Course
+from frictionjoint.refine.objective import Objective
+
+Mask = NDArray[np.bool_]
+
+# kinds of one sort; more are no kinds but single logs
+_MOST_KINDS = 6
+# of a log that is alone, how much is left out at its end
+_LAST = 1.0 / 3.0
+# steps towards where the kept logs would have the numbers, and halvings of one
+_STEPS, _HALVINGS = 3, 3
+
+
+def kinds(courses: Sequence[Course]) -> list[Mask]:
+    """Samples to leave out together, shape (all samples,) each: one mask a kind."""
+    lengths = [len(c.position) for c in courses]
+    if len(courses) == 1:
+        n = lengths[0]
+        return [np.arange(n) >= round((1.0 - _LAST) * n)]
+    of_log = np.repeat(np.arange(len(courses)), lengths)
+    return [np.isin(of_log, group) for group in _groups(courses)]
+
+
+def _groups(courses: Sequence[Course]) -> list[list[int]]:
+    """Logs of a kind, for every way in which the logs are of some kinds."""
+    names = sorted({name for c in courses for name in c.figures})
+    found: dict[tuple[tuple[int, ...], ...], None] = {}
+    for name in names:
+        values: dict[Hashable, list[int]] = {}
+        for i, c in enumerate(courses):
+            values.setdefault(c.figures.get(name), []).append(i)
+        if 1 < len(values) <= _MOST_KINDS:
+            found[tuple(sorted(tuple(group) for group in values.values()))] = None
+    if not found:  # nothing is said of the logs: each is of its own kind
+        few = min(len(courses), _MOST_KINDS)
+        found[tuple(tuple(range(k, len(courses), few)) for k in range(few))] = None
+    return [list(group) for groups in found for group in groups]
+
+
+def left_out_errors(objective: Objective, z: Array, J: Array, masks: Sequence[Mask]) -> Array:
+    """Mean absolute error on each kind by a model that has not seen it, rad (m), one a kind.
+
+    Args:
+        objective: of whole logs. z: refined numbers in its units. J: its derivatives there.
+    """
+    found = []
+    for mask in masks:
+        e = objective.errors(_without(objective, z, J, mask))
+        found.append(float(np.mean(np.abs(e[mask]))))
+    return np.array(found)
+
+
+def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
+    """Where the numbers would be without some samples."""
+    kept = np.concatenate([~mask, np.ones(len(z), dtype=bool)])
+    low, high = objective.bounds
+    J = J[kept]
+    H = J.T @ J
+    r = objective(z)[kept]
+    for _ in range(_STEPS):
+        step = -np.linalg.solve(H, J.T @ r)
+        for _ in range(_HALVINGS):
+            moved = np.clip(z + step, low, high)
+            there = objective(moved)[kept]
+            if there @ there < r @ r:
+                break
+            step = 0.5 * step
+        else:
+            return z
+        near = r @ r - there @ there < 1e-2 * (r @ r)
+        z, r = moved, there
+        if near:
+            break
+    return z

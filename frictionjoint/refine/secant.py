@@ -1,0 +1,60 @@
+"""Derivatives of simulated motion: by differences at first, then kept up to date by each step.
+
+A step tells how the errors change along it, which one simulation has already found; Broyden's
+update (1965) puts that into the derivatives and leaves all other directions as they are. Where a
+step shows that they have become another matter, differences are taken again.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+
+# units of the prior by which a number is moved for a difference
+_STEP = 0.02
+# of the change over a step, that the derivatives may leave unexplained
+_OFF = 0.5
+
+
+class Secant:
+    """Jacobian for a search, called at each point that it goes on from.
+
+    Args:
+        residual: of the search. bounds: within which a number is moved.
+    """
+
+    def __init__(self, residual: Callable[[Array], Array], bounds: tuple[Array, Array]) -> None:
+        self.residual, self.bounds = residual, bounds
+        self.last: tuple[Array, Array, Array] | None = None
+
+    def __call__(self, z: Array) -> Array:
+        """Shape (n, p)."""
+        r = self.residual(z)
+        J = self._updated(z, r)
+        if J is None:
+            J = self._differences(z, r)
+        self.last = z.copy(), r, J
+        return J
+
+    def _updated(self, z: Array, r: Array) -> Array | None:
+        if self.last is None:
+            return None
+        z0, r0, J0 = self.last
+        step = z - z0
+        change = r - r0
+        missed = change - J0 @ step
+        if not step.any():
+            return J0
+        if np.linalg.norm(missed) > _OFF * np.linalg.norm(change):
+            return None
+        return np.asarray(J0 + np.outer(missed, step / (step @ step)))
+
+    def _differences(self, z: Array, r: Array) -> Array:
+        columns = []
+        for i in range(len(z)):
+            h = _STEP if z[i] + _STEP <= self.bounds[1][i] else -_STEP
+            moved = z.copy()
+            moved[i] += h
+            columns.append((self.residual(moved) - r) / h)
+        return np.column_stack(columns)

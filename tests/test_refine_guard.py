@@ -1,0 +1,101 @@
+"""Kinds of logs that the guard leaves out, and derivatives kept up to date by steps."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from frictionjoint.refine.guard import kinds, left_out_errors
+from frictionjoint.refine.secant import Secant
+
+
+def log(n=10, **figures):
+    return SimpleNamespace(position=np.zeros(n), figures=figures)
+
+
+def groups(courses):
+    """Numbers of the logs that each mask leaves out, all of their samples."""
+    ends = np.cumsum([0, *(len(c.position) for c in courses)])
+    found = []
+    for mask in kinds(courses):
+        parts = [mask[a:b] for a, b in itertools.pairwise(ends)]
+        assert all(part.all() or not part.any() for part in parts)
+        found.append([i for i, part in enumerate(parts) if part.all()])
+    return found
+
+
+def test_every_gain_every_rig_and_every_motion_is_left_out_once():
+    courses = [
+        log(n=5 + i + j, kp=kp, mass=mass, length=length, motion=motion, vin=12.0)
+        for i, (mass, length) in enumerate([(0.5, 0.1), (1.0, 0.15)])
+        for j, kp in enumerate([4.0, 16.0, 32.0])
+        for motion in ("steps", "sines")
+    ]
+    found = groups(courses)
+    # mass and length are one kind, the supply is none
+    by_gain = [[0, 1, 6, 7], [2, 3, 8, 9], [4, 5, 10, 11]]
+    by_rig = [list(range(6)), list(range(6, 12))]
+    by_motion = [list(range(0, 12, 2)), list(range(1, 12, 2))]
+    assert sorted(found) == sorted([*by_gain, *by_rig, *by_motion])
+
+
+def test_logs_of_no_kind_are_left_out_one_by_one_and_a_single_one_at_its_end():
+    assert groups([log(kp=8.0) for _ in range(3)]) == [[0], [1], [2]]
+    assert len(kinds([log(number=float(i)) for i in range(40)])) == 6
+    (last,) = kinds([log(n=90)])
+    assert last.sum() == 30
+    assert last[60:].all()
+
+
+class Line:
+    """Errors of a straight line through points, as an objective has them; no prior to speak of."""
+
+    bounds = np.full(2, -np.inf), np.full(2, np.inf)
+
+    def __init__(self, x, y):
+        self.A, self.y = np.column_stack([np.ones_like(x), x]), y
+
+    def errors(self, z):
+        return self.A @ z - self.y
+
+    def __call__(self, z):
+        return np.concatenate([self.errors(z), 1e-9 * z])
+
+
+def test_what_is_left_out_is_predicted_by_the_rest_alone():
+    x = np.linspace(0.0, 1.0, 21)
+    y = 2.0 + 3.0 * x
+    mask = x > 0.8
+    y[mask] += 0.7  # what no other sample tells
+    line = Line(x, y)
+    J = np.vstack([line.A, 1e-9 * np.eye(2)])
+    z = np.linalg.lstsq(line.A, y, rcond=None)[0]
+    assert left_out_errors(line, z, J, [mask]) == pytest.approx([0.7], rel=1e-6)
+    # the fit to all of them flatters itself
+    assert np.mean(np.abs(line.errors(z)[mask])) < 0.5 * 0.7
+
+
+def test_steps_keep_derivatives_up_to_date_and_differences_mend_them():
+    calls = []
+
+    def residual(z):
+        calls.append(z)
+        return np.array([z[0] ** 2 + z[1], z[0] * z[1], np.sin(3.0 * z[1])])
+
+    def exact(z):
+        return np.array([[2 * z[0], 1.0], [z[1], z[0]], [0.0, 3 * np.cos(3 * z[1])]])
+
+    jacobian = Secant(residual, (np.full(2, -9.0), np.full(2, 9.0)))
+    z = np.array([1.0, 0.2])
+    # differences over 0.02 of functions whose second derivative is at most 9
+    assert jacobian(z) == pytest.approx(exact(z), abs=0.09)
+    calls.clear()
+    moved = z + np.array([0.1, 0.0])
+    updated = jacobian(moved)
+    assert len(calls) == 1
+    assert updated @ (moved - z) == pytest.approx(residual(moved) - residual(z), abs=1e-12)
+    far = np.array([1.0, 1.2])
+    calls.clear()
+    assert jacobian(far) == pytest.approx(exact(far), abs=0.09)
+    assert len(calls) == 3

@@ -1,0 +1,51 @@
+"""A log ready to be simulated: what its controller is told at every step."""
+
+import numpy as np
+import pytest
+from servo_plant import KNOWN, PLANT
+
+from frictionjoint.control.kernel import KP
+from frictionjoint.diagnose.closed_loop import courses_of
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+
+
+@pytest.fixture(scope="module")
+def course():
+    time = 0.01 * np.arange(100)
+    log = JointLog(
+        name="steps",
+        joint="j",
+        time=time,
+        position=0.1 * np.sin(time),
+        target=np.floor(time / 0.1 + 1e-9),
+        metadata={"kp": 2.0},
+        motion="stairs",
+    )
+    return courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
+
+
+def later(course, delay):
+    return course.changed([lambda block, before: (block, before + delay)]).target
+
+
+def test_a_command_holds_until_the_next_one(course):
+    steps = course.run.step * np.arange(len(course.run.target))
+    np.testing.assert_allclose(course.run.target, np.floor(steps / 0.1 + 1e-6), atol=1e-6)
+    ten = round(0.01 / course.run.step)
+    np.testing.assert_allclose(later(course, 0.01)[ten:], course.run.target[:-ten], atol=1e-6)
+
+
+def test_a_delay_finer_than_a_step_acts_for_its_part_of_it(course):
+    h = course.run.step
+    for delay in (0.2 * h, 3.7 * h):
+        # every step up comes later by the delay, and none is lost: the area tells
+        lost = h * np.sum(course.run.target - later(course, delay))
+        assert lost == pytest.approx(delay * course.target[-1], rel=1e-6)
+
+
+def test_what_tells_logs_of_one_kind_comes_along(course):
+    assert course.figures == {"kp": 2.0, "motion": "stairs", "load": 0.0}
+    changed = course.changed([lambda block, delay: (np.full_like(block, 0.5), delay)])
+    assert changed.block[KP] == 0.5
+    assert course.run.block[KP] == 2.0
