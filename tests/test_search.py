@@ -9,7 +9,8 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import notes
-from frictionjoint.diagnose.trace import SIGNIFICANCE, SMALLEST_GAIN, trace
+from frictionjoint.diagnose.state import SMALLEST_GAIN
+from frictionjoint.diagnose.trace import SIGNIFICANCE, trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.result import law_parameters, term_estimates

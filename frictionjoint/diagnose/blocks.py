@@ -55,23 +55,20 @@ class Blocks:
         """Number of blocks."""
         return len(self.fold)
 
-    def gram(self, U: Array) -> Array:
-        """U'U of each block, shape (B, m, m)."""
-        edges = self._edges(len(U))
-        return np.stack([U[a:b].T @ U[a:b] for a, b in itertools.pairwise(edges)])
+    @property
+    def pieces(self) -> int:
+        """Number of pieces of blocks."""
+        return _PIECES * self.count
 
-    def sums(self, U: Array, fine: bool = False) -> Array:
-        """Sums of each block, shape (B, m); fine: of the pieces of each, shape (5 B, m)."""
-        edges = self._edges(len(U))
+    def gram(self, U: Array, fine: bool = False) -> Array:
+        """U'U of each block, shape (B, m, m); fine: of the pieces of each, shape (5 B, m, m)."""
+        edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
         if fine:
             parts = np.arange(_PIECES) / _PIECES
             edges = np.append(
                 (edges[:-1, None] + parts * np.diff(edges)[:, None]).astype(int).ravel(), len(U)
             )
-        return np.asarray(np.add.reduceat(U, edges[:-1], axis=0))
-
-    def _edges(self, n: int) -> Index:
-        return np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), n)
+        return np.stack([U[a:b].T @ U[a:b] for a, b in itertools.pairwise(edges)])
 
 
 def correlation_time(residual: Array) -> float:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
-from scipy.special import chdtrc
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whitened
@@ -24,7 +23,6 @@ from frictionjoint.identify.terms import Timing
 
 Columns = NDArray[np.int64]
 
-FLIPS = 999
 _HALVES = 50
 # directions of a set of columns below this fraction of the largest count as dependent
 _RCOND = 1e-8
@@ -40,8 +38,7 @@ class Screen:
         blocks: of the fit.
         columns: the law projected out, shape (n, c), the target last.
         tested: law and terms projected out, the residual last, shape (n, c).
-        scores: products of the tested columns with the residual, by block, shape (B, c).
-        white: the same of whitened ones, by smaller pieces, where what acts seldom shows.
+        white: the same of whitened ones, shape (n, c).
         low, high: range of the coefficient of each column but the last. To first order a number of
             a shape moves no further than one search may move it, shape (c - 1,).
         terms: columns of each term of the fit. candidates: columns of each candidate.
@@ -50,7 +47,6 @@ class Screen:
     blocks: Blocks
     columns: Array
     tested: Array
-    scores: Array
     white: Array
     low: Array
     high: Array
@@ -92,23 +88,31 @@ class Screen:
         """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1)."""
         return self.blocks.gram(columns[:, [*at, -1]])
 
-    def surprises(self, signs: Array, whites: Array, at: Columns) -> Array:
-        """How far out a candidate's score is under each row of signs, in nats, shape (rows,).
+    def products(self, at: Columns, whitened: bool) -> Array:
+        """Gram matrices of a candidate's columns and the residual, by block, shape (B, k, k).
 
-        The larger of that of the residual as it is, where what is slow shows, and whitened.
+        Args:
+            whitened: of whitened columns, by the smaller pieces of the blocks.
         """
-        plain = self._surprise(self.scores[:, at], signs)
-        return np.maximum(plain, self._surprise(self.white[:, at], whites))
+        if whitened:
+            return self.blocks.gram(self.white[:, [*at, -1]], fine=True)
+        return self._grams(self.tested, at)
 
-    @staticmethod
-    def _surprise(score: Array, signs: Array) -> Array:
-        spread = score.T @ score
-        scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
-        inverse = np.linalg.pinv(spread / np.outer(scale, scale), rcond=1e-9, hermitian=True)
-        s = (signs @ score) / scale
-        statistic = np.sum((s @ inverse) * s, axis=1)
-        freedom = max(1, round(float(np.trace(inverse @ (spread / np.outer(scale, scale))))))
-        return np.asarray(-np.log(np.maximum(chdtrc(freedom, statistic), 1e-300)))
+    def elsewhere(self, A: Array, b: Array) -> Array:
+        """Coefficients of each block, or piece, fitted to the other folds, shape (B, k).
+
+        Args:
+            A: Gram matrices, shape (B, k, k). b: products with the target, shape (B, k).
+        """
+        pieces = len(A) // self.blocks.count
+        whole = A.reshape(self.blocks.count, pieces, *A.shape[1:]).sum(axis=1)
+        folds = np.repeat(self._folds([whole]), pieces)
+        beta = np.empty_like(b)
+        for fold in np.unique(folds):
+            inside = folds == fold
+            rest = A[~inside].sum(axis=0)
+            beta[inside] = np.linalg.pinv(rest, rcond=_RCOND, hermitian=True) @ b[~inside].sum(0)
+        return beta
 
     def halves(self, rng: np.random.Generator) -> Array:
         """Complementary halves of the blocks, 1 or 0, shape (halves, B)."""
@@ -183,22 +187,19 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     low, high = _ranges(fitted, own, candidates) * size
     columns = np.column_stack([X, target * fitted.weight])
     columns = _without(columns, law)
-    tested, scores, white = columns[:, :0], columns[:0], columns[:0]
+    tested = white = columns[:, :0]
     if candidates:
         n_own = int(edges[len(own)])
         known = np.column_stack([law, X[:, :n_own]])
         U = np.column_stack([X, fitted.residual * fitted.weight])
         tested = _without(U, known)
-        scores = blocks.sums(tested * tested[:, -1:])
         V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index, blocks.noise)
-        V = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
-        white = blocks.sums(V * V[:, -1:], fine=True)
+        white = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,
         columns=columns,
         tested=tested,
-        scores=scores,
         white=white,
         low=low,
         high=high,

@@ -28,7 +28,7 @@ from frictionjoint.threads import side_by_side
 _POSITION_BINS = 4096
 _FEWEST_PERIODS = 1.5
 # waves in time that the longest log must hold
-_FEWEST_WAVES = 4.0
+_FEWEST_WAVES = 2.0
 # reaches of unnamed hysteresis, over the travel
 _REACHES = (0.01, 0.03, 0.1, 0.3)
 # strongest lines of a spectrum that are tried
@@ -97,6 +97,30 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     ):
         terms += found
         among += [lines] * len(found)
+    return _candidates(prepared, fitted, signals, terms, among)
+
+
+def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
+    """The same effect in its other forms, on their grids."""
+    if not isinstance(term, EffectTerm):
+        return []
+    signals = signals_of(prepared, fitted)
+    everything = np.concatenate(signals)
+    terms: list[Term] = [
+        EffectTerm(effect, shape)
+        for effect in CATALOGUE
+        if effect.name == term.name and effect.effect_id != term.effect.effect_id
+        if effect.sought == "grid"
+        for shape in effect.shapes(everything)
+        if _in_band(prepared, effect, shape)
+    ]
+    return _candidates(prepared, fitted, signals, terms, [1.0] * len(terms))
+
+
+def _candidates(
+    prepared: Prepared, fitted: Fit, signals: list[Array], terms: list[Term], among: list[float]
+) -> list[Candidate]:
+    """Terms with their columns, without those that do nothing in these logs."""
     with side_by_side() as each:
         columns = list(each(partial(columns_of, prepared, signals), terms))
     return [

@@ -8,7 +8,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
-from frictionjoint.diagnose.gram import FLIPS, Columns, Screen, screen
+from frictionjoint.diagnose.chance import p_values
+from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.smooth import SmoothTerm
@@ -93,7 +94,7 @@ def look(
     kinds: dict[tuple[str, str], list[int]] = {}
     for i, candidate in enumerate(candidates):
         kinds.setdefault(candidate.kind, []).append(i)
-    p_values, chance = _p_values(found, [c.among for c in candidates], rng)
+    found_p, chance = p_values(found, [c.among for c in candidates], rng)
     frequencies = _frequencies(found, list(kinds.values()), rng)
     rows = []
     for members, frequency in zip(kinds.values(), frequencies, strict=True):
@@ -102,39 +103,10 @@ def look(
         chosen = np.argmin(np.array([t for _, t in tried]), axis=0)
         best = members[int(np.argmin(squares.sum(axis=1)))]
         left = squares[chosen, np.arange(squares.shape[1])]
-        p_value = float(min(p_values[i] for i in members))
+        p_value = float(min(found_p[i] for i in members))
         rows.append(Looked(candidates[best], left, p_value, frequency))
     rows.sort(key=lambda r: float(r.left.sum()))
     return Look(tuple(rows), without, chance), found
-
-
-def _p_values(
-    found: Screen, among: Sequence[float], rng: np.random.Generator
-) -> tuple[Array, float]:
-    """Of each candidate, the largest surprise of the family under flipped signs as its null.
-
-    With the surprise that one in twenty of those exceeds.
-
-    Scores of many coefficients and of single ones are put on one scale by the chi-square tail each
-    would have (Westfall and Young 1993, with an approximate marginal: it weighs the candidates
-    against each other, the flips alone make the p-value). A line of a spectrum is the largest of
-    many, which flips of its sign do not search again.
-    """
-    if not found.candidates:
-        return np.zeros(0), 0.0
-    signs, whites = (
-        np.vstack([np.ones(len(grams)), rng.choice([-1.0, 1.0], size=(FLIPS, len(grams)))])
-        for grams in (found.scores, found.white)
-    )
-    surprises = np.array(
-        [
-            found.surprises(signs, whites, at) - np.log(lines)
-            for at, lines in zip(found.candidates, among, strict=True)
-        ]
-    )
-    null = surprises[:, 1:].max(axis=0)
-    p_values = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
-    return p_values, float(np.quantile(null, 0.95))
 
 
 def _frequencies(

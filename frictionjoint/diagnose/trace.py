@@ -9,7 +9,7 @@ the whole family of candidates, chance hardly does as much.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -17,12 +17,21 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
+from frictionjoint.diagnose.exchange import best_forms, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace, sight
-from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
 from frictionjoint.diagnose.library import Candidate, comes_first, library
 from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
 from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.diagnose.state import (
+    SMALLEST_GAIN,
+    State,
+    apart,
+    compared,
+    needed,
+    numbers_of,
+    without,
+)
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
@@ -35,19 +44,11 @@ from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
 SIGNIFICANCE = 0.05
-# fraction of the squares left that a change must take away: an effect is believed that is about as
-# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
-# some likeness to many an effect
-SMALLEST_GAIN = 0.4
-# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
-# as likely the law's own error as an effect
-DISCREPANCY = 0.01
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
 _BENT = 0.3
-# models within this fraction of the best one's gain are a tie, unless one leaves half of what the
-# other leaves
-_TIE, _APART = 0.1, 0.5
+# models within this fraction of the best one's gain are a tie
+_TIE = 0.1
 # an unnamed dependence is taken only where no effect explains as large a part of it
 _ENOUGH = 0.9
 # of a pair over its better half: what one of two effects must explain besides the other
@@ -56,7 +57,7 @@ _PAIR = 0.3
 _LEADERS = 0.7
 # of the replay's error, that leaving an effect out must take away
 _NEARER = 0.05
-_TRIED_STEPS, _MOST_CHANGES = 8, 12
+_MOST_CHANGES = 12
 
 
 class _Tried(NamedTuple):
@@ -70,16 +71,6 @@ class _Tried(NamedTuple):
 class _Choice(NamedTuple):
     taken: _Tried
     ties: tuple[str, ...] = ()
-
-
-@dataclass
-class _State:
-    """Where the search is: logs as they are weighted now, the model, what was found."""
-
-    prepared: Prepared
-    fit: Fit
-    findings: list[Finding]
-    look: Look
 
 
 @one_thread
@@ -107,7 +98,7 @@ def trace(
     prepared, base = _base(prepared, law or INTEGRATED_LAW, progress)
     laws = Laws(prepared, base, asked=law is not None, progress=progress)
     prepared, current = laws.better(prepared, base)
-    state = _State(prepared, current, [], Look((), np.zeros(0), 0.0))
+    state = State(prepared, current, [], Look((), np.zeros(0), 0.0))
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"step {change}: trying candidates")
         left = state.fit.drive_rms
@@ -128,7 +119,7 @@ def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tupl
     return reweighed(*settled(prepared, found))
 
 
-def _step(state: _State, rng: np.random.Generator) -> list[str]:
+def _step(state: State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of what came in."""
     effects = state.fit.effects
     early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
@@ -147,7 +138,7 @@ def _step(state: _State, rng: np.random.Generator) -> list[str]:
     )
 
 
-def _of_drive(state: _State, rng: np.random.Generator) -> list[str]:
+def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     """The best effect of the drive, if one is justified."""
     found = look_at_drive(state.prepared, state.fit, rng)
     if found is None or not found.tried:
@@ -167,13 +158,12 @@ def _of_drive(state: _State, rng: np.random.Generator) -> list[str]:
     state.prepared, state.fit = reweighed(state.prepared, score.fit)
     state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
     _drop_idle(state)
-    names = {t.name for t in state.fit.effects}
-    state.findings = [f for f in state.findings if f.term.name in names]
-    return [term.name] if term.name in names else []
+    state.forget_dropped()
+    return [f.term.name for f in state.findings if f.term is term]
 
 
 def _taken(
-    state: _State, blocks: Blocks, candidates: Sequence[Candidate], rng: np.random.Generator
+    state: State, blocks: Blocks, candidates: Sequence[Candidate], rng: np.random.Generator
 ) -> list[str]:
     """The best of these candidates, if one is justified."""
     prepared, current = state.prepared, state.fit
@@ -182,7 +172,7 @@ def _taken(
     now = scored(current, blocks)
 
     def attempt(move: Move) -> _Tried:
-        found = refit(prepared, move.terms, current.shape, ROUGH, _TRIED_STEPS)
+        found = compared(prepared, move.terms, current.shape)
         return _Tried(move, prepared, scored(found, blocks))
 
     moves = Moves(current, seen, screened, candidates).best()
@@ -211,14 +201,14 @@ def _taken(
             )
         )
     _drop_idle(state)
-    _weigh_others(state)
-    names = {t.name for t in state.fit.effects}
-    state.findings = [f for f in state.findings if f.term.name in names]
+    best_forms(state)
+    weigh_others(state)
+    state.forget_dropped()
     return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
 
 
 def _looked_at_again(
-    state: _State, now: Scored, tried: Sequence[_Tried], best: _Tried
+    state: State, now: Scored, tried: Sequence[_Tried], best: _Tried
 ) -> tuple[Scored, list[_Tried]]:
     """The leading changes under the weights of the best one, with a law that nothing has bent.
 
@@ -235,7 +225,7 @@ def _looked_at_again(
     starts = (first.shape, state.fit.shape)
 
     def begun(terms: tuple[Term, ...]) -> tuple[Prepared, Scored]:
-        fits = [refit(prepared, terms, s, ROUGH, _TRIED_STEPS) for s in starts]
+        fits = [compared(prepared, terms, law) for law in starts]
         own, found = settled(prepared, min(fits, key=lambda f: f.drive_rms))
         return own, scored(found, blocks)
 
@@ -247,7 +237,7 @@ def _looked_at_again(
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     """The best change that is needed, and the effects it is tied with."""
-    good = [t for t in tried if _needed(t.score, now, all(c.comes_first for c in t.move.added))]
+    good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = min(singles, key=_total, default=None)
@@ -266,7 +256,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         t
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
-        and not _apart(best.score, t.score)
+        and not apart(best.score, t.score)
         and t.score.gain(now) >= (1.0 - _TIE) * gain
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
@@ -306,89 +296,22 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
     )
 
 
-def _drop_idle(state: _State) -> None:
+def _drop_idle(state: State) -> None:
     """Leave out, one after the other, what the model predicts as well without."""
     while state.fit.effects:
         blocks = make_blocks(state.prepared, state.fit)
         now = scored(state.fit, blocks)
         with side_by_side() as each:
-            others = list(each(partial(_without, state), state.fit.effects))
+            others = list(each(partial(without, state), state.fit.effects))
         scores = [scored(other, blocks) for other in others]
         pairs = zip(state.fit.effects, scores, strict=True)
-        idle = [(now.gain(s), s.fit) for t, s in pairs if not _needed(now, s, comes_first(t))]
+        idle = [(now.gain(s), s.fit) for t, s in pairs if not needed(now, s, comes_first(t))]
         if not idle:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
 
 
-def _apart(one: Scored, other: Scored) -> bool:
-    """Whether the logs distinguish a model from one that leaves more."""
-    return one.better(other) and one.gain(other) >= _APART
-
-
-def _needed(now: Scored, other: Scored, first: bool = False) -> bool:
-    """Whether a model predicts better than another, and by more than the law's own error.
-
-    Args:
-        first: what it has besides comes first: it is known to be there, and only its size is not.
-    """
-    enough = (first or now.gain(other) >= SMALLEST_GAIN) and now.better(other)
-    return enough and now.moved(other) >= DISCREPANCY
-
-
-def _weigh_others(state: _State) -> None:
-    """Exchange each effect for the best other one of no more numbers, beside all others.
-
-    A simpler one that explains as much stays; one as simple is a tie.
-    """
-    for i in range(len(state.fit.effects)):
-        own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
-        looks = [f.look for f in state.findings if f.term.name == own[i].name]
-        others = [
-            c
-            for c in library(state.prepared, state.fit, blocks)
-            if not c.unnamed and numbers_of(c.term) <= numbers_of(own[i])
-            if all(look.holds(c) for look in looks)
-        ]
-        if not others or is_unnamed(own[i]):
-            continue
-        seen = screen(state.fit, blocks, others)
-        rest = [at for k, at in enumerate(seen.terms) if k != i]
-        left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
-        best = others[int(np.argmin(left))]
-        terms = (*own[:i], best.term, *own[i + 1 :])
-        other = refit(state.prepared, terms, state.fit.shape, ROUGH, _TRIED_STEPS)
-        now, instead = scored(state.fit, blocks), scored(other, blocks)
-        if numbers_of(best.term) < numbers_of(own[i]) and not _needed(now, instead):
-            state.findings = [_instead(f, own[i], best) for f in state.findings]
-            state.prepared, state.fit = reweighed(state.prepared, other)
-        elif not _apart(now, instead):
-            state.findings = [_tied(f, own[i], best) for f in state.findings]
-
-
-def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
-    """A finding of an effect, with one that explains as much."""
-    if finding.term.name != term.name or candidate.term.name in finding.ties:
-        return finding
-    return replace(finding, ties=(*finding.ties, candidate.term.name))
-
-
-def _instead(finding: Finding, term: Term, candidate: Candidate) -> Finding:
-    """A finding of one effect as that of a simpler one, seen in the same look."""
-    if finding.term.name != term.name:
-        return finding
-    row = finding.look.find(candidate)
-    ties = tuple(name for name in finding.ties if name != row.name)
-    return replace(finding, term=candidate.term, row=row, ties=ties)
-
-
-def _without(state: _State, term: Term) -> Fit:
-    """The model without one of its effects."""
-    rest = tuple(t for t in state.fit.effects if t is not term)
-    return refit(state.prepared, rest, state.fit.shape, ROUGH, _TRIED_STEPS)
-
-
-def _other_law(state: _State, laws: Laws) -> bool:
+def _other_law(state: State, laws: Laws) -> bool:
     """Take another law where that is clearly better together with the effects found."""
     prepared, found = laws.better(state.prepared, state.fit)
     changed = found is not state.fit
@@ -396,7 +319,7 @@ def _other_law(state: _State, laws: Laws) -> bool:
     return changed
 
 
-def _drop_what_moves_worse(state: _State, replayed: Callable[[Fit], float | None]) -> None:
+def _drop_what_moves_worse(state: State, replayed: Callable[[Fit], float | None]) -> None:
     """Leave out, one after the other, effects without which the simulated motion is nearer."""
     while state.fit.effects:
         now = replayed(state.fit)
@@ -404,23 +327,23 @@ def _drop_what_moves_worse(state: _State, replayed: Callable[[Fit], float | None
             return
         trials = []
         for term in state.fit.effects:
-            without = _without(state, term)
-            error = replayed(without)
+            other = without(state, term)
+            error = replayed(other)
             if error is not None and error < (1.0 - _NEARER) * now:
-                trials.append((error, without))
+                trials.append((error, other))
         if not trials:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(trials, key=lambda x: x[0])[1])
 
 
-def _told(state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]) -> Trace:
+def _told(state: State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     blocks = make_blocks(state.prepared, state.fit)
     whole = scored(state.fit, blocks)
     for term in state.fit.effects:
         if is_unnamed(term):
-            gain = whole.gain(scored(_without(state, term), blocks))
+            gain = whole.gain(scored(without(state, term), blocks))
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
     if unexplained:
         named = tuple(t for t in state.fit.effects if not is_unnamed(t))
@@ -450,11 +373,6 @@ def _told(state: _State, base: Fit, laws: Laws, replayed: Callable[[Fit], float 
 def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:
     """Findings of one name: harmonics of a periodic effect come one by one."""
     return [f for f in found if f.term.name == term.name]
-
-
-def numbers_of(term: Term) -> int:
-    """How many numbers it takes: the fewer, the simpler."""
-    return len(term.coefficients) + len(term.shape)
 
 
 def _total(tried: _Tried) -> float:

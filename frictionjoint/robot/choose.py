@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.trace import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.diagnose.state import DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.robot.screen import Candidate, Screened
 from frictionjoint.robot.stack import FLIPS, Columns, Stack, surprises
 

@@ -1,0 +1,74 @@
+"""How likely chance explains as much as a candidate: p-values over the whole family of candidates.
+
+A score is the product of a candidate's columns with the residual, summed over blocks of time. What
+it would be by chance follows from the part of the residual that the candidate, fitted to other
+motion, does not predict: with random signs for the blocks. So an effect that stands alone does not
+count as its own noise, and one that explains only the motion it was fitted to gains nothing.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import fdtrc
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.gram import Columns, Screen
+
+FLIPS = 999
+
+
+def p_values(
+    found: Screen, among: Sequence[float], rng: np.random.Generator
+) -> tuple[Array, float]:
+    """Of each candidate, the largest surprise of the family under random signs as its null.
+
+    With the surprise that one in twenty of those exceeds.
+
+    Scores of many coefficients and of single ones are put on one scale by the tail of the F
+    distribution each would have (Hotelling 1931; Westfall and Young 1993, with an approximate
+    marginal: it weighs the candidates against each other, the signs alone make the p-value). Each
+    is the larger of that of the residual as it is, where what is slow shows, and whitened, where
+    what acts seldom shows.
+
+    Args:
+        among: lines of a spectrum that a candidate is the largest of, which random signs do not
+            search again.
+    """
+    if not found.candidates:
+        return np.zeros(0), 0.0
+    blocks = found.blocks.count
+    signs = rng.choice([-1.0, 1.0], size=(FLIPS, blocks))
+    fine = rng.choice([-1.0, 1.0], size=(FLIPS, found.blocks.pieces))
+    surprises = np.array(
+        [
+            np.maximum(_surprise(found, at, signs), _surprise(found, at, fine)) - np.log(lines)
+            for at, lines in zip(found.candidates, among, strict=True)
+        ]
+    )
+    null = surprises[:, 1:].max(axis=0)
+    p = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
+    return p, float(np.quantile(null, 0.95))
+
+
+def _surprise(found: Screen, at: Columns, signs: Array) -> Array:
+    """How far out a candidate's score is, and by chance, in nats, shape (1 + FLIPS,)."""
+    fine = signs.shape[1] != found.blocks.count
+    grams = found.products(at, whitened=fine)
+    A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
+    own = b - np.einsum("bij,bj->bi", A, found.elsewhere(A, b))
+    spread = own.T @ own
+    scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
+    inverse = np.linalg.pinv(spread / np.outer(scale, scale), rcond=1e-9, hermitian=True)
+    k = max(1, round(float(np.trace(inverse @ (spread / np.outer(scale, scale))))))
+    scores = np.vstack([b.sum(axis=0), signs @ own]) / scale
+    statistic = np.sum((scores @ inverse) * scores, axis=1)
+    free = max(1.0, _independent(A) - k)
+    ratio = statistic * free / ((free + k - 1.0) * k)
+    return np.asarray(-np.log(np.maximum(fdtrc(k, free, ratio), 1e-300)))
+
+
+def _independent(grams: Array) -> float:
+    """Blocks that determine the coefficients, counted by how much each of them does."""
+    inverse = np.linalg.pinv(grams.sum(axis=0), rcond=1e-9, hermitian=True)
+    part = np.einsum("bij,ji->b", grams, inverse)
+    return float(part.sum() ** 2 / max(np.sum(part**2), 1e-300))

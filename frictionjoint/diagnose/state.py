@@ -1,0 +1,69 @@
+"""Where a search is, and what decides whether its model needs an effect."""
+
+from dataclasses import dataclass
+
+from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.score import Scored
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import Term
+
+# fraction of the squares left that a change must take away: an effect is believed that is about as
+# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
+# some likeness to many an effect
+SMALLEST_GAIN = 0.33
+# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
+# as likely the law's own error as an effect
+DISCREPANCY = 0.004
+# two models are apart where one leaves half of what the other leaves
+_APART = 0.5
+# of a search that only compares models
+_TRIED_STEPS = 8
+
+
+@dataclass
+class State:
+    """Logs as they are weighted now, the model, what was found and what was looked at last."""
+
+    prepared: Prepared
+    fit: Fit
+    findings: list[Finding]
+    look: Look
+
+    def forget_dropped(self) -> None:
+        """Keep only the findings of effects that the model still has."""
+        names = {t.name for t in self.fit.effects}
+        self.findings = [f for f in self.findings if f.term.name in names]
+
+
+def compared(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> Fit:
+    """A model fitted as closely as comparing it needs."""
+    return refit(prepared, terms, law, ROUGH, _TRIED_STEPS)
+
+
+def without(state: State, term: Term) -> Fit:
+    """The model without one of its effects."""
+    rest = tuple(t for t in state.fit.effects if t is not term)
+    return compared(state.prepared, rest, state.fit.shape)
+
+
+def apart(one: Scored, other: Scored) -> bool:
+    """Whether the logs distinguish a model from one that leaves more."""
+    return one.better(other) and one.gain(other) >= _APART
+
+
+def needed(now: Scored, other: Scored, first: bool = False) -> bool:
+    """Whether a model predicts better than another, and by more than the law's own error.
+
+    Args:
+        first: what it has besides comes first: it is known to be there, and only its size is not.
+    """
+    enough = (first or now.gain(other) >= SMALLEST_GAIN) and now.better(other)
+    return enough and now.moved(other) >= DISCREPANCY
+
+
+def numbers_of(term: Term) -> int:
+    """How many numbers it takes: the fewer, the simpler."""
+    return len(term.coefficients) + len(term.shape)
