@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from frictionjoint.diagnose.rms import Rms
+from frictionjoint.report.wording import known_as, title
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 
@@ -51,14 +52,21 @@ def _shared(report: RobotReport, found: SharedCause) -> SharedRow:
             size = report.joints[name].report.measured_rms
             joints.append(f"{name} {_percent(before, size)} to {_percent(after, size)}")
     return SharedRow(
-        found.cause,
+        spoken(found.cause),
         f" of {where}" if where else "",
         values,
         found.evidence.held_out_gain,
         found.evidence.p_value,
-        found.evidence.ties,
+        tuple(spoken(label) for label in found.evidence.ties),
         ", ".join(joints),
     )
+
+
+def spoken(label: str) -> str:
+    """A cause or an effect as a person calls it, with the place that its label may have."""
+    name, of, place = label.partition(" of ")
+    plain = title(name)
+    return (name.replace("-", " ") if plain == name else plain) + of + place
 
 
 def joint_rows(report: RobotReport) -> list[JointRow]:
@@ -67,7 +75,7 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
     for name, result in report.joints.items():
         r = result.report
         law = f"law {r.laws[1].law}" if r.laws[1].law != result.law else ""
-        effects = ", ".join(filter(None, (law, *(a.effect for a in r.added)))) or "none"
+        effects = ", ".join(filter(None, (law, *(known_as(a.effect) for a in r.added)))) or "none"
         rows.append(
             JointRow(
                 name,
@@ -76,7 +84,7 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
                 _percent(r.after_torque, r.measured_rms),
                 _position(result.before_replay),
                 _position(r.after_replay),
-                r.verdict + (", worse on held-out data" if result.worse else ""),
+                r.verdict.replace("-", " ") + (", worse on held-out data" if result.worse else ""),
                 True,
             )
         )
