@@ -47,7 +47,7 @@ def figure(width: float, height: float, rows: int = 1) -> tuple[Figure, list[Axe
         made = Figure(figsize=(width, height))
         axes = made.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
         for one in axes:
-            one.ticklabel_format(scilimits=(-3, 4))
+            one.ticklabel_format(scilimits=(-4, 5))
     return made, list(axes)
 
 

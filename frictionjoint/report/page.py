@@ -23,12 +23,13 @@ def render(report: Report, command: str) -> str:
         "figures": wording.three,
         "known_as": wording.known_as,
         "title": wording.title,
-        "unit": lambda text: "none" if text == "1" else text,
+        "unit": wording.unit,
         "interval": wording.interval,
         "value": wording.value,
         "quantity": quantity,
     }
     torque, position = report.units
+    filters["with_unit"] = lambda value: wording.stated(value, torque)
     turns = presliding.behind_turns(report)
     loop = plots.closed_loop(report)
     first, others = plots.quantities(report)

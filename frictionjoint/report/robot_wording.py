@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from frictionjoint.diagnose.rms import Rms
-from frictionjoint.report.wording import known_as, title
+from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 
@@ -41,9 +41,8 @@ def shared_rows(report: RobotReport) -> list[SharedRow]:
 def _shared(report: RobotReport, found: SharedCause) -> SharedRow:
     where = " and ".join(found.place.values())
     values = ", ".join(
-        f"{name.replace('_', ' ')} {x.value:.4g}"
-        + (f" ± {x.stderr:.2g}" if x.stderr else "")
-        + (f" {x.unit}" if x.unit != "1" else "")
+        f"{name.replace('_', ' ')} {value(x, spread=bool(x.stderr))}"
+        + (f"\u00a0{unit(x.unit)}" if x.unit != "1" else "")
         for name, x in found.parameters.items()
     )
     joints = []
@@ -88,20 +87,30 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
                 True,
             )
         )
-    dashes = ("-",) * 4
-    rows += [JointRow(n, "-", *dashes, text, False) for n, text in report.failed.items()]
+    none = ("–",) * 5
+    rows += [JointRow(n, *none, text, False) for n, text in report.failed.items()]
     return rows
 
 
 def whole(report: RobotReport) -> str:
-    """The robot in a sentence."""
+    """The robot in two sentences."""
     where = "held-out" if report.after.torque_percent.held_out is not None else "fitted"
-    before, after = (_of(x.torque_percent) for x in (report.before, report.after))
-    text = f"Torque error {before:.3g} to {after:.3g}% of rms over the joints on {where} data"
-    pair = [_of(x.replay) for x in (report.before, report.after)]
-    if None not in pair:
-        text += f"; all joints together move {pair[0]:.3g} to {pair[1]:.3g} rad rms from the log"
-    return f"{text}, within half a second of free run." if None not in pair else f"{text}."
+    torque = _change(report.before.torque_percent, report.after.torque_percent, "%")
+    text = f"The torque error {torque} of the rms torque (mean of the joints, {where} data)."
+    replay = (report.before.replay, report.after.replay)
+    if None not in (_of(x) for x in replay):
+        text += (
+            f" The position error {_change(*replay, ' rad')} rms when all joints are simulated "
+            "together, restarted from the log every 0.5 s."
+        )
+    return text
+
+
+def _change(before: Rms, after: Rms, unit: str) -> str:
+    first, last = (_of(x) for x in (before, after))
+    falls = first is not None and last is not None and last < first
+    verb = "falls" if falls else "goes"
+    return f"{verb} from {three(first)}{unit} to {three(last)}{unit}"
 
 
 def _of(rms: Rms) -> float | None:
@@ -109,10 +118,9 @@ def _of(rms: Rms) -> float | None:
 
 
 def _percent(rms: Rms, size: float) -> str:
-    value = _of(rms)
-    return "-" if value is None else f"{100.0 * value / size:.3g}%"
+    error = _of(rms)
+    return "–" if error is None else percentage(error, size)
 
 
 def _position(rms: Rms) -> str:
-    value = _of(rms)
-    return "-" if value is None else f"{value:.3g}"
+    return three(_of(rms))

@@ -173,6 +173,11 @@ def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
     return f"{three(value)}\u00a0{unit}{percent}"
 
 
+def unit(text: str) -> str:
+    """A unit as it is written for people."""
+    return "none" if text == "1" else text.replace("^2", "²")
+
+
 def three(value: float | None) -> str:
     """Three figures, or a dash."""
     return "–" if value is None else _plain(f"{value:.3g}")

@@ -8,6 +8,7 @@ from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.html import fill
 from frictionjoint.report.page import render
 from frictionjoint.report.robot_wording import joint_rows, shared_rows, whole
+from frictionjoint.report.wording import three
 from frictionjoint.report.write import write_files
 from frictionjoint.robot.report_data import RobotReport
 
@@ -33,7 +34,7 @@ def render_robot(report: RobotReport, pages: dict[str, str], command: str) -> st
     """The page as text; `pages`: names of the joints' own."""
     return fill(
         "robot.html.j2",
-        {},
+        {"figures": three},
         report=report,
         sentence=whole(report),
         shared=shared_rows(report),

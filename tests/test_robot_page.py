@@ -1,0 +1,88 @@
+"""The page of a whole robot: causes and effects by their names for people, no cell empty."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from frictionjoint.diagnose.rms import Rms
+from frictionjoint.identify.result import Estimate
+from frictionjoint.report.robot_wording import whole
+from frictionjoint.report.write_robot import page_names, render_robot
+from frictionjoint.robot.report_data import JointResult, RobotErrors, RobotReport, SharedCause
+
+PARTS = {
+    "verdict": 'class="verdict partly-explained"',
+    "shared cause": "payload of gripper (or rotor inertia of elbow: these logs cannot",
+    "size": "mass 0.812\u00a0±\u00a00.020\u00a0kg",
+    "not determined": "inertia 0.001\u00a0kg m²",
+    "errors by joint": "elbow 12% to 0.89%",
+    "link to a joint": '<a href="joint_elbow.html">elbow</a>',
+    "effect": "cogging (position-periodic)",
+    "verdict of a joint": "partly explained, worse on held-out data",
+    "joint that failed": "the torque is zero",
+    "role": 'data-label="role">held out<',
+    "command": "frictionjoint close-loop a.csv",
+}
+
+
+@pytest.fixture(scope="module")
+def robot(demo_report) -> RobotReport:
+    """Joints that the demo's report stands for, one of them worse on held-out data."""
+    r = demo_report
+    before = r.before_torque
+    worse = replace(
+        r, verdict="partly-explained", after_torque=Rms(r.after_torque.fit, 2.0 * before.held_out)
+    )
+    joints = {
+        name: JointResult(report, r.base, "integrated", before, r.before_replay)
+        for name, report in {"elbow": r, "wrist": worse}.items()
+    }
+    payload = SharedCause(
+        "payload",
+        {"body": "gripper"},
+        {"mass": Estimate(0.812, 0.02, "kg"), "inertia": Estimate(0.001, None, "kg m^2")},
+        replace(r.added[0].evidence, ties=("rotor-inertia of elbow",)),
+        {"elbow": (before, r.after_torque)},
+    )
+    return RobotReport(
+        logs=r.logs,
+        joints=joints,
+        failed={"hand": "the torque is zero: check its column"},
+        shared=(payload,),
+        before=RobotErrors(Rms(12.0, 11.9), Rms(0.01, 0.011)),
+        after=RobotErrors(Rms(2.0, 3.1), Rms(0.003, 0.0031)),
+        undetermined=(),
+        excitation=None,
+        mjcf="",
+        seconds=63.2,
+    )
+
+
+@pytest.fixture(scope="module")
+def page(robot) -> str:
+    return render_robot(robot, page_names(list(robot.joints)), "frictionjoint close-loop a.csv")
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_each_part_is_there(page, part):
+    assert PARTS[part] in page
+
+
+def test_no_cell_is_empty(page):
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", page, re.DOTALL)
+    assert len(cells) > 20
+    assert all(re.sub(r"<[^>]+>", "", cell).strip() for cell in cells)
+
+
+def test_the_sentence_says_what_fell_and_what_did_not(robot):
+    assert whole(robot) == (
+        "The torque error falls from 11.9% to 3.1% of the rms torque (mean of the joints, held-out "
+        "data). The position error falls from 0.011 rad to 0.0031 rad rms when all joints are "
+        "simulated together, restarted from the log every 0.5 s."
+    )
+    further = replace(robot, after=RobotErrors(Rms(2.0, 12.0), Rms(None, None)))
+    assert whole(further) == (
+        "The torque error goes from 11.9% to 12% of the rms torque (mean of the joints, held-out "
+        "data)."
+    )
