@@ -10,7 +10,7 @@ from test_plants import quiet
 
 from frictionjoint.diagnose.close_loop import _rivals
 from frictionjoint.diagnose.motions import Carried, Limits
-from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_part
+from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_distinguish
 from frictionjoint.diagnose.separation import (
     Noise,
     moments,
@@ -75,12 +75,12 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
 
     planner = Planner(found.prepared, found.final, body)
     (i, other), *_ = _rivals(found)
-    proposal = planner.parting(i, other)
-    assert proposal.parts
+    proposal = planner.distinguishing(i, other)
+    assert proposal.distinguishes
     assert proposal.motion.payload > 0.0
     assert all(x.share < 1e-3 for x in proposal.now)
     assert all(x.deviations >= LEVEL and x.share >= UNLIKE for x in proposal.expected)
-    text = to_part(planner, i, other)
+    text = to_distinguish(planner, i, other)
     assert re.search(r"joint 'joint', .* rad, up to .* rad/s, with a further payload", text)
     assert f"for {proposal.motion.duration:.0f} s" in text
 

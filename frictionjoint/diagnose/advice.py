@@ -31,7 +31,7 @@ def what_to_record(
     law: Mapping[str, Estimate],
     held_out: bool,
 ) -> tuple[str, ...]:
-    """One sentence for everything left open, most telling first.
+    """One sentence for everything left open, most important first.
 
     Args:
         ties: an added effect and the name of another that explains as much.

@@ -119,7 +119,7 @@ def close_loop(
     bodies = Bodies(model, joint, fixed)
     if controller is not None and not isinstance(controller, Controller):
         controller = read_controller(controller)
-    logs, held_out = _parted(logs, held_out, joint)
+    logs, held_out = _fitted_and_held_out(logs, held_out, joint)
     return explain(logs, held_out, bodies, seed, progress, law, controller, refine)[0]
 
 
@@ -236,7 +236,7 @@ def explain(
     return report, found
 
 
-def _parted(
+def _fitted_and_held_out(
     logs: Sequence[LogLike], held_out: Sequence[LogLike] | float, joint: str
 ) -> tuple[list[JointLog], list[JointLog]]:
     """Logs to fit and logs held out, read where they are files."""

@@ -64,7 +64,7 @@ class Sight:
 
     @property
     def too_short(self) -> bool:
-        """Whether even an effect that makes half of what is left would not have been called."""
+        """Whether even an effect that makes half of what is left would not have been found."""
         return self.needed > self.duration
 
 

@@ -166,7 +166,7 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
 
 
 def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]) -> list[Term]:
-    """Every effect on a grid that the logs can speak of and that is not in the model yet."""
+    """Every effect on a grid that the logs can test and that is not in the model yet."""
     everything = np.concatenate(signals)
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
@@ -175,7 +175,7 @@ def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ..
         EffectTerm(effect, shape)
         for effect in CATALOGUE
         if effect.sought == "grid" and effect.name not in names and not (timed and effect.delays)
-        if spoken_of(prepared, effect, everything)
+        if testable(prepared, effect, everything)
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
     ]
@@ -195,8 +195,8 @@ def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm]:
     ]
 
 
-def spoken_of(prepared: Prepared, effect: Effect, signals: Array) -> bool:
-    """Whether the logs can say anything of an effect."""
+def testable(prepared: Prepared, effect: Effect, signals: Array) -> bool:
+    """Whether the logs can test an effect."""
     if prepared.drive not in effect.drives:
         return False
     return all(_varies(signals[:, c], _LEAST_WARMING * (c == TEMP)) for c in effect.needs)

@@ -17,7 +17,7 @@ from frictionjoint.identify.terms import Term
 
 # of each sort of move, how many are refitted
 _ADDED, _UNNAMED, _PAIRS, _EXCHANGED = 4, 2, 1, 2
-# named candidates of which pairs are looked at, and kinds that contend on half of the data
+# named candidates of which pairs are looked at, and kinds that are compared on half of the data
 _IN_PAIRS, _CONTENDERS = 8, 10
 
 

@@ -63,7 +63,7 @@ class Proposal:
     now: tuple[Separation, Separation]
 
     @property
-    def parts(self) -> bool:
+    def distinguishes(self) -> bool:
         """Whether it is expected to settle the tie, whichever effect is true."""
         return all(x.deviations >= LEVEL and x.share >= UNLIKE for x in self.expected)
 
@@ -93,11 +93,11 @@ class Planner:
         self.presliding = fitted.coefficient("Fc") / law.stiffness if law.stiffness else 0.0
         self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
 
-    def parting(self, i: int, other: Term) -> Proposal | None:
+    def distinguishing(self, i: int, other: Term) -> Proposal | None:
         """The shortest record expected to distinguish term i of the fit from another term.
 
         Inside what the logs show where that is enough. Where nothing is, the one that comes
-        nearest (see `Proposal.parts`); None where the joint never moved.
+        nearest (see `Proposal.distinguishes`); None where the joint never moved.
         """
         J, own = self.fitted.jacobian, self._own(i)
         term = self.fitted.terms[i]
@@ -111,7 +111,7 @@ class Planner:
         now = separation(old, *sizes)
         best: Proposal | None = None
         beyond = wider(self.limits, self.body)
-        # what is least trouble first
+        # the least effort first
         for limits, loaded in itertools.product((self.limits, beyond), (False, True)):
             noise = self._noise(limits)
             for motion, prepared, sensitive in self._motions(limits):
@@ -120,15 +120,15 @@ class Planner:
                 both = self._columns(effect, rival, prepared)
                 U = np.column_stack([sensitive[:, law], *both])
                 for duration in _durations(motion):
-                    if best is not None and best.parts and duration > best.motion.duration:
+                    if best is not None and best.distinguishes and duration > best.motion.duration:
                         break
                     rows = round(duration / motion.duration * len(U))
                     expected = separation(old + moments(U[:rows], noise), *sizes)
                     trial = Proposal(motion.part(duration), expected, now)
                     best = trial if best is None else max(best, trial, key=_worth)
-                    if trial.parts:
+                    if trial.distinguishes:
                         break
-            if best is not None and (best.parts or best.nested):
+            if best is not None and (best.distinguishes or best.nested):
                 break
         return best
 
@@ -205,10 +205,10 @@ def _durations(motion: Motion) -> list[float]:
 
 
 def _worth(x: Proposal) -> tuple[bool, float, float, float]:
-    """What parts beats what does not; then the shorter, or the one that comes nearer."""
+    """What distinguishes beats what does not; then the shorter, or the one that comes nearer."""
     near = min(min(y.deviations / LEVEL, y.share / UNLIKE) for y in x.expected)
     either = max(y.share for y in x.expected)
-    return x.parts, -x.motion.duration if x.parts else 0.0, near, either
+    return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, near, either
 
 
 def _ratio(new: Estimate, old: Estimate) -> float:
@@ -231,23 +231,23 @@ def computed_proposals(
             from it.
         cov: of all parameters of the fit. law: its numbers.
     """
-    sentences = [to_part(planner, i, other) for i, other in ties]
+    sentences = [to_distinguish(planner, i, other) for i, other in ties]
     loose = loose_parameters(law)
     sentences += [to_sharpen(planner, cov, names, law) for _, names in loose]
     return tuple(text for text in sentences if text)
 
 
-def to_part(planner: Planner, i: int, other: EffectTerm) -> str | None:
+def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
     """What to record to distinguish term i of the fit from another effect, in one sentence.
 
     None where the other effect holds this one as a special case, which no record can rule out.
     """
     term = planner.fitted.terms[i]
-    found = planner.parting(i, other)
+    found = planner.distinguishing(i, other)
     if found is not None and found.nested:
         return None
     names = f"{term.name} from {other.name}"
-    if found is None or not found.parts:
+    if found is None or not found.distinguishes:
         said = "" if found is None else f": at best they differ by {_strength(found.expected)}"
         words = [t.effect.separating_motion for t in (term, other) if isinstance(t, EffectTerm)]
         return (

@@ -129,8 +129,8 @@ class Report:
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
     page. `closed_loops`, before and after by the balance, and the controller as it was found are
     None where none was given, `refined` where it was not asked for; `posterior` is None where the
-    logs determine no scale. Intervals are of the rms before
-    and after, at 95%, on held-out logs where there are any.
+    logs determine no scale. Intervals are of the rms before and after, at 95%, on held-out logs
+    where there are any.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, there is no
     replay and the model carries no friction.
@@ -172,7 +172,7 @@ class Report:
         return bool(self.added) or self.laws[0].law != self.laws[1].law
 
     def samples(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
-        """Parameter sets drawn from how sure the result is, for `frictionjoint.install`.
+        """Parameter sets drawn from the uncertainty of the result, for `frictionjoint.install`.
 
         Raises:
             ParameterError: the logs do not determine a scale; not at least one sample.
