@@ -19,7 +19,6 @@ from frictionjoint.measured.log import JointLog
 
 # difference from a measured drive, median over its rms, from which on the controller is another
 _LARGEST = 0.05
-DRIVE_OF = {"torque_nm": "torque", "voltage_v": "voltage", "duty": "voltage"}
 
 
 @dataclass(frozen=True)

@@ -34,14 +34,9 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 @dataclass(frozen=True)
 class SmoothTerm:
-    """What all unnamed terms have in common; see `terms.Term`.
-
-    Attributes:
-        within_logs: its coefficients belong to each log, so that other logs cannot test them.
-    """
+    """What all unnamed terms have in common; see `terms.Term`."""
 
     variable: str
-    within_logs: ClassVar[bool] = False
     opposes_voltage: ClassVar[bool] = False
     delay: ClassVar[float] = 0.0
 
@@ -142,7 +137,6 @@ class LogTerm(SmoothTerm):
     """
 
     logs: tuple[str, ...]
-    within_logs: ClassVar[bool] = True
 
     @property
     def follows_law(self) -> bool:
@@ -171,7 +165,6 @@ class WaveTerm(SmoothTerm):
 
     frequency: float
     logs: tuple[str, ...]
-    within_logs: ClassVar[bool] = True
 
     @property
     def coefficients(self) -> tuple[str, ...]:
