@@ -27,11 +27,13 @@ _PER_SIDE = len(_LEVELS)
 class _Rival:
     """What the rivals have in common: reading, writing and the block of numbers.
 
-    A block is the law's number, sigma1, the levels of both directions, the law's own numbers.
+    A block is the law's number, sigma1, the levels of both directions, the law's own numbers:
+    fields by the names in `own`.
     """
 
     law: ClassVar[str]
     number: ClassVar[int]
+    own: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -47,11 +49,14 @@ class _Rival:
         raise NotImplementedError
 
     def _own(self) -> list[float]:
-        raise NotImplementedError
+        return [getattr(self, name) for name in self.own]
 
     @classmethod
     def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        raise NotImplementedError
+        fields = {field.name for field in dataclasses.fields(cls)}
+        numbers = {"sigma1": sigma1} | levels | dict(zip(cls.own, own, strict=True))
+        # the static law has no sigma1, Dahl's no Stribeck effect
+        return cls(**{name: x for name, x in numbers.items() if name in fields})
 
     def pack(self) -> NDArray[np.float64]:
         """The block ``law.kernel`` reads, the number of the law in front."""
@@ -159,6 +164,7 @@ class StaticParameters(_Stribeck):
 
     law: ClassVar[str] = "static"
     number: ClassVar[int] = 2
+    own: ClassVar[tuple[str, ...]] = ("V0",)
 
     @property
     def stiffness(self) -> float:
@@ -168,14 +174,6 @@ class StaticParameters(_Stribeck):
     def _check(self) -> None:
         super()._check()
         require(self.V0 > 0, "V0", self.V0, "> 0")
-
-    def _own(self) -> list[float]:
-        return [self.V0]
-
-    @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        (V0,) = own
-        return cls(**levels, V0=V0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,6 +190,7 @@ class ArmstrongParameters(_Stribeck):
 
     law: ClassVar[str] = "armstrong"
     number: ClassVar[int] = 3
+    own: ClassVar[tuple[str, ...]] = ("sigma0",)
 
     @property
     def stiffness(self) -> float:
@@ -201,14 +200,6 @@ class ArmstrongParameters(_Stribeck):
     def _check(self) -> None:
         super()._check()
         require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
-
-    def _own(self) -> list[float]:
-        return [self.sigma0]
-
-    @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        (sigma0,) = own
-        return cls(**levels, sigma0=sigma0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,6 +222,7 @@ class DahlParameters(_Rival):
 
     law: ClassVar[str] = "dahl"
     number: ClassVar[int] = 4
+    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
 
     @property
     def stiffness(self) -> float:
@@ -250,15 +242,6 @@ class DahlParameters(_Rival):
         Fc = getattr(self, f"Fc_{side}")
         return [Fc, Fc, 1.0, 1.0, getattr(self, f"sigma2_{side}")]
 
-    def _own(self) -> list[float]:
-        return [self.sigma0, self.i]
-
-    @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        sigma0, i = own
-        mine = {name: x for name, x in levels.items() if name.startswith(("Fc", "sigma2"))}
-        return cls(**mine, sigma0=sigma0, i=i)
-
 
 @dataclass(frozen=True, kw_only=True)
 class LuGreParameters(_Stribeck):
@@ -276,6 +259,7 @@ class LuGreParameters(_Stribeck):
 
     law: ClassVar[str] = "lugre"
     number: ClassVar[int] = 5
+    own: ClassVar[tuple[str, ...]] = ("sigma0",)
 
     @property
     def stiffness(self) -> float:
@@ -286,14 +270,6 @@ class LuGreParameters(_Stribeck):
         super()._check()
         require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
         require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
-
-    def _own(self) -> list[float]:
-        return [self.sigma0]
-
-    @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        (sigma0,) = own
-        return cls(**levels, sigma0=sigma0, sigma1=sigma1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -315,6 +291,7 @@ class ElastoplasticParameters(_Stribeck):
 
     law: ClassVar[str] = "elastoplastic"
     number: ClassVar[int] = 6
+    own: ClassVar[tuple[str, ...]] = ("sigma0", "breakaway")
 
     @property
     def stiffness(self) -> float:
@@ -326,14 +303,6 @@ class ElastoplasticParameters(_Stribeck):
         require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
         require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
         require(0 <= self.breakaway <= 0.99, "breakaway", self.breakaway, "in [0, 0.99]")
-
-    def _own(self) -> list[float]:
-        return [self.sigma0, self.breakaway]
-
-    @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        sigma0, breakaway = own
-        return cls(**levels, sigma0=sigma0, sigma1=sigma1, breakaway=breakaway)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -374,7 +343,7 @@ class MaxwellSlipParameters(_Stribeck):
             if isinstance(error, ParameterError):
                 raise
             raise ParameterError(
-                "elements must be pairs [k, share] of numbers: N m/rad and a fraction of the level"
+                "elements must be pairs [k, fraction of the level], numbers, k in N m/rad"
             ) from None
         most = MOST_ELEMENTS
         require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")

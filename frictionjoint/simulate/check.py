@@ -38,7 +38,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
             longest = model.opt.timestep * _LARGEST_STEP_RATIO / ratio
             remark = f"stiff: held, and presliding resolved at timestep <= {longest:.2g} s"
         if name in native:
-            remark += f"; {native[name]} act natively too: friction counts twice"
+            remark += f"; friction counts twice, with MuJoCo's own {native[name]}"
         rows.append(
             {
                 "joint": name,
