@@ -261,7 +261,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
     (own,) = simplest.move.added
-    others = (t.move.added[0] for t in near if t is not simplest)
+    others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
     ties = [other.term.name for other in others if not other.contains(own)]
     return _Choice(simplest, tuple(ties))
 

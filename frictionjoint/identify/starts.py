@@ -15,7 +15,7 @@ from frictionjoint.identify.terms import Term
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that the coarse look is at
-_COARSE = 3000
+_COARSE = 1500
 # starts of each law that ripen, and for how many steps
 _RIPENING, _STEPS, _FEW = 4, 10, 4
 # cost over the best one's up to which a start is tried on all samples
