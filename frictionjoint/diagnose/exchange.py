@@ -10,7 +10,7 @@ from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, library, other_forms
 from frictionjoint.diagnose.moves import is_unnamed
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, apart, compared, needed, numbers_of
+from frictionjoint.diagnose.state import State, apart, as_much, compared, numbers_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
@@ -46,7 +46,7 @@ def weigh_others(state: State) -> None:
             continue
         best, other = _in_place_of(state, blocks, i, others)
         now, instead = scored(state.fit, blocks), scored(other, blocks)
-        if numbers_of(best.term) < numbers_of(own[i]) and not needed(now, instead):
+        if numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now):
             state.findings = [_instead(f, own[i], best) for f in state.findings]
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):

@@ -17,8 +17,9 @@ SMALLEST_GAIN = 0.33
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
 DISCREPANCY = 0.004
-# two models are apart where one leaves half of what the other leaves
-_APART = 0.5
+# models within this fraction of the best one's gain explain as much; they are apart where one
+# leaves half of what the other leaves
+TIE, _APART = 0.1, 0.5
 # of a search that only compares models
 _TRIED_STEPS = 8
 
@@ -52,6 +53,11 @@ def without(state: State, term: Term) -> Fit:
 def apart(one: Scored, other: Scored) -> bool:
     """Whether the logs distinguish a model from one that leaves more."""
     return one.better(other) and one.gain(other) >= _APART
+
+
+def as_much(one: Scored, other: Scored) -> bool:
+    """Whether a model explains hardly less than another that leaves less."""
+    return not other.better(one) or other.gain(one) < TIE
 
 
 def needed(now: Scored, other: Scored, first: bool = False) -> bool:

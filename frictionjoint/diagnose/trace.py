@@ -25,6 +25,7 @@ from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     SMALLEST_GAIN,
+    TIE,
     State,
     apart,
     compared,
@@ -47,8 +48,6 @@ SIGNIFICANCE = 0.05
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
 _BENT = 0.3
-# models within this fraction of the best one's gain are a tie
-_TIE = 0.1
 # an unnamed dependence is taken only where no effect explains as large a part of it
 _ENOUGH = 0.9
 # of a pair over its better half: what one of two effects must explain besides the other
@@ -152,7 +151,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     near = [
         other.name
         for other, its in found.tried[1:]
-        if its.gain(found.now) >= (1.0 - _TIE) * gain and not score.better(its)
+        if its.gain(found.now) >= (1.0 - TIE) * gain and not score.better(its)
     ]
     state.look = found.look
     state.prepared, state.fit = reweighed(state.prepared, score.fit)
@@ -257,7 +256,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
         and not apart(best.score, t.score)
-        and t.score.gain(now) >= (1.0 - _TIE) * gain
+        and t.score.gain(now) >= (1.0 - TIE) * gain
     ]
     simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
     (own,) = simplest.move.added
@@ -287,7 +286,7 @@ def _stands_in(unnamed: _Tried, named: _Tried, now: Scored) -> bool:
 
 def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:
     """Other effects that explain nearly as much."""
-    least = (1.0 - _TIE) * taken.score.gain(now)
+    least = (1.0 - TIE) * taken.score.gain(now)
     return tuple(
         t.move.added[0].term
         for t in tried
