@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionjoint.cli.terminal import show_report
+from frictionjoint.cli.terminal import show_estimates, show_report
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -289,3 +289,16 @@ def test_advice_names_what_these_logs_leave_open():
 )
 def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):
     assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text.replace(" ", "\u00a0")
+
+
+def test_the_terminal_states_values_as_far_as_their_errors_go(capsys):
+    rows = {
+        "Fc_pos": Estimate(1.02345, 0.0123, "N m"),
+        "stiffness": Estimate(949.97, 3300.0, "N m/rad"),
+        "n": Estimate(1.0, None, "1"),
+    }
+    show_estimates(list(rows.items()))
+    cells = [line.split() for line in capsys.readouterr().out.replace("│", " ").splitlines()]
+    assert ["Fc_pos", "1.023", "0.0123", "N", "m"] in cells
+    assert ["stiffness", "900", "3300", "N", "m/rad"] in cells
+    assert ["n", "1", "–", "none"] in cells

@@ -78,9 +78,9 @@ def show_report(report: "Report") -> None:
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
     """Parameters with their errors and units."""
+    from frictionjoint.report.wording import three, unit, value
+
     table = Table("parameter", "value", "standard error", "unit")
     for name, x in rows:
-        table.add_row(
-            name, f"{x.value:.5g}", "-" if x.stderr is None else f"{x.stderr:.2g}", x.unit
-        )
+        table.add_row(name, value(x), three(x.stderr), unit(x.unit))
     console().print(table)
