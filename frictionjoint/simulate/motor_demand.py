@@ -78,17 +78,22 @@ def asked_torque(
     return total
 
 
+def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
+    """The actuators on a joint."""
+    return [
+        i
+        for i in range(model.nu)
+        if model.actuator_trntype[i] == _JOINT and model.actuator_trnid[i, 0] == joint
+    ]
+
+
 def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
     """See to it that the motors of a joint that saturates are such as `asked_torque` knows.
 
     Raises:
         ModelError: an actuator of another kind on the joint, or none.
     """
-    found = [
-        i
-        for i in range(model.nu)
-        if model.actuator_trntype[i] == _JOINT and model.actuator_trnid[i, 0] == joint
-    ]
+    found = motors_of(model, joint)
     if not found:
         raise ModelError(
             f"joint {name!r} has a motor that saturates, but no actuator: put one on it, see "

@@ -17,15 +17,10 @@ from frictionjoint.arguments import require_model
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import (
-    COUNT,
-    EFFECTS,
-    HEAD,
+    JointFriction,
     resolve,
-    rows_of_block,
-    write_parameters,
 )
-from frictionjoint.simulate.motor_demand import saturates
-from frictionjoint.simulate.with_effects import asks_for_load
+from frictionjoint.simulate.warp_layout import block_with, layout
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be distinguished from repeated ones.
@@ -66,38 +61,46 @@ class WarpFriction:
     def __init__(self, m: Any, d: Any, mjm: mujoco.MjModel) -> None:
         mjw, wp = _load()
         found = _fitting(mjw, m, d, mjm)
-        from frictionjoint.simulate import warp_kernel
+        from frictionjoint.simulate import warp_kernel, warp_stiff
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
-        self._numbers, self._found = np.array(mjm.numeric_data), found
-        numbers = self._numbers
-        sizes = [warp_kernel.FRONT + rows_of_block(numbers[at:].tolist()) for at in found.values()]
-        effects = [at + int(numbers[at + EFFECTS]) for at in found.values()]
-        self._effects = any(numbers[at] > 0 for at in effects)
-        loads = [int(asks_for_load(numbers, at)) for at in effects]
-        self._loaded = max(loads) >= 0
-        # what the kernel reads: each block without the pieces that follow it
-        lengths = [HEAD + int(numbers[at + COUNT]) for at in found.values()]
-        starts = np.cumsum([0, *lengths[:-1]])
-        self._read = np.concatenate(
-            [np.arange(at, at + n) for at, n in zip(found.values(), lengths, strict=True)]
-        )
-        self._friction, self._reset = warp_kernel.build(max(sizes), self._effects)
-        self.joints = tuple(found)
-        first = np.cumsum([0, *sizes[:-1]])
-        self.joint_rows = {name: int(at) for name, at in zip(found, first, strict=True)}
-        with wp.ScopedDevice(d.qpos.device):
-            self.parameters = wp.array(numbers[None, self._read], dtype=wp.float64)
-            self._blocks = wp.array(starts, dtype=int)
-            self._rows = wp.array(first, dtype=int)
-            self._loads = wp.array(loads, dtype=int)
-            self._moved = wp.zeros((d.nworld, m.nv), dtype=float)
+        self._layout = made = layout(mjm, found, warp_kernel.FRONT)
+        motor = m.actuator_gainprm.dtype
+        self._friction, self._reset = warp_kernel.build(made.has_effects, motor)
+        self._hold = warp_stiff.build()
+        self.joints = made.joints
+        self.joint_rows = dict(zip(made.joints, made.rows.tolist(), strict=True))
+        n, nworld, trees = len(made.joints), d.nworld, len(made.tree_dof)
+        most = made.most_in_a_tree
+
+        def room(rows: int, numbers: int) -> Any:
             # worlds side by side: neighbouring threads then read neighbouring numbers
-            self.state = wp.zeros((sum(sizes), d.nworld), dtype=wp.float64).transpose()
-            self._torque = wp.zeros((d.nworld, len(found)), dtype=float)
-            self._every_world = wp.ones(d.nworld, dtype=wp.bool)
+            return wp.zeros((numbers, rows), dtype=wp.float64).transpose()
+
+        with wp.ScopedDevice(d.qpos.device):
+            self.parameters = wp.array(made.numbers[None, made.read], dtype=wp.float64)
+            self._blocks = wp.array(made.blocks, dtype=int)
+            self._rows = wp.array(made.rows, dtype=int)
+            self._loads = wp.array(made.loads, dtype=int)
+            self._motor_first = wp.array(made.motor_first, dtype=int)
+            self._motors = wp.array(made.motors, dtype=int)
+            self._tree_first = wp.array(made.tree_first, dtype=int)
+            self._members = wp.array(made.members, dtype=int)
+            self._tree_dof = wp.array(made.tree_dof, dtype=int)
+            self._no_motor = wp.zeros(n + 1, dtype=int)
+            self.state, self._total = room(nworld, made.room), room(nworld, n)
+            self._moved = wp.zeros((nworld, m.nv), dtype=float)
+            self._torque = wp.zeros((nworld, n), dtype=float)
+            self._every_world = wp.ones(nworld, dtype=wp.bool)
+            self._room = [
+                room(nworld * trees, most),
+                room(nworld, d.M.shape[1]),
+                room(nworld, m.nv),
+                room(nworld * trees, most * most),
+                room(nworld * trees, 3 * most + made.longest),
+            ]
             # a graph capture must not meet a module that is still to be loaded
-            for kernel in (self._friction, self._reset):
+            for kernel in (self._friction, self._hold, self._reset):
                 block_dim = 1 if d.qpos.device.is_cpu else _BLOCK
                 wp.load_module(kernel.module, d.qpos.device, block_dim=block_dim)
         self._previous: Callable[[Any, Any], None] | None = m.callback.passive
@@ -114,11 +117,13 @@ class WarpFriction:
                 "this friction remembers the worlds of another mujoco_warp Data: attach_warp with "
                 "the one that is stepped"
             )
-        if self._loaded:
+        if self._layout.has_loads:
             # the load of a gear: this step's bias forces, which come after passive ones, and what
             # the step before has left, accelerations and constraint forces
             self._mjw.rne(m, d)
             self._mjw.mul_m(m, d, self._moved, d.qacc)
+        bit = self._mjw.DisableBit
+        drives = not m.opt.disableflags & bit.ACTUATION
         self._wp.launch(
             self._friction,
             dim=(d.nworld, len(self.joints)),
@@ -144,41 +149,76 @@ class WarpFriction:
                 d.qfrc_constraint,
                 d.xaxis,
                 d.xmat,
+                self._motor_first if drives else self._no_motor,
+                self._motors,
+                not m.opt.disableflags & bit.CLAMPCTRL,
+                d.ctrl,
+                m.actuator_ctrllimited,
+                m.actuator_ctrlrange,
+                m.actuator_gear,
+                m.actuator_gainprm,
+                m.actuator_biasprm,
                 self.state,
+            ],
+            outputs=[self._total],
+            device=d.qpos.device,
+            block_dim=_BLOCK,
+        )
+        self._wp.launch(
+            self._hold,
+            dim=(d.nworld, len(self._layout.tree_dof)),
+            inputs=[
+                self.parameters,
+                self._blocks,
+                self._tree_first,
+                self._members,
+                self._tree_dof,
+                m.opt.timestep,
+                m.dof_invweight0,
+                m.M_rowadr,
+                m.M_rownnz,
+                m.M_colind,
+                d.M,
+                self.state,
+                self._total,
+                *self._room,
             ],
             outputs=[self._torque, d.qfrc_passive],
             device=d.qpos.device,
             block_dim=_BLOCK,
         )
 
-    def set_parameters(self, joint: str, parameters: Friction | Sequence[Friction]) -> None:
+    def set_parameters(
+        self, joint: str, parameters: Friction | JointFriction | Sequence[Friction | JointFriction]
+    ) -> None:
         """Another friction for a joint, in all worlds or in each its own.
 
-        What the worlds remember stays. A graph captured before keeps the old parameters.
+        What the worlds remember stays. A graph captured before keeps the old parameters. What acts
+        by the model itself, elasticity, backlash and delays, stays as it was compiled.
 
         Args:
             joint: carries friction already.
-            parameters: one, or one a world; of the law the model carries, with as many knots.
+            parameters: one, or one a world: the law's, with as many knots, or a `JointFriction`
+                of `report.samples`, whose effects are those that the model carries.
         Raises:
-            ModelError: no friction on that joint, another number of worlds, another law or
-                another number of knots.
+            ModelError: no friction on that joint, another number of worlds, another law, another
+                number of knots or other effects.
         """
-        if joint not in self._found:
+        if joint not in self.joints:
             raise ModelError(f"joint {joint!r} carries no friction: {', '.join(self.joints)} do")
-        at, nworld = self._found[joint], self._data.nworld
+        made, nworld = self._layout, self._data.nworld
+        at = self.joints.index(joint)
         rows = self.parameters.numpy()
-        numbers = self._numbers.copy()
         each = list(parameters) if isinstance(parameters, Sequence) else [parameters]
         if isinstance(parameters, Sequence):
             if len(each) != nworld:
                 raise ModelError(f"{nworld} worlds need {nworld} sets of parameters: {len(each)}")
             rows = np.repeat(rows, nworld // len(rows), axis=0)
-        mine = (self._read >= at) & (self._read < at + int(numbers[at + EFFECTS]))
-        made = []
-        for one in each:
-            write_parameters(numbers, at, one)
-            made.append(numbers[self._read[mine]])
-        rows[:, mine] = made
+        blocks = [block_with(made, at, one) for one in each]
+        first = int(made.blocks[at])
+        # what is given without effects leaves those of each world as they are
+        for i, block in enumerate(blocks):
+            rows[i if len(each) == len(rows) else slice(None), first : first + len(block)] = block
         # worlds side by side, as in the state
         turned = self._wp.array(rows.T.copy(), dtype=self._wp.float64, device=self._torque.device)
         self.parameters = turned.transpose()
@@ -268,12 +308,6 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     found = resolve(mjm, in_userdata=False)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
-    for name, at in found.items():
-        if saturates(mjm.numeric_data, at + int(mjm.numeric_data[at + EFFECTS])):
-            raise ModelError(
-                f"joint {name!r} has a motor that saturates, which mujoco_warp's friction does "
-                "not follow: step it in MuJoCo"
-            )
     return found
 
 

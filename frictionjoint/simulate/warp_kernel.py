@@ -1,8 +1,9 @@
 """The kernel that evaluates friction in every world at once: a thread a joint and world.
 
 It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
-the same source, on rows of state that live in a warp array instead of ``mjData.userdata``. The law
-is computed in doubles; mujoco_warp hands it position, velocity, inertia and time as single floats.
+the same source, on rows of state that live in a warp array instead of ``mjData.userdata``; what
+stiff joints then add is in `warp_stiff`. The law is computed in doubles; mujoco_warp hands it
+position, velocity, inertia and time as single floats.
 
 Time and position need care. A float clock that counts milliseconds is off by several percent of a
 step after some minutes, and the law divides by the step. A float position of a radian is off by
@@ -22,7 +23,7 @@ from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.row import ASTRAY, STARTED, T_EVALUATED, evaluate
+from frictionjoint.simulate.row import ASTRAY, STARTED, T_EVALUATED, torque_now
 from frictionjoint.simulate.warp_source import translate
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 
@@ -36,27 +37,26 @@ PULL = 0.01
 
 
 @functools.lru_cache(maxsize=8)
-def build(room: int, with_effects: bool) -> tuple[Any, Any]:
+def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
     """The kernels of friction and of the reset.
 
     Args:
-        room: numbers in the longest row of state.
         with_effects: whether any joint carries effects.
+        motor: warp's type of an actuator's gains and biases.
     """
     import warp as wp
 
-    room = max(room, N_SIGNALS)
-    made = translate(
-        [evaluate, effects_torque, unit_gravity, coupled_load] if with_effects else [evaluate],
-        room,
-        f"frictionjoint_warp_{room}_{int(with_effects)}",
-    )
-    joint_torque = made["simulate_row_evaluate"]
+    functions = [torque_now]
+    if with_effects:
+        functions += [effects_torque, unit_gravity, coupled_load]
+    made = translate(functions, N_SIGNALS, f"frictionjoint_warp_{int(with_effects)}")
+    joint_torque = made["simulate_row_torque_now"]
     effect_torque = made.get("simulate_with_effects_effects_torque")
     gravity_arms = made.get("simulate_with_effects_unit_gravity")
     load_of_others = made.get("simulate_with_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
+    motors = wp.array2d(dtype=motor)
 
     @wp.func
     def follow(X: Any, x: Any, t: Any, q: Any, v: Any, h: Any):
@@ -82,6 +82,39 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         X[x + TIME_SHOWN] = t
         X[x + PLACE_SHOWN] = q
 
+    @wp.func
+    def asked(
+        world: int,
+        first: int,
+        last: int,
+        q: wp.float64,
+        v: wp.float64,
+        acting: wp.array(dtype=int),
+        clamps: bool,
+        ctrl: wp.array2d(dtype=float),
+        limited: wp.array(dtype=bool),
+        limits: wp.array2d(dtype=wp.vec2),
+        gears: wp.array2d(dtype=wp.spatial_vector),
+        gains: motors,
+        biases: motors,
+    ):
+        """Torque that a joint's motors are asked for: `motor_demand.asked_torque`."""
+        total = double(0.0)
+        for n in range(first, last):
+            i = acting[n]
+            u = ctrl[world, i]
+            if clamps and limited[i]:
+                limit = limits[world % limits.shape[0], i]
+                u = wp.clamp(u, limit[0], limit[1])
+            if u != u:
+                u = float(0.0)  # noqa: UP018 - a constant could not change for warp
+            gear = double(gears[world % gears.shape[0], i][0])
+            bias = biases[world % biases.shape[0], i]
+            force = double(gains[world % gains.shape[0], i][0]) * double(u) + double(bias[0])
+            force = force + gear * (double(bias[1]) * q + double(bias[2]) * v)
+            total = total + gear * force
+        return total
+
     @wp.kernel(enable_backward=False, module="unique")
     def friction(
         numbers: doubles,
@@ -105,9 +138,17 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         constraint: wp.array2d(dtype=float),
         world_axis: vectors,
         xmat: matrices,
+        motor_first: wp.array(dtype=int),
+        acting: wp.array(dtype=int),
+        clamps: bool,
+        ctrl: wp.array2d(dtype=float),
+        limited: wp.array(dtype=bool),
+        limits: wp.array2d(dtype=wp.vec2),
+        gears: wp.array2d(dtype=wp.spatial_vector),
+        gains: motors,
+        biases: motors,
         state: doubles,
-        torque: wp.array2d(dtype=float),
-        passive: wp.array2d(dtype=float),
+        total: doubles,
     ):
         world, k = wp.tid()
         P = numbers[world % numbers.shape[0]]
@@ -128,7 +169,7 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
         law = block + HEAD
         effects = block + int(P[block + EFFECTS])
         later = X[x + FRONT + T_EVALUATED] != t
-        F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h, J)
+        F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h)
         if wp.static(with_effects):  # noqa: SIM102 - one test is for the compiler
             if P[effects] > double(0.0):
                 joint = int(P[block + JOINT])
@@ -160,13 +201,25 @@ def build(room: int, with_effects: bool) -> tuple[Any, Any]:
                         others = double(0.0)  # left by a state gone astray that was set right
                     b = b + load_of_others(P, law, X, x + FRONT, loads[k], later, others)
                 geared = J - double(armature[world % armature.shape[0], dof])
-                # no motor that saturates: `attach_warp` refuses it
-                none = double(0.0)
-                F = F + effect_torque(
-                    P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy, none
+                wanted = asked(
+                    world,
+                    motor_first[k],
+                    motor_first[k + 1],
+                    q,
+                    v,
+                    acting,
+                    clamps,
+                    ctrl,
+                    limited,
+                    limits,
+                    gears,
+                    gains,
+                    biases,
                 )
-        torque[world, k] = float(F)
-        passive[world, dof] = passive[world, dof] - float(F)
+                F = F + effect_torque(
+                    P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy, wanted
+                )
+        total[world, k] = F
 
     @wp.kernel(enable_backward=False, module="unique")
     def reset(mask: wp.array(dtype=wp.bool), rows: wp.array(dtype=int), state: doubles):

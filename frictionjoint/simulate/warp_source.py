@@ -60,7 +60,7 @@ _AS_IT_IS = (
     ast.unaryop,
     ast.expr_context,
 )
-_BUILTIN = {"abs", "min", "max", "range", "int"}
+_BUILTIN = {"abs", "min", "max", "range", "int", "bool"}
 
 
 def translate(functions: list[Any], room: int, name: str) -> dict[str, Any]:

@@ -1,0 +1,320 @@
+"""Arms in mujoco_warp: stiff joints that are coupled, and every effect, as in MuJoCo itself.
+
+The worlds of a test have their own parameters, so that one run serves many arms.
+"""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+import frictionjoint as fj
+from frictionjoint.effects import backlash, heating, joint_elasticity, measurement_delay
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.errors import ModelError
+from frictionjoint.refine.posterior import Posterior
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, read_friction
+
+mjw = pytest.importorskip("mujoco_warp")
+wp = pytest.importorskip("warp")
+from frictionjoint.simulate.warp import attach_warp  # noqa: E402
+from frictionjoint.simulate.warp_kernel import PULL  # noqa: E402
+
+STEP = 1e-3
+EPS = 2.0**-24  # half a unit in the last place of a single float, relative
+POSTURE = np.linspace(0.0, 0.6, 7)
+FS = 10.0
+LINKS = "".join(
+    f'<body pos="0 0 {0.2 * bool(i)}"><joint name="j{i}" armature="0.005" '
+    f'axis="{("0 0 1", "0 1 0", "1 0 0")[i % 3]}"/><geom type="capsule" mass="1.5" '
+    'fromto="0 0 0 0 0 0.2" size="0.03" contype="0" conaffinity="0"/>'
+    for i in range(7)
+)
+SEVEN = (
+    f'<mujoco><option timestep="{STEP}" gravity="0 0 0"/><worldbody>{LINKS}{"</body>" * 7}'
+    # a tree of its own, in the same world
+    '<body pos="1 0 0"><joint name="alone" axis="0 1 0"/><geom size="0.05" mass="2"/></body>'
+    "</worldbody></mujoco>"
+)
+TWO = f"""<mujoco><option timestep="{STEP}" integrator="implicitfast"/><worldbody>
+<body><joint name="a" axis="0 1 0" armature=".02"/>
+<geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03"/>
+<body pos="0 0 -.4"><joint name="b" axis="0 1 0" armature=".02"/>
+<geom type="capsule" fromto="0 0 0 0 0 -.3" size=".03"/></body></body></worldbody>
+<actuator><motor joint="a" gear="2" ctrllimited="true" ctrlrange="-1.4 1.4"/><motor joint="b"/>
+</actuator></mujoco>"""
+LAW = fj.FrictionParameters.symmetric(
+    Fs=1.5,
+    Fc=1.0,
+    Vs=0.05,
+    sigma1=0.5,
+    sigma2=0.4,
+    n=2.0,
+    knots=((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2)),
+)
+# of each effect, by its number: what makes it act on the arm of two
+NUMBERS = {
+    1: ((), (0.2,)),
+    2: ((), (0.3, 0.2)),
+    3: ((), (0.02,)),
+    4: ((), (2.0, 0.1)),
+    5: ((), (0.1, 0.1)),
+    6: ((0.5,), (0.2,)),
+    7: ((1e-4,), (0.1,)),
+    9: ((2.0,), (-0.3, -0.1)),
+    10: ((), (0.3,)),
+    11: ((7.0,), (0.2, 0.1)),
+    12: ((7.0, 1e-3), (0.2, 0.1)),
+    13: ((), (0.1,)),
+    16: ((0.05,), (20.0,)),
+    17: ((0.02, 0.1, 1e-3), (0.3,)),
+    18: ((0.2, 1e-3, 1e-2), (0.5,)),
+    21: ((2.0, 0.1), (-0.3, -0.1)),
+    22: ((1e-4,), (0.1,)),
+    23: ((1e-3,), (0.1, 0.1)),
+    24: ((-0.02,), (20.0,)),
+    25: ((1e-4, 0.1), (0.1, 0.1)),
+    26: ((), (0.03,)),
+    27: ((20.0, 20.0), (0.5, 0.2)),
+    28: ((20.0, 50.0, 0.5), ()),
+}
+ACTING = [e for e in (heating.EFFECT, *CATALOGUE) if e.effect_id not in (14, 19, 20)]
+
+
+def stiff(ratio: float, J: float) -> fj.FrictionParameters:
+    """Presliding with h sqrt(K/J) as given."""
+    z = FS / ((ratio / STEP) ** 2 * J)
+    return fj.FrictionParameters.symmetric(
+        Fs=FS, Fc=7.0, Vs=0.05, sigma2=0.1, n=4.0, knots=((z, FS), (4 * z, 20.0), (10 * z, 22.0))
+    )
+
+
+def free_inertias() -> np.ndarray:
+    """What a pull at each joint of the arm of seven, and at the one alone, has to move."""
+    model = mujoco.MjModel.from_xml_string(SEVEN)
+    data = mujoco.MjData(model)
+    data.qpos[:7] = POSTURE
+    mujoco.mj_forward(model, data)
+    W = np.zeros((8, 8))
+    mujoco.mj_solveM(model, data, W, np.eye(8))
+    return 1.0 / np.diag(W)
+
+
+def held_load(k: int) -> np.ndarray:
+    return np.float32(0.5 * FS * min(1.0, k / 300) * (-1.0) ** np.arange(8))
+
+
+def stiff_arm(ratio: float) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_string(SEVEN)
+    names = [*(f"j{i}" for i in range(7)), "alone"]
+    laws = [stiff(ratio, J) for J in free_inertias()]
+    fj.install(spec, dict(zip(names, laws, strict=True)))
+    return spec.compile()
+
+
+@pytest.fixture(scope="module")
+def held():
+    """Arms held at 1, 3, 8 by ratio, and 8 again, forgotten after 350 steps: here and natively.
+
+    Positions and velocities, shape (steps, worlds, 16).
+    """
+    ratios, steps = (1.0, 3.0, 8.0, 8.0), 700
+    models = [stiff_arm(ratio) for ratio in ratios]
+    m, d = mjw.put_model(models[0]), mjw.make_data(models[0], nworld=4)
+    start = np.append(POSTURE, 0.0)
+    d.qpos.assign(np.tile(start, (4, 1)))
+    datas = [mujoco.MjData(model) for model in models]
+    for data in datas:
+        data.qpos[:] = start
+    here, there = [], []
+    with attach_warp(m, d, models[0]) as friction:
+        for joint in friction.joints:
+            friction.set_parameters(
+                joint, [read_friction(model)[joint].parameters for model in models]
+            )
+        for k in range(steps):
+            if k == 350:
+                friction.reset(np.array([False, False, False, True]))
+                datas[3].userdata[:] = 0.0
+            d.qfrc_applied.assign(np.tile(held_load(k), (4, 1)))
+            mjw.step(m, d)
+            here.append(np.hstack([d.qpos.numpy(), d.qvel.numpy()]))
+            row = []
+            for model, data in zip(models, datas, strict=True):
+                with fj.attach(model):
+                    data.qfrc_applied[:] = held_load(k)
+                    mujoco.mj_step(model, data)
+                row.append([*data.qpos, *data.qvel])
+            there.append(row)
+    return np.array(here), np.array(there)
+
+
+def test_coupled_stiff_joints_are_held(held):
+    here, there = held
+    late = slice(600, None)
+    rms = np.sqrt(np.mean(here[late, :, 8:] ** 2, axis=(0, 2)))
+    # single floats: a torque rounded by EPS moves a joint by h/J times that in a step
+    trembles = EPS * 0.5 * FS * STEP / free_inertias().min()
+    assert np.all(rms[1:] < trembles)
+    assert np.ptp(here[late, 1:, :8], axis=0).max() < EPS * POSTURE[-1]
+    # at h sqrt(K/J) = 1 the arm still swings in, natively too
+    quiet = np.sqrt(np.mean(there[late, 0, 8:] ** 2))
+    assert rms[0] == pytest.approx(quiet, rel=0.05)
+
+
+def test_coupled_stiff_joints_move_as_natively(held):
+    here, there = held
+    moved = np.abs(there - there[0])[:, :, :8]
+    assert moved.max() > 1e-3
+    # what a float position shows of friction's own, see `warp_kernel`; one joint moves the others
+    shown = EPS * POSTURE[-1] / PULL
+    assert np.abs(here - there)[:, :, :7].max() < shown
+    assert np.abs(here - there)[:, :, 7].max() < 1e-7  # at zero a float is fine, in its own tree
+
+
+def test_one_world_of_an_arm_forgets(held):
+    here, there = held
+    # what it had held lets go, and moves it further than its equal that remembers
+    apart = np.abs(there[350:, 3] - there[350:, 2])[:, :8].max()
+    assert apart > 1e-3
+    assert np.abs(here[350:, 3] - here[350:, 2])[:, :8].max() == pytest.approx(apart, rel=1e-3)
+    np.testing.assert_array_equal(here[:350, 3], here[:350, 2])
+
+
+def carrying(acting: int | None) -> JointFriction:
+    """All effects, of which one acts: the others' coefficients are zero."""
+    made = []
+    for effect in ACTING:
+        shape, coefficients = NUMBERS[effect.effect_id]
+        on = effect.effect_id == acting
+        made.append(SimulatedEffect(effect, shape, tuple(c * on for c in coefficients)))
+    return JointFriction(LAW, tuple(made))
+
+
+def two(friction: JointFriction) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_string(TWO)
+    fj.install(spec, {"a": friction.parameters, "b": LAW}, {"a": friction.effects})
+    return spec.compile()
+
+
+def ctrl(k: int) -> np.ndarray:
+    """Presliding loops, and motion of both joints, beyond the control's range too."""
+    t = STEP * k
+    pull = 1.3 * np.sin(9 * t) + 0.5 * np.sin(41 * t)
+    return np.float32([pull, 0.9 * np.sin(23 * t)])
+
+
+def natively(model: mujoco.MjModel, steps: int) -> np.ndarray:
+    data, out = mujoco.MjData(model), []
+    with fj.attach(model):
+        for k in range(steps):
+            data.ctrl[:] = ctrl(k)
+            mujoco.mj_step(model, data)
+            out.append([*data.qpos, *data.qvel])
+    return np.array(out)
+
+
+@pytest.fixture(scope="module")
+def every_effect():
+    """A world an effect, then one without: here, natively, shape (steps, worlds, 4)."""
+    which = [e.effect_id for e in ACTING if e.coefficients] + [None]
+    each = [carrying(acting) for acting in which]
+    model = two(each[0])
+    m, d = mjw.put_model(model), mjw.make_data(model, nworld=len(which))
+    here = []
+    with attach_warp(m, d, model) as friction:
+        friction.set_parameters("a", each)
+        for k in range(1000):
+            d.ctrl.assign(np.tile(ctrl(k), (len(which), 1)))
+            mjw.step(m, d)
+            here.append(np.hstack([d.qpos.numpy(), d.qvel.numpy()]))
+    there = np.stack([natively(two(one), 1000) for one in each], axis=1)
+    return dict(zip(which, np.moveaxis(np.array([here, there]), 2, 0), strict=True))
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in ACTING if e.coefficients], ids=lambda e: f"{e.name}-{e.effect_id}"
+)
+def test_every_effect_moves_an_arm_as_natively(every_effect, effect):
+    here, there = every_effect[effect.effect_id]
+    assert np.abs(there - every_effect[None][1])[:, :2].max() > 1e-3
+    assert np.abs(here - there)[:, :2].max() < 1e-6
+
+
+def test_parameters_drawn_from_a_posterior_serve_a_world_each():
+    spring = next(e for e in ACTING if e.name == "spring")
+    mean = np.array([0.0, 2.0])
+
+    def made(x):
+        law = replace(LAW, Fc_pos=np.exp(x[0]), Fs_pos=1.5 * np.exp(x[0]))
+        return JointFriction(law, (SimulatedEffect(spring, (), (x[1], 0.1)),))
+
+    samples = Posterior.of(mean, np.diag([0.01, 0.04]), made).sample(3, seed=1)
+    model = two(samples[0])
+    m, d = mjw.put_model(model), mjw.make_data(model, nworld=3)
+    with attach_warp(m, d, model) as friction:
+        friction.set_parameters("a", samples)
+        for k in range(300):
+            d.ctrl.assign(np.tile(ctrl(k), (3, 1)))
+            mjw.step(m, d)
+        here = d.qpos.numpy()
+        with pytest.raises(ModelError, match="joint 'a' carries other effects than none"):
+            friction.set_parameters("a", JointFriction(LAW))
+        with pytest.raises(ModelError, match="joint 'b' carries other effects than spring"):
+            friction.set_parameters("b", samples)
+    there = [natively(two(one), 300)[-1, :2] for one in samples]
+    assert np.ptp(there, axis=0)[0] > 1e-3
+    np.testing.assert_allclose(here, there, rtol=0, atol=1e-6)
+
+
+def test_elasticity_backlash_and_late_sensors_are_mujoco_s_own_and_act_here_too():
+    spec = mujoco.MjSpec.from_string(TWO)
+    elastic = SimulatedEffect(joint_elasticity.EFFECT, (12.0, 0.03), (0.03,))
+    late = SimulatedEffect(measurement_delay.EFFECT, (0.004,), ())
+    gap = SimulatedEffect(backlash.EFFECT, (2e-4, 20.0, 0.1), (0.5,))
+    fj.install(spec, {"a": LAW, "b": LAW}, {"a": [elastic, late], "b": [gap]})
+    model = spec.compile()
+    m, d = mjw.put_model(model), mjw.make_data(model, nworld=1)
+    data, here, there = mujoco.MjData(model), [], []
+    with attach_warp(m, d, model), fj.attach(model):
+        for k in range(500):
+            data.ctrl[:] = ctrl(k)
+            mujoco.mj_step(model, data)
+            there.append([*data.qpos, *data.sensordata])
+            d.ctrl.assign(ctrl(k)[None])
+            mjw.step(m, d)
+            here.append([*d.qpos.numpy()[0], *d.sensordata.numpy()[0]])
+    here, there = np.array(here), np.array(there)
+    position = model.sensor("a_position").adr[0]
+    assert np.ptp(there[:, :4], axis=0).min() > 1e-4
+    # 4 ms late, and read at the beginning of a step
+    np.testing.assert_allclose(there[50:, 4 + position], there[45:-5, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(here[:, :4], there[:, :4], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(here[:, 4 + position], there[:, 4 + position], rtol=0, atol=1e-6)
+
+
+def test_a_captured_graph_steps_as_single_calls_do():
+    model = stiff_arm(3.0)
+    tracks = []
+    for captured in (False, True):
+        m, d = mjw.put_model(model), mjw.make_data(model, nworld=2)
+        d.qfrc_applied.assign(np.tile(held_load(300), (2, 1)) * [[0.4], [2.5]])
+        with attach_warp(m, d, model) as friction:
+            mjw.step(m, d)
+            graph = None
+            if captured:
+                kept = [wp.clone(x) for x in (d.time, d.qpos, d.qvel, d.qacc_warmstart)]
+                kept.append(wp.clone(friction.state))
+                with wp.ScopedCapture(device=d.qpos.device) as capture:
+                    mjw.step(m, d)
+                graph = capture.graph
+                # what a capture itself does to the data differs between devices
+                own = (d.time, d.qpos, d.qvel, d.qacc_warmstart, friction.state)
+                for array, old in zip(own, kept, strict=True):
+                    wp.copy(array, old)
+            for _ in range(50):
+                wp.capture_launch(graph) if graph else mjw.step(m, d)
+            tracks.append(np.hstack([d.qpos.numpy(), d.qvel.numpy(), friction.torque().numpy()]))
+    assert np.ptp(tracks[0][:, :8], axis=0).max() > 1e-2
+    np.testing.assert_array_equal(*tracks)
