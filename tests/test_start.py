@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from frictionjoint.effects import joint_elasticity
-from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q
+from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A, H, Q
 from frictionjoint.identify.design import full_signals
 from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.prepare import Segment, prepare
@@ -158,3 +158,24 @@ def test_a_swing_let_go_decays_as_its_damping_says(resonance, damping, angle):
     start = (d[0].real, (roots * d[0]).real)
     torque = joint_elasticity.free_swing((resonance, damping), start, signals)
     np.testing.assert_allclose(torque, (roots**2 * d).real, atol=1e-3 * w * w)
+
+
+@pytest.mark.parametrize("resonance", [5.0, 20.0])
+def test_a_driven_link_resonates_where_its_spring_says_at_few_samples(resonance):
+    """Torque under a motion of one frequency, from the transfer function of link and spring."""
+    step, damping = 4e-3, 0.03
+    t = step * np.arange(4000)
+    w = 2.0 * np.pi * resonance
+    numbers = np.array([resonance, damping, 1.0])
+    peak = 0.5 / damping
+    for part in (0.5, 0.97, 1.0, 1.03):
+        s = 1j * part * w
+        motion = np.exp(s * t)
+        wanted = -(s * s) / (s * s + 2.0 * damping * w * s + w * w)
+        X, found, sig = np.zeros(3), np.empty(len(t)), np.zeros(N_SIGNALS)
+        for k in range(len(t)):
+            sig[DT], sig[A] = step * (k > 0), motion[k].real
+            found[k] = joint_elasticity.torque(numbers, 0, sig, X, 0)
+        late = slice(3000, None)
+        error = found[late] - (wanted * motion).real[late]
+        assert np.abs(error).max() < 2e-3 * peak

@@ -9,21 +9,42 @@ from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A
 
+# half the angle that a resonance turns between two samples, rad; a faster one is just fast
+_FASTEST = 1.3
+
+
+@njit(cache=True)
+def _half_angle(w: float, h: float) -> float:
+    """By which the resonance turns in half a sample, rad."""
+    return min(0.5 * w * h, _FASTEST)
+
+
+@njit(cache=True)
+def _steeper(w: float, h: float) -> float:
+    """How much faster than w the trapezoidal rule passes through its resonance at w."""
+    angle = _half_angle(w, h)
+    return angle / (math.sin(angle) * math.cos(angle)) if angle > 0.0 else 1.0
+
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """J (a_link - a_motor), the link on a spring and damper driven by the motor's motion.
 
     With d = q_link - q_motor: d'' + 2 zeta w d' + w^2 d = -a_motor, by the trapezoidal rule,
-    which adds no damping of its own. X[x] d, X[x+1] d', X[x+2] the last a_motor.
+    which adds no damping of its own. As it stands it would resonate at less than w, by (w h)^2/12,
+    2% at 20 Hz and 4 ms. With a step longer by tan(w h/2)/(w h/2) it resonates at w, and with J and
+    zeta larger by w h/sin(w h) as widely and as high. X[x] d over that factor, X[x+1] its rate,
+    X[x+2] the last a_motor.
     """
     w = 2.0 * math.pi * P[e]
-    damping = 2.0 * P[e + 1] * w
     h = sig[DT]
     if h <= 0.0:
         X[x] = X[x + 1] = 0.0
         X[x + 2] = sig[A]
         return 0.0
+    steeper = _steeper(w, h)
+    damping = 2.0 * P[e + 1] * w * steeper
+    h = 2.0 / w * math.tan(_half_angle(w, h))
     old = X[x + 1]
     rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * w * w)
     rate -= h * w * w * X[x] + 0.5 * h * (X[x + 2] + sig[A])
@@ -31,14 +52,15 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     X[x] += 0.5 * h * (old + rate)
     X[x + 1] = rate
     X[x + 2] = sig[A]
-    return -P[e + 2] * (sig[A] + w * w * X[x] + damping * rate)
+    return -P[e + 2] * steeper * (sig[A] + w * w * X[x] + damping * rate)
 
 
 @njit(cache=True, nogil=True)
 def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
     sig = np.zeros(N_SIGNALS)
-    X = np.array([d, rate, 0.0])
     w = 2.0 * math.pi * P[0]
+    steeper = _steeper(w, signals[min(1, len(out) - 1), DT])
+    X = np.array([d / steeper, rate / steeper, 0.0])
     out[0] = -P[2] * (w * w * d + 2.0 * P[1] * w * rate)
     for k in range(1, len(out)):
         sig[DT] = signals[k, DT]
