@@ -110,7 +110,7 @@ def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
         EffectTerm(effect, shape)
         for effect in CATALOGUE
         if effect.name == term.name and effect.effect_id != term.effect.effect_id
-        if effect.sought == "grid"
+        if effect.proposed_by == "grid"
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
     ]
@@ -174,7 +174,9 @@ def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ..
     return [
         EffectTerm(effect, shape)
         for effect in CATALOGUE
-        if effect.sought == "grid" and effect.name not in names and not (timed and effect.delays)
+        if effect.proposed_by == "grid"
+        and effect.name not in names
+        and not (timed and effect.delays)
         if testable(prepared, effect, everything)
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
@@ -292,7 +294,7 @@ def periodic_terms(
     first, last = int(2 * _FEWEST_PERIODS * span / usual), _POSITION_BINS // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
-    for effect in (f for f in CATALOGUE if f.sought == "spectrum"):
+    for effect in (f for f in CATALOGUE if f.proposed_by == "spectrum"):
         weight = x[:, 1] if effect.entry == "scales the friction level" else np.ones(len(q))
         # twice oversampled: line k has k/2 periods over the span
         F = np.array(

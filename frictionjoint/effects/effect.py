@@ -50,8 +50,8 @@ class Effect:
         slow: it changes over minutes, so that a log may hold one value of it: its gain is judged
             on stretches of every log, not on whole logs.
         memory: float64 of state the kernel keeps.
-        sought: how its shape numbers are proposed: on the grid of `shapes`, or, for what is fixed
-            in angle, from the spectrum of the residual over position.
+        proposed_by: what its shape numbers are proposed by: the grid of `shapes`, or, for what is
+            fixed in angle, the spectrum of the residual over position.
         drives: what a log must hold of the motor for the effect to show.
         first: it is decided before anything else, for without it every torque is off.
         opposes_voltage: it takes from the voltage what turns with the motor; it acts only while the
@@ -93,7 +93,7 @@ class Effect:
     shape_bounds: tuple[tuple[float, float], ...] = ()
     slow: bool = False
     memory: int = 0
-    sought: Literal["grid", "spectrum"] = "grid"
+    proposed_by: Literal["grid", "spectrum"] = "grid"
     drives: tuple[str, ...] = ("torque", "voltage", "current")
     first: bool = False
     opposes_voltage: bool = False

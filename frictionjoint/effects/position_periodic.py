@@ -38,7 +38,7 @@ EFFECT = Effect(
     separating_motion="slow motion over several periods, both directions",
     shape=("N",),
     shape_units=("1/x",),
-    sought="spectrum",
+    proposed_by="spectrum",
 )
 
 PERIODIC_LEVEL = Effect(
@@ -57,5 +57,5 @@ PERIODIC_LEVEL = Effect(
     shape_units=("1/x", "x"),
     shape_bounds=((0.0, math.inf), (0.0, math.inf)),
     memory=2,
-    sought="spectrum",
+    proposed_by="spectrum",
 )

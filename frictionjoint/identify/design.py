@@ -200,7 +200,7 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
     for i, x in enumerate(term.free_shape):
         if not isinstance(term, EffectTerm):
             reach = np.inf
-        elif term.effect.sought == "spectrum" and i == 0:
+        elif term.effect.proposed_by == "spectrum" and i == 0:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
         else:
             # a zero was not searched yet: the physical range decides

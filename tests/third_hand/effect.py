@@ -44,7 +44,7 @@ def needed(joint: Joint, true: Joint, r: Record) -> np.ndarray:
     """Torque on the motor's side that this joint needs along the recorded motion, N m."""
     s, rate, outside = along(joint, r).T
     if joint.lag > 0.0:
-        s = s + r["level"] - along(true, r)[:, 0]  # the lag itself is not the difference sought
+        s = s + r["level"] - along(true, r)[:, 0]  # the lag itself is not the difference wanted
     torque = sliding_at(r, s, r["level"]) + rate * r["velocity"] + outside
     if joint.link > 0.0:
         torque += joint.inertia * (1 - joint.link) * r["acceleration"] + r["coupling"]
