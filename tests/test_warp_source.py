@@ -7,9 +7,12 @@ import pytest
 from numba import njit
 
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.row import evaluate
+from frictionjoint.simulate.row import evaluate, torque_now
+from frictionjoint.simulate.together import is_stiff, settle
 from frictionjoint.simulate.warp_source import source
-from frictionjoint.simulate.with_effects import effects_torque, unit_gravity
+from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
+
+KERNELS = [evaluate, torque_now, is_stiff, settle, effects_torque, unit_gravity, coupled_load]
 
 
 def functions(text: str) -> dict[str, ast.FunctionDef]:
@@ -17,7 +20,7 @@ def functions(text: str) -> dict[str, ast.FunctionDef]:
 
 
 def test_all_laws_and_effects_are_translated_callees_first():
-    found = functions(source([evaluate, effects_torque, unit_gravity], 66))
+    found = functions(source(KERNELS, 66))
     laws = ("integrated", "static", "armstrong", "dahl", "lugre", "elastoplastic", "maxwell_slip")
     assert {f"law_{law}_step" for law in laws} <= set(found)
     assert "effects_position_periodic_level_torque" in found
@@ -29,7 +32,7 @@ def test_all_laws_and_effects_are_translated_callees_first():
 
 
 def test_every_number_is_a_double():
-    for function in functions(source([evaluate, effects_torque, unit_gravity], 66)).values():
+    for function in functions(source(KERNELS, 66)).values():
         text = "\n".join(map(ast.unparse, function.body[bool(ast.get_docstring(function)) :]))
         numbers = re.finditer(r"(?<![\w.])-?(\d+\.\d*|\d+e)", text)
         assert all(text[: n.start()].endswith("wp.float64(") for n in numbers)
