@@ -1,6 +1,8 @@
 """The picture on the front page: torque of the demo's held-out log, before and after.
 
-python docs/readme_picture.py docs/img/before_after.svg
+    python docs/readme_picture.py docs/img
+
+Two files: before_after.svg, and before_after_narrow.svg for a phone.
 """
 
 import sys
@@ -18,11 +20,12 @@ matplotlib.use("svg")
 from matplotlib import pyplot as plt
 
 
-def draw(report: Report, path: Path) -> None:
+def draw(report: Report, path: Path, narrow: bool = False) -> None:
     """Torque and residual over time, with the error in per cent of the measured torque."""
     c = next(c for c in report.curves if c.role == "held-out")
     whole = wording.measured_rms(report, "held-out")
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 4.4), sharex=True, layout="constrained")
+    size = (4.4, 5.0) if narrow else (9, 4.4)
+    figure, (above, below) = plt.subplots(2, 1, figsize=size, sharex=True, layout="constrained")
     above.plot(c.time, c.measured, color=MEASURED, lw=2.6, label="measured")
     for name, stage, colour, rms in (
         ("friction law alone", "before", BEFORE, report.before_torque.held_out),
@@ -38,8 +41,8 @@ def draw(report: Report, path: Path) -> None:
     for axes in (above, below):
         axes.grid(alpha=0.25)
         axes.spines[["top", "right"]].set_visible(False)
-    above.legend(frameon=False, ncols=3, loc="upper right")
-    above.set_ylim(top=1.35 * float(c.measured.max()))
+    above.legend(frameon=False, ncols=1 if narrow else 3, loc="upper right")
+    above.set_ylim(top=(2.3 if narrow else 1.35) * float(c.measured.max()))
     figure.savefig(path, metadata={"Date": None})
 
 
@@ -47,4 +50,5 @@ if __name__ == "__main__":
     demo = Path(str(files("frictionjoint.demo")))
     fitted = [demo / f"{name}.csv" for name in ("pick_and_place", "ramps")]
     found = close_loop(fitted, demo / "joint.xml", "joint", [demo / "multisine.csv"])
-    draw(found, Path(sys.argv[1]))
+    draw(found, Path(sys.argv[1]) / "before_after.svg")
+    draw(found, Path(sys.argv[1]) / "before_after_narrow.svg", narrow=True)
