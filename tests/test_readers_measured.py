@@ -95,6 +95,14 @@ def test_tx40_joints_sit_behind_their_gears(measured_data: Path) -> None:
     assert log.motor_position is not None
     np.testing.assert_allclose(log.motor_position, -48.0 * log.position, atol=1e-12)
     wrist = read_log(measured_data / "staubli_tx40", "Joint_6")
+    other = read_log(measured_data / "staubli_tx40", "joint_5")
+    assert wrist.torque is not None
+    assert other.torque is not None
+    # what motors 5 and 6 give in a small turn is what the joints take
+    motors = np.linalg.solve([[45.0, 32.0], [0.0, 32.0]], [other.torque, wrist.torque])
+    turns = 45.0 * 1e-3, 32.0 * (1e-3 + 2e-3)
+    work = turns[0] * motors[0] + turns[1] * motors[1]
+    np.testing.assert_allclose(other.torque * 1e-3 + wrist.torque * 2e-3, work, rtol=1e-9)
     assert wrist.motor_position is not None
     expected = wrist.motor_position / 32.0 - wrist.other_positions["joint_5"]
     np.testing.assert_allclose(wrist.position, expected, atol=1e-9)

@@ -38,7 +38,7 @@ from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
 from frictionjoint.cli.sample import sample
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
-from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.errors import FrictionJointError, LogError, ModelError
 from frictionjoint.laws import LAWS
 
 _INTERRUPTED = 130
@@ -168,6 +168,15 @@ def close_loop_command(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Dask scheduler, tcp://HOST:PORT, whose workers take the joints of a robot. The "
+            "numbers are the same.",
+        ),
+    ] = None,
     seed: Seed = 0,
     force: Force = False,
     as_json: Json = False,
@@ -197,8 +206,10 @@ def close_loop_command(
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
-        close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json)
+        close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json, scheduler)
         return
+    if scheduler:
+        raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")
     with progress() as say:
         read = [*logs, *(Path(text) for text in held_out or []), *paths_of(model)]
         require_writable(out, read, force, FILES)

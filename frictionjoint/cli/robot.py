@@ -75,6 +75,7 @@ def close_loop_of_robot(
     law: str | None,
     fixed: "Mapping[str, Pose]",
     as_json: bool,
+    scheduler: str | None = None,
 ) -> None:
     """Read, explain, write, show."""
     from frictionjoint.report.write import FILES
@@ -84,7 +85,7 @@ def close_loop_of_robot(
     with progress() as say:
         require_writable(out, request.files, force, FILES)
         logs = request.read()
-        report = close_loop_robot(logs, request.model, seed, say, law, fixed)
+        report = close_loop_robot(logs, request.model, seed, say, law, fixed, scheduler=scheduler)
         say("writing the report")
         write_robot_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
     if as_json:

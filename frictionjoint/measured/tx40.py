@@ -1,9 +1,10 @@
 """The Staubli TX40 log of figaroh-examples: a folder with two tables, no time column, 5 kHz.
 
-``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: motor currents. Columns ``Joint_1``
-to ``Joint_6`` of the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF. Joint
-positions are inverse(K) times motor positions; the wrist is coupled: motor 6 turns with joint 5
-too, so part of joint 5's torque is in the current of motor 6, which this log of joint 5 lacks.
+``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: what the drives say of their
+currents, in units in which the data's authors take them for torques at the motors, N m. Columns
+``Joint_1`` to ``Joint_6`` of the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF.
+Joint positions are inverse(K) times motor positions and, by virtual work, joint torques transpose(K)
+times motor torques: the wrist is coupled, motor 6 turns with joint 5 too and drives it along.
 """
 
 from pathlib import Path
@@ -30,7 +31,7 @@ def is_tx40(folder: Path) -> bool:
 
 
 def read_tx40(folder: Path, joint: str | None) -> JointLog:
-    """Read one joint; the drive is its motor's current, a torque up to an unknown gain.
+    """Read one joint.
 
     Raises:
         LogError: an unknown joint, a missing file, or see `validate`.
@@ -45,14 +46,13 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
         raise LogError(
             f"{folder.name}: {_POSITIONS} has {len(motor)} samples, {_CURRENTS} {len(current)}"
         )
-    position = np.linalg.solve(_K, motor.T)
+    position, torque = np.linalg.solve(_K, motor.T), _K.T @ current.T
     own = JOINTS.index(name)
     columns = {
         "time_s": np.arange(len(motor)) / _RATE_HZ,
         "position_rad": position[own],
         "motor_position_rad": motor[:, own].copy(),
-        # a motor that turns against its joint pushes against it too
-        "current_a": current[:, own] * np.sign(_K[own, own]),
+        "torque_nm": torque[own],
     }
     columns |= {f"{JOINTS[i]}.position_rad": position[i] for i in range(6) if i != own}
     return log_of(folder, name, columns)

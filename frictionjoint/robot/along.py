@@ -37,7 +37,13 @@ class Along:
 
     def corrected(self, state: Corrections) -> "Along":
         """The same under other corrections."""
-        return replace(self, state=state)
+        found = replace(self, state=state)
+        # what does not depend on what changed is not made again
+        kept = ["tree", "dof", "_believed"]
+        if self.state.moves_alike(state):
+            kept.append("regressor")
+        found.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
+        return found
 
     @cached_property
     def dof(self) -> int:

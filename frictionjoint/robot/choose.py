@@ -13,6 +13,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.state import DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.trace import SIGNIFICANCE
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.screen import Candidate, Screened
 from frictionjoint.robot.stack import FLIPS, Columns, Stack, surprises
 
@@ -27,6 +28,8 @@ _TIE = 0.1
 _FORMS = 0.3
 # forms with this many numbers or more count as equally rich: the catalogue has the likelier first
 _RICH = 4
+# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
+HARM = 0.05
 # random halves of the blocks on which the leaders are compared, and how many leaders
 _HALVES, _CONTENDERS = 25, 6
 
@@ -57,6 +60,10 @@ class Choice:
         """Whether the laws, fitted without it, may be distorted."""
         return self.gain > _BENT
 
+    def of(self, cause: Cause) -> "Choice":
+        """The same choice of a part of its cause."""
+        return replace(self, candidate=replace(self.candidate, cause=cause))
+
 
 @dataclass(frozen=True)
 class _Row:
@@ -86,20 +93,19 @@ def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
     return choices
 
 
-def idle(screened: Screened, numbers: Sequence[Array]) -> int | None:
+def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     """The cause in the model that is needed least, if it is not needed.
 
     Args:
-        numbers: of each cause taken.
+        without: each cause taken, one after the other: the same without it.
     """
-    found = []
-    for i, (candidate, x) in enumerate(zip(screened.taken, numbers, strict=True)):
-        stack = screened.stack.restored(candidate.at, x)
-        rest = [c for c in screened.taken if c is not candidate]
-        without, now = stack.held_out(_columns(rest)), stack.held_out(_columns(screened.taken))
-        gain = _gain(without, now)
-        enough = gain >= SMALLEST_GAIN and _moved(stack, without, now) >= DISCREPANCY
-        if not (enough and _better(now, without)):
+    stack, found = screened.stack, []
+    now = stack.held_out(_columns(screened.taken))
+    for i, rest in enumerate(without):
+        left = rest.stack.held_out(_columns(rest.taken))
+        gain = _gain(left, now)
+        enough = gain >= SMALLEST_GAIN and _moved(stack, left, now) >= DISCREPANCY
+        if not (enough and _better(now, left)):
             found.append((gain, i))
     return min(found)[1] if found else None
 
@@ -191,10 +197,18 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    if row.p_value > SIGNIFICANCE or not _better(row.left, now):
+    if row.p_value > SIGNIFICANCE or not _better(row.left, now) or _harms(row.left, now):
         return False
     enough = _gain(now, row.left) >= SMALLEST_GAIN
     return enough and _moved(stack, now, row.left) >= DISCREPANCY
+
+
+def _harms(after: Array, before: Array) -> bool:
+    """Whether a joint is predicted worse, by a noticeable part and more than chance."""
+    return any(
+        float(a.sum()) > (1.0 + HARM) * float(b.sum()) and _better(b[None], a[None])
+        for a, b in zip(after, before, strict=True)
+    )
 
 
 def _gain(before: Array, after: Array) -> float:

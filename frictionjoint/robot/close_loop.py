@@ -45,6 +45,7 @@ def close_loop_robot(
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
     jobs: int | None = None,
+    scheduler: str | None = None,
 ) -> RobotReport:
     """Fit every joint, find what they show together, then what each lacks; report.
 
@@ -55,6 +56,7 @@ def close_loop_robot(
         law: see `diagnose.close_loop`.
         fixed: see `diagnose.close_loop`.
         jobs: processes; None: one for each core. The result does not depend on it.
+        scheduler: address of a Dask scheduler whose workers take the joints instead.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -62,7 +64,8 @@ def close_loop_robot(
     compile_model(model)
     user = State(model)
     tasks = {n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law) for n in logs.joints}
-    with workers(processes(len(tasks)) if jobs is None else jobs) as each:
+    count = processes(len(tasks)) if jobs is None else jobs
+    with workers(count, scheduler) as each:
         progress(f"base fit of {len(tasks)} joints")
         firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
         failed = logs.failed | {n: x for n, x in firsts.items() if isinstance(x, str)}

@@ -67,6 +67,10 @@ class Corrections:
         """The model as it is."""
         return cls(of_model(model), np.array(model.opt.gravity))
 
+    def moves_alike(self, other: "Corrections") -> bool:
+        """Whether motion and gravity are the same under both."""
+        return self.offset == other.offset and np.array_equal(self.gravity, other.gravity)
+
     def with_body(self, body: int, phi: Array) -> "Corrections":
         """With other parameters of one body."""
         changed = self.phi.copy()

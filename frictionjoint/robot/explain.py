@@ -89,11 +89,16 @@ class Explained:
 
 
 def explain_joint(task: Task) -> Explained | str:
-    """The loop under the corrected model; a line that says why not."""
+    """The loop under the corrected model; a line that says why not.
+
+    Numerics that break down on one joint's logs stop no other joint.
+    """
     try:
         return _explained(task)
     except FrictionJointError as error:
         return str(error)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        return f"{task.joint}: the search broke down ({error}): name it alone with --joint"
 
 
 def _explained(task: Task) -> Explained:

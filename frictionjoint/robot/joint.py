@@ -27,11 +27,14 @@ class FittedJoint:
 
     Attributes:
         alongs: one a log. prepared: the logs with the corrected load, weighted. fit: of the law.
+        shift: what the load grew by since the law was fitted, N m, on the kept samples; None:
+            nothing.
     """
 
     alongs: tuple[Along, ...]
     prepared: Prepared
     fit: Fit
+    shift: Array | None = None
 
     @property
     def name(self) -> str:
@@ -40,8 +43,13 @@ class FittedJoint:
 
     @property
     def left(self) -> float:
-        """rms of the weighted residual, N m."""
+        """rms of the weighted residual of the fit, N m."""
         return self.fit.drive_rms * self.fit.gain
+
+    @property
+    def residual(self) -> Array:
+        """What the law as it was fitted leaves under the corrections that hold now, N m, (n,)."""
+        return self.fit.residual if self.shift is None else self.fit.residual - self.shift
 
     def columns(self, pairs: Sequence[tuple[Corrections, Corrections, float]]) -> Array:
         """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k).
@@ -51,15 +59,22 @@ class FittedJoint:
         """
         rows = []
         for along, segment in zip(self.alongs, self.prepared.segments, strict=True):
-            found = [along.linear(low, high) / apart for low, high, apart in pairs]
-            rows.append(kept(segment, np.column_stack(found)))
+            found = np.zeros((len(segment.signals), len(pairs)))
+            for k, (low, high, apart) in enumerate(pairs):
+                found[:, k] = along.linear(low, high) / apart
+            rows.append(kept(segment, found))
         return np.concatenate(rows)
 
     def corrected(self, state: Corrections) -> "FittedJoint":
         """The same logs under other corrections; the fit is still the old one."""
         alongs = tuple(a.corrected(state) for a in self.alongs)
-        segments = tuple(a.segment(s) for a, s in zip(alongs, self.prepared.segments, strict=True))
-        return FittedJoint(alongs, replace(self.prepared, segments=segments), self.fit)
+        before = self.prepared.segments
+        segments = tuple(a.segment(s) for a, s in zip(alongs, before, strict=True))
+        grown = np.concatenate(
+            [a.balanced_load - b.balanced_load for a, b in zip(segments, before, strict=True)]
+        )
+        shift = grown if self.shift is None else self.shift + grown
+        return FittedJoint(alongs, replace(self.prepared, segments=segments), self.fit, shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
         """With the law fitted again, from where it is or from everywhere."""
@@ -67,10 +82,10 @@ class FittedJoint:
             found = fit(self.prepared, forms=INTEGRATED)
             prepared, found = reweighed(self.prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
-            return replace(self, prepared=prepared, fit=found)
+            return replace(self, prepared=prepared, fit=found, shift=None)
         found = refit(self.prepared, (), self.fit.shape, ROUGH)
         prepared, found = reweighed(self.prepared, found, ROUGH)
-        return replace(self, prepared=prepared, fit=found)
+        return replace(self, prepared=prepared, fit=found, shift=None)
 
 
 def first_fit(

@@ -24,15 +24,19 @@ class Regressor:
         self.gravity = np.array(tree.model.opt.gravity if gravity is None else gravity)
         self.frames, self.dofs = tree.along(trajectory)
         self._wrenches: dict[int, tuple[Array, Array]] = {}
+        self._columns: dict[tuple[int, int], Array] = {}
 
     def body(self, body: int, dof: int) -> Array:
         """Torque at a degree of freedom per unit of a body's ten parameters, shape (n, 10)."""
         if body not in self.tree.beyond[dof]:
             return np.zeros((len(self.trajectory), TEN))
-        if body not in self._wrenches:
-            self._wrenches[body] = _wrench(self.frames[body], self._felt(body))
-        force, moment = self._wrenches[body]
-        return _component(self.dofs[dof], self.frames[body], force, moment)
+        key = body, dof
+        if key not in self._columns:
+            if body not in self._wrenches:
+                self._wrenches[body] = _wrench(self.frames[body], self._felt(body))
+            force, moment = self._wrenches[body]
+            self._columns[key] = _component(self.dofs[dof], self.frames[body], force, moment)
+        return self._columns[key]
 
     def bodies(self, dof: int) -> Array:
         """Columns of all bodies in turn, the world's first, shape (n, 10 nbody)."""

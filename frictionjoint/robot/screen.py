@@ -159,7 +159,7 @@ def _screen(
     grams = []
     acts: dict[int, list[str]] = {}
     for joint, x, norm in zip(joints, parts, norms, strict=True):
-        at = np.flatnonzero(norm > _NOTHING * norm.max())
+        at = np.flatnonzero(norm > _NOTHING * norm.max(initial=0.0))
         for k in at:
             acts.setdefault(int(k), []).append(joint.name)
         grams.append(_gram(joint, x, at, clock))
@@ -213,7 +213,7 @@ def _own_effects(
     wanted = {name for name, candidate in named.items() if own(candidate.label)}
     if not wanted:
         return []
-    law, e = law_columns(joint), joint.fit.residual * joint.fit.weight
+    law, e = law_columns(joint), joint.residual * joint.fit.weight
     base, _ = np.linalg.qr(law / lengths(law))
     best: dict[str, tuple[float, Array]] = {}
     for candidate in library(joint.prepared, joint.fit, clock.blocks(joint)):
@@ -245,7 +245,7 @@ def _gram(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Join
     grams = joint_gram(
         law_columns(joint) / joint.left,
         columns * unit,
-        fitted.residual * unit[:, 0],
+        joint.residual * unit[:, 0],
         at,
         clock.of_sample(joint),
         clock.count,

@@ -16,15 +16,21 @@ from frictionjoint.arrays import Array
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Candidate, Found, Screened, screen
-from frictionjoint.robot.stack import Columns, roots
+from frictionjoint.robot.stack import Columns, least_squares, roots
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
 Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
 
-_MOST_STEPS = 6
+# Gauss-Newton steps under laws as they are, and how often the laws follow
+_MOST_STEPS, _MOST_LAWS = 6, 4
+# parts of a step that are tried where the whole of it leaves more
+_SHORTER = (1.0, 0.5, 0.2, 0.05)
 # fraction of the squares left that a step must take away to be followed by another one
 _SETTLED = 1e-3
+# part of a joint's squares from which on the causes have changed it so much that its law is fitted
+# from everywhere
+_CHANGED = 0.3
 # of the largest eigenvalue, below which a direction of the numbers is not determined, and its part
 # in a number from which on that is not
 _DETERMINED, _OPEN = 1e-8, 1e-4
@@ -51,49 +57,81 @@ def settle(
     found: Found,
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str] = frozenset(),
-    anew: bool = False,
 ) -> Settled:
     """Fit causes and laws together.
 
     Args:
         found: causes with numbers to start from; joints: fitted under whatever.
         each: a `map`, perhaps of processes. beside: labels of effects of single joints that are
-            fitted too. anew: first refit the laws from all starts, for they may be distorted.
+            fitted too.
     """
+    now = tuple(j.corrected(found.state) for j in joints)
     if not found.causes:
-        return Settled(found, tuple(joints), clock(joints))
-    now = _refitted(joints, found, each, anew)
-    seen = _screened(now, found, beside)
-    for _ in range(_MOST_STEPS):
-        stepped, taken = _stepped(found, seen)
-        if taken < _SETTLED:
+        if any(np.any(j.shift) for j in now if j.shift is not None):
+            now = tuple(each(_again, now))
+        return Settled(found, now, clock(now))
+    before: tuple[FittedJoint, ...] | None = None
+    for _ in range(_MOST_LAWS):
+        stepped = _descended(now, found, beside)
+        trial = tuple(each(_followed, [j.corrected(stepped.state) for j in now]))
+        if before is not None and _cost(trial, before) > 1.0 - _SETTLED:
             break
-        trial = _refitted(now, stepped, each, False)
-        after = _screened(trial, stepped, beside)
-        if _cost(trial, now) > 1.0:
-            break
-        found, now, seen = stepped, trial, after
+        found, now, before = stepped, trial, trial
+    seen = screened(now, clock(now), found, beside)
     return Settled(found, now, seen.stack.clock, _covariances(seen))
 
 
-def _refitted(
-    joints: Sequence[FittedJoint], found: Found, each: Each[FittedJoint, FittedJoint], anew: bool
-) -> tuple[FittedJoint, ...]:
-    state = found.state
-    again = [j.corrected(state) for j in joints]
-    return tuple(each(_anew if anew else _again, again))
+def _descended(joints: Sequence[FittedJoint], found: Found, beside: frozenset[str]) -> Found:
+    """Numbers by Gauss-Newton, the laws moving along to first order."""
+    blocks = clock(joints)
+    seen = screened([j.corrected(found.state) for j in joints], blocks, found, beside)
+    merit = _merit(found, seen)
+    for _ in range(_MOST_STEPS):
+        step = _step(seen)
+        for part in _SHORTER:
+            trial = _moved(found, part * step)
+            at = [j.corrected(trial.state) for j in joints]
+            after = screened(at, blocks, trial, beside)
+            reached = _merit(trial, after)
+            if reached < merit:
+                break
+        else:
+            break
+        taken = 1.0 - reached / merit
+        found, seen, merit = trial, after, reached
+        if taken < _SETTLED:
+            break
+    return found
 
 
-def _anew(joint: FittedJoint) -> FittedJoint:
-    return joint.refitted(anew=True)
+def _merit(found: Found, seen: Screened) -> float:
+    """Squares left with the laws and single joints' effects moving along, and what is presumed."""
+    G = seen.stack.total
+    at = _all([c.at for c in seen.candidates])
+    taken = float(G[at, -1] @ least_squares(G[np.ix_(at, at)], G[at, -1]))
+    pairs = zip(found.causes, found.numbers, strict=True)
+    presumed = sum(float(np.sum((x / c.prior) ** 2)) for c, x in pairs)
+    return float(G[-1, -1]) - taken + presumed
+
+
+def _followed(joint: FittedJoint) -> FittedJoint:
+    """The law fitted again, from everywhere where it may have been bent."""
+    again = joint.refitted()
+    if again.fit.rms**2 > (1.0 - _CHANGED) * joint.fit.rms**2:
+        return again
+    anew = again.refitted(anew=True)
+    return anew if anew.fit.rms < again.fit.rms else again
 
 
 def _again(joint: FittedJoint) -> FittedJoint:
     return joint.refitted()
 
 
-def _screened(joints: Sequence[FittedJoint], found: Found, beside: frozenset[str]) -> Screened:
-    return screen(joints, clock(joints), found, (), lambda label: label in beside)
+def screened(
+    joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
+) -> Screened:
+    """Columns of the causes in the model and of some effects of single joints, by label."""
+    return screen(joints, blocks, found, (), lambda label: label in beside)
 
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
@@ -101,25 +139,24 @@ def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
     return float(np.mean([(a.fit.rms / b.fit.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
 
 
-def _stepped(found: Found, seen: Screened) -> tuple[Found, float]:
-    """The next numbers, and the fraction of the squares that they should take away."""
+def _step(seen: Screened) -> Array:
+    """Change of all causes' numbers, one after the other."""
     own = _all([c.at for c in seen.taken])
     also = _all([c.at for c in seen.candidates])
     at = np.concatenate([own, also])
     low, high = (np.concatenate([c.room[:, k] for c in seen.taken]) for k in (0, 1))
     G = seen.stack.total
-    A, b = G[np.ix_(at, at)], G[at, -1]
     free = np.full(len(also), np.inf)
-    step = _bounded(A, b, np.concatenate([low, -free]), np.concatenate([high, free]))
-    # what effects of single joints explain does not show whether the causes have settled
-    moved = step[: len(own)]
-    taken = 2.0 * moved @ b[: len(own)] - moved @ A[: len(own), : len(own)] @ moved
-    if len(also):
-        taken -= 2.0 * moved @ A[: len(own), len(own) :] @ step[len(own) :]
+    low, high = np.concatenate([low, -free]), np.concatenate([high, free])
+    return _bounded(G[np.ix_(at, at)], G[at, -1], low, high)[: len(own)]
+
+
+def _moved(found: Found, step: Array) -> Found:
     ends = np.cumsum([len(n) for n in found.numbers])
-    parts = np.split(moved, ends[:-1])
-    numbers = tuple(n + part for n, part in zip(found.numbers, parts, strict=True))
-    return replace(found, numbers=numbers), float(taken) / float(G[-1, -1])
+    parts = np.split(step, ends[:-1])
+    return replace(
+        found, numbers=tuple(n + part for n, part in zip(found.numbers, parts, strict=True))
+    )
 
 
 def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:

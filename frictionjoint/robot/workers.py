@@ -1,38 +1,85 @@
-"""Joints side by side in processes of their own."""
+"""Joints side by side: in processes of their own, or over the workers of a Dask cluster."""
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from numba import config
+
+from frictionjoint.errors import FrictionJointError
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
 Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
+# s that a scheduler has to answer
+_PATIENCE_S = 15
+_ENDS = {signal.SIGINT, signal.SIGTERM}
 
 
 @contextmanager
-def workers(count: int) -> "Iterator[Each]":  # type: ignore[type-arg]
-    """A `map` over processes; of one alone in this one.
+def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # type: ignore[type-arg]
+    """A `map` over processes, of one alone in this one; or over a cluster's workers.
 
-    An exception, and an interruption too, ends them all.
+    An exception, and an interruption too, ends them all; on a cluster it cancels what was asked.
+
+    Args:
+        scheduler: address of a Dask scheduler.
+    Raises:
+        FrictionJointError: no scheduler answers there, or `distributed` is not installed.
     """
+    if scheduler is not None:
+        with _cluster(scheduler) as each:
+            yield each
+        return
     if count <= 1:
         yield map
         return
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(count, context, initializer=_begin)
     try:
+        with _uninterrupted():
+            pool.submit(int)  # starts them all
         yield pool.map
     except BaseException:
         for process in list((pool._processes or {}).values()):
-            process.terminate()
+            process.kill()
         pool.shutdown(wait=False, cancel_futures=True)
         raise
     pool.shutdown()
+
+
+@contextmanager
+def _cluster(scheduler: str) -> "Iterator[Each]":  # type: ignore[type-arg]
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise FrictionJointError(
+            "--scheduler needs Dask: pip install 'frictionjoint[cluster]'"
+        ) from error
+    try:
+        client = Client(scheduler, timeout=_PATIENCE_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise FrictionJointError(
+            f"--scheduler {scheduler}: no Dask scheduler answers there, give tcp://HOST:PORT"
+        ) from error
+
+    def each(function: Callable[[Any], Any], items: Iterable[Any]) -> Iterator[Any]:
+        # equal tasks are not one task: none is taken from what an earlier run left there
+        futures = client.map(function, list(items), pure=False)
+        try:
+            for future in futures:
+                yield future.result()
+        finally:
+            client.cancel(futures)
+
+    try:
+        yield each
+    finally:
+        client.close()
 
 
 def processes(jobs: int) -> int:
@@ -40,9 +87,25 @@ def processes(jobs: int) -> int:
     return min(jobs, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1)
 
 
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Signals that end a program wait: a process half started would complain of its parent.
+
+    What is started meanwhile inherits that, until `_begin`.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _begin() -> None:
     """A worker of one thread: the other cores have workers of their own."""
-    import signal
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends them
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDS)
     config.NUMBA_NUM_THREADS = 1  # type: ignore[attr-defined]

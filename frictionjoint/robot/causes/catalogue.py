@@ -12,6 +12,7 @@ from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
 from frictionjoint.robot.causes.joint_offset import JointOffset
+from frictionjoint.robot.causes.links import Links
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.inertia import of_model, possible
@@ -49,6 +50,23 @@ def catalogue(
         GearCoupling(pair, ratio) for pair in _neighbours(model, joints) for ratio in (1.0, -1.0)
     ]
     return tuple(found)
+
+
+def all_links(
+    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
+) -> tuple[Cause, ...]:
+    """Inertial parameters of all links that the joints move, as one cause; none of a single link.
+
+    Args:
+        joints: whose drive the logs hold. moving: whose motion they hold.
+    """
+    phi, found = of_model(model), []
+    for link in rigid_links(model, joints, moving).values():
+        heaviest = max(link, key=lambda b: phi[b, 0])
+        if possible(phi[heaviest]):
+            label, size = body_label(model, heaviest), _reach(model, heaviest)
+            found.append(BodyInertia(heaviest, label, "all ten", size))
+    return (Links(tuple(found)),) if len(found) > 1 else ()
 
 
 def rigid_links(
