@@ -30,11 +30,13 @@ def tasks(tmp_path_factory) -> list[Task]:
 
 def test_a_cluster_gives_the_same_numbers(tasks):
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
-    ) as cluster:
-        with workers(1, cluster.scheduler_address) as each:
-            spread = list(each(_first, tasks))
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+        ) as cluster,
+        workers(1, cluster.scheduler_address) as each,
+    ):
+        spread = list(each(_first, tasks))
     for one, other in zip(spread, map(_first, tasks), strict=True):
         assert one.name == other.name
         assert np.array_equal(one.fit.beta, other.fit.beta)

@@ -35,7 +35,12 @@ from frictionjoint.cli.logs import (
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
-from frictionjoint.cli.robot import RobotRequest, close_loop_of_robot
+from frictionjoint.cli.robot import (
+    RobotRequest,
+    close_loop_of_robot,
+    close_loop_of_units,
+    units_of,
+)
 from frictionjoint.cli.sample import sample
 from frictionjoint.cli.terminal import console, progress, show_estimates, show_report
 from frictionjoint.errors import FrictionJointError, LogError, ModelError
@@ -68,6 +73,12 @@ app = typer.Typer(
 Logs = Annotated[
     list[Path],
     typer.Argument(metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."),
+]
+LogsOrUnits = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags. None with --unit."
+    ),
 ]
 Joint = Annotated[
     str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
@@ -141,9 +152,9 @@ def demo() -> None:
 
 @app.command("close-loop")
 def close_loop_command(
-    logs: Logs,
     model: Model,
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the report goes.")],
+    logs: LogsOrUnits = None,
     joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
@@ -168,6 +179,15 @@ def close_loop_command(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--unit",
+            metavar="NAME=LOG",
+            help="A log of one of several robots of a kind, in place of LOG; a unit may have "
+            "several. Repeatable.",
+        ),
+    ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
@@ -194,27 +214,37 @@ def close_loop_command(
 
     A whole robot, every joint whose drive the logs hold: `frictionjoint close-loop a.csv b.csv
     --held-out c.csv --model arm.urdf --out out`
+
+    Several robots of one kind: `frictionjoint close-loop --unit left=a.csv --unit right=b.csv
+    --model arm.urdf --out out`
     """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import FILES, write_report
 
-    if joint is None or len(joint) != 1:
+    logs, held_out = logs or [], held_out or ["0.25"]
+    if not (logs or unit):
+        raise LogError("no log: give one or more, or units with --unit NAME=LOG")
+    if unit or joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
         robot = models_of(model)
         if controller or refine:
             raise ModelError("--controller and --refine are for one joint: name it with --joint")
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
-        request = RobotRequest(logs, held_out or ["0.25"], Path(robot), joint or [], reading)
-        close_loop_of_robot(request, out, force, seed, law, poses(fixed), as_json, scheduler)
+        request = RobotRequest(logs, held_out, Path(robot), joint or [], reading)
+        how = (out, force, seed, law, poses(fixed), as_json, scheduler)
+        if unit:
+            close_loop_of_units(request, units_of(unit), *how)
+        else:
+            close_loop_of_robot(request, *how)
         return
     if scheduler:
         raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")
     with progress() as say:
-        read = [*logs, *(Path(text) for text in held_out or []), *paths_of(model)]
+        read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
         require_writable(out, read, force, FILES)
         reading = Reading.of(joint[0], column, signal, wrap, gain)
-        fitted, kept = split(logs, held_out or ["0.25"], reading)
+        fitted, kept = split(logs, held_out, reading)
         report = close_loop(
             fitted,
             models_of(model),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from frictionjoint.identify.held import Pose
     from frictionjoint.robot.logs import RobotLogs
     from frictionjoint.robot.report_data import RobotReport
+    from frictionjoint.robot.units import UnitsReport
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,10 @@ class RobotRequest:
     def kept(self) -> list[Path]:
         """Logs held out."""
         return [path for text in self.held_out if (path := Path(text)).exists()]
+
+    def of_unit(self, logs: list[Path]) -> "RobotRequest":
+        """The same of one of several robots."""
+        return replace(self, logs=logs)
 
     def read(self) -> "RobotLogs":
         """Every joint of every log.
@@ -95,9 +100,75 @@ def close_loop_of_robot(
     typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
 
 
+def units_of(units: list[str]) -> dict[str, list[Path]]:
+    """Logs by the unit's name, from texts NAME=LOG.
+
+    Raises:
+        LogError: a text is not of that form, or a name is none of a folder.
+    """
+    found: dict[str, list[Path]] = {}
+    for text in units:
+        name, equals, path = text.partition("=")
+        if not (name and equals and path):
+            raise LogError(f"--unit {text}: write NAME=LOG, e.g. left=left_arm.csv")
+        if "/" in name or name.startswith("."):
+            raise LogError(f"--unit {name}: a folder takes this name, give one without / or .")
+        found.setdefault(name, []).append(Path(path))
+    return found
+
+
+def close_loop_of_units(
+    request: RobotRequest,
+    units: dict[str, list[Path]],
+    out: Path,
+    force: bool,
+    seed: int,
+    law: str | None,
+    fixed: "Mapping[str, Pose]",
+    as_json: bool,
+    scheduler: str | None = None,
+) -> None:
+    """Read, explain, write and show several robots of one kind."""
+    from frictionjoint.report.write_robot_units import FILES, write_units_report
+    from frictionjoint.robot.units import close_loop_units
+
+    if request.logs or request.kept:
+        raise LogError("--unit: give every log as NAME=LOG, and a fraction to --held-out")
+    with progress() as say:
+        read = [path for paths in units.values() for path in paths]
+        require_writable(out, [*read, request.model], force, FILES)
+        logs = {name: request.of_unit(paths).read() for name, paths in units.items()}
+        report = close_loop_units(logs, request.model, seed, say, law, fixed, scheduler=scheduler)
+        say("writing the reports")
+        write_units_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if as_json:
+        typer.echo(json.dumps(report.to_dict(), indent=2))
+        return
+    show_units(report)
+    typer.echo(f"Report: {out / 'report.html'}")
+
+
+def show_units(report: "UnitsReport") -> None:
+    """Each unit in a sentence, and how much they differ."""
+    from frictionjoint.report.robot_wording import whole
+
+    out = console()
+    for name, unit in report.units.items():
+        out.print(f"{name}: {whole(unit)}", soft_wrap=True, markup=False)
+    for name, text in report.failed.items():
+        out.print(f"{name}: {text}", soft_wrap=True, markup=False)
+    table = Table("of", "parameter", "mean", "deviation", "standard error")
+    for row in report.spreads:
+        error = "-" if row.error is None else f"{row.error:.2g}"
+        unit = "" if row.unit == "1" else f", {row.unit}"
+        cells = f"{row.mean:.4g}", f"{row.deviation:.2g}", error
+        table.add_row(row.owner, row.name + unit, *cells)
+    out.print(table)
+
+
 def show_robot(report: "RobotReport") -> None:
     """Shared causes, a row a joint, the robot as a whole."""
-    from frictionjoint.report.robot_wording import joint_rows, shared_rows, whole
+    from frictionjoint.report.robot_wording import joint_rows, shared_rows, torsion_rows, whole
 
     out = console()
     for row in shared_rows(report):
@@ -109,6 +180,10 @@ def show_robot(report: "RobotReport") -> None:
         cells = (line.before, line.after, line.replay_before, line.replay_after)
         table.add_row(line.joint, line.effects, *cells, line.verdict)
     out.print(table)
+    for twist in torsion_rows(report):
+        parts = f"stiffness {twist.stiffness}, backlash {twist.backlash}"
+        text = f"{twist.joint}: {parts}, hysteresis {twist.hysteresis}"
+        out.print(text, soft_wrap=True, markup=False)
     proposals = [report.excitation.text] if report.excitation else []
     for text in (whole(report), *report.notes, *proposals):
         out.print(f"* {text}", soft_wrap=True, markup=False)

@@ -3,8 +3,8 @@
 ``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: what the drives say of their
 currents, in units in which the data's authors take them for torques at the motors, N m. Columns
 ``Joint_1`` to ``Joint_6`` of the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF.
-Joint positions are inverse(K) times motor positions and, by virtual work, joint torques transpose(K)
-times motor torques: the wrist is coupled, motor 6 turns with joint 5 too and drives it along.
+Joint positions are inverse(K) times motor positions and, by virtual work, joint torques are
+transpose(K) times motor torques: the wrist is coupled, motor 6 turns with joint 5 too.
 """
 
 from pathlib import Path

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
+from frictionjoint.identify.result import Estimate
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 
@@ -90,6 +91,39 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
     none = ("–",) * 5
     rows += [JointRow(n, *none, text, False) for n, text in report.failed.items()]
     return rows
+
+
+class TorsionRow(NamedTuple):
+    """Between motor and link, in words."""
+
+    joint: str
+    stiffness: str
+    backlash: str
+    hysteresis: str
+    twist: str
+    left: str
+
+
+def torsion_rows(report: RobotReport) -> list[TorsionRow]:
+    """One for each joint with a second encoder."""
+    return [
+        TorsionRow(
+            name,
+            _estimate(t.stiffness),
+            _estimate(t.backlash),
+            _estimate(t.hysteresis),
+            f"{t.twist:.3g}",
+            f"{t.left:.3g}",
+        )
+        for name, result in report.joints.items()
+        if (t := result.torsion)
+    ]
+
+
+def _estimate(x: Estimate | None) -> str:
+    if x is None:
+        return "none seen"
+    return f"{x.value:.4g}" + (f" ± {x.stderr:.2g}" if x.stderr else "") + f" {x.unit}"
 
 
 def whole(report: RobotReport) -> str:

@@ -9,6 +9,7 @@ from frictionjoint.report.html import fill
 from frictionjoint.report.page import render
 from frictionjoint.report.robot_wording import joint_rows, shared_rows, whole
 from frictionjoint.report.wording import three
+from frictionjoint.report.robot_wording import joint_rows, shared_rows, torsion_rows, whole
 from frictionjoint.report.write import write_files
 from frictionjoint.robot.report_data import RobotReport
 
@@ -39,6 +40,7 @@ def render_robot(report: RobotReport, pages: dict[str, str], command: str) -> st
         sentence=whole(report),
         shared=shared_rows(report),
         joints=joint_rows(report),
+        twists=torsion_rows(report),
         pages=pages,
         command=command,
     )

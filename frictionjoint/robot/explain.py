@@ -25,6 +25,7 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Shaft
 from frictionjoint.robot.report_data import JointResult
+from frictionjoint.robot.torsion import torsion
 
 Model = str | Path
 
@@ -121,6 +122,7 @@ def _explained(task: Task) -> Explained:
         law=law_parameters(base).law,
         before_torque=torque,
         before_replay=place,
+        torsion=torsion(task.logs, trace.prepared),
     )
     without = {
         i: _torque(_law_alone(task, state, trace), trace) for i, state in task.without.items()

@@ -9,6 +9,7 @@ from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Verdi
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.robot.excitation import Excitation
+from frictionjoint.robot.torsion import Torsion
 
 SCHEMA = "frictionjoint/report-2"
 
@@ -21,6 +22,7 @@ class JointResult:
         report: of the loop under the corrected model.
         base, law: the law alone under the user's model, and its name.
         before_torque, before_replay: its errors. measured_rms: of the torque, as the report's.
+        torsion: between motor and link, where both have an encoder.
     """
 
     report: Report = field(repr=False)
@@ -28,6 +30,7 @@ class JointResult:
     law: str
     before_torque: Rms
     before_replay: Rms
+    torsion: Torsion | None = None
 
     @property
     def worse(self) -> bool:
@@ -50,6 +53,8 @@ class JointResult:
             "replay_rms": self.before_replay.to_dict(),
         }
         found["measured_rms"] = self.report.measured_rms
+        if self.torsion:
+            found["torsion"] = self.torsion.to_dict()
         return found
 
 

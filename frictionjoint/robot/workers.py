@@ -6,6 +6,7 @@ import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, TypeVar
 
 from numba import config
@@ -55,13 +56,13 @@ def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # ty
 @contextmanager
 def _cluster(scheduler: str) -> "Iterator[Each]":  # type: ignore[type-arg]
     try:
-        from distributed import Client
+        distributed: Any = import_module("distributed")  # it has no types
     except ImportError as error:
         raise FrictionJointError(
             "--scheduler needs Dask: pip install 'frictionjoint[cluster]'"
         ) from error
     try:
-        client = Client(scheduler, timeout=_PATIENCE_S, set_as_default=False)
+        client = distributed.Client(scheduler, timeout=_PATIENCE_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise FrictionJointError(
             f"--scheduler {scheduler}: no Dask scheduler answers there, give tcp://HOST:PORT"

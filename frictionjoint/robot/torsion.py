@@ -1,0 +1,214 @@
+"""Between motor and link, where both have an encoder: stiffness, backlash, hysteresis of the gear.
+
+    twist = motor / ratio - link = torque / K + b/2 side(torque) - h element(torque)
+
+The torque is what the gear transmits, by the model's rigid body behind it. In a gap of width b the
+twist turns over where the torque changes its side; a contact that slides between motor and link
+makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GEAR, TIME, Q
+from frictionjoint.identify.design import kept
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.smooth import elastic_plastic
+from frictionjoint.measured.log import JointLog
+
+# standard errors from which on a part of the twist is there
+_SURE = 4.0
+# part of the twist's variance that a gap or a hysteresis must explain beside the rest
+_SHARE = 0.02
+# twist over the travel, below which the second position was computed from the first
+_COMPUTED = 1e-6
+# rise of the torque over its span within which the contact comes to slide
+_REACHES = (0.02, 0.05, 0.1, 0.2, 0.4)
+# torque over its largest below which it changes its side: loads in the gap and the filter blur it
+_TURNS = (0.005, 0.01, 0.02, 0.05, 0.1)
+_BLOCKS = 20
+
+
+@dataclass(frozen=True)
+class Torsion:
+    """The gear of one joint.
+
+    Attributes:
+        ratio: turns of the motor in a turn of the link. twist: rms without its mean, rad.
+        left: rms of the twist that is not explained, rad.
+        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad; each None where the
+            logs do not show it.
+    """
+
+    ratio: float
+    twist: float
+    left: float
+    stiffness: Estimate | None
+    backlash: Estimate | None
+    hysteresis: Estimate | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "ratio": self.ratio,
+            "twist_rms": self.twist,
+            "left_rms": self.left,
+            **{
+                name: None if x is None else x.to_dict()
+                for name, x in (
+                    ("stiffness", self.stiffness),
+                    ("backlash", self.backlash),
+                    ("hysteresis", self.hysteresis),
+                )
+            },
+        }
+
+
+def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
+    """Of a joint whose logs hold a second encoder; None where they do not.
+
+    Args:
+        logs: as they were prepared, in turn.
+    """
+    if any(log.motor_position is None for log in logs):
+        return None
+    ratio = _ratio(logs)
+    span = max(float(np.ptp(log.position)) for log in logs)
+    pairs = list(zip(logs, prepared.segments, strict=True))
+    twist = np.concatenate([_twist(log, s, ratio) for log, s in pairs])
+    torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
+    offsets = _offsets(prepared)
+    size = float(np.sqrt(np.mean((twist - offsets @ _mean(offsets, twist)) ** 2)))
+    if size <= _COMPUTED * span or not np.ptp(torque):
+        return None
+    link = np.concatenate([kept(s, s.signals[:, [Q]]) for s in prepared.segments])
+    known = np.column_stack([offsets, link, torque])
+    unit = torque / np.abs(torque).max()
+    elements = [_element(prepared, reach) for reach in _REACHES]
+    best = _pruned(
+        min(
+            (_with(known, np.tanh(unit / t)[:, None], e, twist) for t in _TURNS for e in elements),
+            key=_cost,
+        )
+    )
+    per, slope = ("N/m", "m") if prepared.slide else ("N m/rad", "rad")
+    return Torsion(
+        ratio=1.0 / ratio,
+        twist=size,
+        left=float(np.sqrt(np.mean(best.residual**2))),
+        stiffness=_inverse(best.estimate("torque"), per),
+        backlash=_twice(best.estimate("gap"), slope),
+        hysteresis=_twice(best.estimate("lag"), slope),
+    )
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Columns of the twist with the names of those that may not be negative, the last ones."""
+
+    X: Array
+    y: Array
+    names: tuple[str, ...]
+
+    @property
+    def residual(self) -> Array:
+        return np.asarray(self.y - self.X @ _solved(self.X, self.y, len(self.names)))
+
+    def without(self, name: str) -> "_Model":
+        i = self.X.shape[1] - len(self.names) + self.names.index(name)
+        names = tuple(n for n in self.names if n != name)
+        return _Model(np.delete(self.X, i, axis=1), self.y, names)
+
+    def estimate(self, name: str) -> tuple[float, float] | None:
+        """Coefficient and standard error by a jackknife over stretches of time; None: not there."""
+        if name not in self.names:
+            return None
+        i = self.X.shape[1] - len(self.names) + self.names.index(name)
+        block = np.arange(len(self.y)) * _BLOCKS // len(self.y)
+        count = len(self.names)
+        left_out = np.array(
+            [_solved(self.X[block != b], self.y[block != b], count)[i] for b in range(_BLOCKS)]
+        )
+        error = float(np.sqrt((_BLOCKS - 1) * np.mean((left_out - left_out.mean()) ** 2)))
+        value = float(_solved(self.X, self.y, count)[i])
+        return (value, error) if value > _SURE * error else None
+
+
+def _ratio(logs: Sequence[JointLog]) -> float:
+    """Turns of the link in a turn of the motor, each log with its own zeros."""
+    pairs = [(log.motor_position, log.position) for log in logs if log.motor_position is not None]
+    m, q = (np.concatenate([x - x.mean() for x in some]) for some in zip(*pairs, strict=True))
+    return float(m @ q / (m @ m))
+
+
+def _twist(log: JointLog, segment: Segment, ratio: float) -> Array:
+    """On the kept samples, behind the filter of the balance."""
+    assert log.motor_position is not None
+    time = log.time[0] + segment.signals[:, TIME]
+    return kept(
+        segment, np.interp(time, log.time, ratio * log.motor_position - log.position)[:, None]
+    )[:, 0]
+
+
+def _element(prepared: Prepared, reach: float) -> Array:
+    """Elastic-plastic element in the torque, 1 where it slides, shape (n, 1)."""
+    rows = []
+    for s in prepared.segments:
+        torque = np.ascontiguousarray(s.signals[:, GEAR])
+        rows.append(kept(s, elastic_plastic(torque, np.array([reach * np.ptp(torque)]))))
+    return np.concatenate(rows)
+
+
+def _offsets(prepared: Prepared) -> Array:
+    """One column of ones a log."""
+    counts = [int(s.kept.sum()) for s in prepared.segments]
+    return np.repeat(np.eye(len(counts)), counts, axis=0)
+
+
+def _with(known: Array, side: Array, element: Array, twist: Array) -> _Model:
+    return _Model(np.column_stack([known, side, -element]), twist, ("torque", "gap", "lag"))
+
+
+def _pruned(model: _Model) -> _Model:
+    """Without a gap or a lag that the logs do not show."""
+    whole = float(np.sum((model.y - model.y.mean()) ** 2))
+    for name in ("gap", "lag"):
+        less = model.without(name)
+        if _cost(less) - _cost(model) < _SHARE * whole or model.estimate(name) is None:
+            model = less
+    return model
+
+
+def _cost(model: _Model) -> float:
+    return float(np.sum(model.residual**2))
+
+
+def _solved(X: Array, y: Array, positive: int) -> Array:
+    """Least squares with the last coefficients not negative."""
+    size = np.linalg.norm(X, axis=0)
+    size[size == 0.0] = 1.0
+    low = np.full(X.shape[1], -np.inf)
+    low[X.shape[1] - positive :] = 0.0
+    found = lsq_linear(X / size, y, (low, np.full(X.shape[1], np.inf)), method="bvls")
+    return np.asarray(found.x / size)
+
+
+def _mean(offsets: Array, x: Array) -> Array:
+    return np.asarray(offsets.T @ x / offsets.sum(axis=0))
+
+
+def _inverse(found: tuple[float, float] | None, unit: str) -> Estimate | None:
+    if found is None:
+        return None
+    value, error = found
+    return Estimate(1.0 / value, error / value**2, unit)
+
+
+def _twice(found: tuple[float, float] | None, unit: str) -> Estimate | None:
+    return None if found is None else Estimate(2.0 * found[0], 2.0 * found[1], unit)
