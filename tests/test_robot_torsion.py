@@ -1,4 +1,4 @@
-"""A second encoder: stiffness, backlash and hysteresis between motor and link, of simulated gears."""
+"""A second encoder: stiffness, backlash, hysteresis between motor and link of simulated gears."""
 
 import mujoco
 import numpy as np
@@ -24,8 +24,13 @@ BELIEVED = """
 """
 
 
-def log_of(gap: float = 0.0, rub: float = 0.0, seconds: float = 12.0) -> JointLog:
-    """A pendulum behind a spring with a gap and a slider of level `rub`, N m, beside the spring."""
+def log_of(
+    gap: float = 0.0, rub: float = 0.0, seconds: float = 12.0, later: float = 0.0
+) -> JointLog:
+    """A pendulum behind a spring with a gap and a slider of level `rub`, N m, beside the spring.
+
+    The motor's encoder is read `later` than the link's, s.
+    """
     model = mujoco.MjModel.from_xml_string(PLANT)
     data, rows, slide = mujoco.MjData(model), [], 0.0
     for k in range(round(seconds / model.opt.timestep)):
@@ -43,6 +48,7 @@ def log_of(gap: float = 0.0, rub: float = 0.0, seconds: float = 12.0) -> JointLo
         data.qfrc_applied[:] = drive - passed, passed
         mujoco.mj_step(model, data)
     time, link, motor, drive = np.array(rows).T
+    motor = np.interp(time + later, time, motor)
     return JointLog(
         name="log", joint="link", time=time, position=link, motor_position=motor, torque=drive
     )
@@ -57,6 +63,13 @@ def test_a_stiff_gear_has_its_stiffness_and_nothing_else():
     assert found.ratio == pytest.approx(RATIO, rel=1e-2)
     assert found.stiffness.value == pytest.approx(STIFFNESS, rel=0.05)
     assert found.backlash is None
+    assert found.hysteresis is None
+
+
+def test_a_link_whose_position_is_older_is_no_torsion():
+    found = found_in(log_of(later=3e-3))
+    assert found.older.value == pytest.approx(3e-3, rel=0.05)
+    assert found.stiffness.value == pytest.approx(STIFFNESS, rel=0.05)
     assert found.hysteresis is None
 
 

@@ -160,9 +160,9 @@ def show_units(report: "UnitsReport") -> None:
     table = Table("of", "parameter", "mean", "deviation", "standard error")
     for row in report.spreads:
         error = "-" if row.error is None else f"{row.error:.2g}"
-        unit = "" if row.unit == "1" else f", {row.unit}"
+        measured_in = "" if row.unit == "1" else f", {row.unit}"
         cells = f"{row.mean:.4g}", f"{row.deviation:.2g}", error
-        table.add_row(row.owner, row.name + unit, *cells)
+        table.add_row(row.owner, row.name + measured_in, *cells)
     out.print(table)
 
 

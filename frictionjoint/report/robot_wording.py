@@ -100,6 +100,7 @@ class TorsionRow(NamedTuple):
     stiffness: str
     backlash: str
     hysteresis: str
+    older: str
     twist: str
     left: str
 
@@ -112,6 +113,7 @@ def torsion_rows(report: RobotReport) -> list[TorsionRow]:
             _estimate(t.stiffness),
             _estimate(t.backlash),
             _estimate(t.hysteresis),
+            _estimate(t.older),
             f"{t.twist:.3g}",
             f"{t.left:.3g}",
         )

@@ -15,7 +15,7 @@ from frictionjoint.diagnose.state import DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.screen import Candidate, Screened
-from frictionjoint.robot.stack import FLIPS, Columns, Stack, surprises
+from frictionjoint.robot.stack import FLIPS, Columns, Stack, roots, surprises
 
 _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
@@ -30,6 +30,8 @@ _FORMS = 0.3
 _RICH = 4
 # part of a joint's squares that a cause may add to them: a cause that is there harms no joint
 HARM = 0.05
+# blocks of time for each column of a candidate whose chance is judged
+_BLOCKS_A_COLUMN = 4
 # random halves of the blocks on which the leaders are compared, and how many leaders
 _HALVES, _CONTENDERS = 25, 6
 
@@ -121,7 +123,7 @@ def _next(
         if not any(_excluded(c, t) for t in taken)
         if (inside := _within_bounds(stack, c, known)) is not None
     ]
-    scores = [stack.scores(c.at, known) for c in open_ones]
+    scores = [_leading(stack, c, stack.scores(c.at, known)) for c in open_ones]
     signs = np.vstack([np.ones(stack.clock.count), rng.choice([-1.0, 1.0], (FLIPS, len(now[0])))])
     found = np.array([surprises(s, signs) for s in scores])
     null = found[:, 1:].max(axis=0)
@@ -160,6 +162,24 @@ def _next(
         tuple(ties),
         stack.solution(np.concatenate([known, simplest.candidate.at]))[len(known) :],
     )
+
+
+def _leading(stack: Stack, candidate: Candidate, scores: Array) -> Array:
+    """Scores of a wide candidate along the directions that move most torque.
+
+    With as many columns as blocks of time any signs of the scores are equally surprising.
+    """
+    most = stack.clock.count // _BLOCKS_A_COLUMN
+    if len(candidate.at) <= most:
+        return scores
+    scale = roots(stack.presumed_apart(candidate.at))
+    prior = np.ones(len(scale)) if candidate.cause is None else 1.0 / scale
+    if candidate.cause is not None and len(candidate.cause.prior) == len(scale):
+        finite = np.isfinite(candidate.cause.prior)
+        prior[finite] = candidate.cause.prior[finite]
+    G = stack.presumed_apart(candidate.at) * np.outer(prior, prior)
+    _, vectors = np.linalg.eigh(G)
+    return np.asarray((scores * prior) @ vectors[:, -most:])
 
 
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:

@@ -35,6 +35,11 @@ class Shaft:
         """Level, viscous friction and inertia, shape (3,)."""
         return np.array([self.level, self.viscous, self.inertia])
 
+    def moved(self, number: int, by: float) -> "Shaft":
+        """With one of its numbers changed."""
+        name = ("level", "viscous", "inertia")[number]
+        return replace(self, **{name: getattr(self, name) + by})
+
     def per_turn(self, joint: str) -> float:
         """Turns of the shaft per turn of a joint."""
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)

@@ -150,7 +150,7 @@ def _screen(
     effects: list[Candidate] = []
     for joint in joints:
         columns = joint.columns([pair for several in pairs for pair in several])
-        for candidate, x in _own_effects(joint, clock, own):
+        for candidate, x in own_effects(joint, clock, own):
             at = size + np.arange(x.shape[1])
             effects.append(replace(candidate, at=at, first=int(at[0])))
             columns, size = _beside(columns, x, size), size + x.shape[1]
@@ -162,7 +162,7 @@ def _screen(
         at = np.flatnonzero(norm > _NOTHING * norm.max(initial=0.0))
         for k in at:
             acts.setdefault(int(k), []).append(joint.name)
-        grams.append(_gram(joint, x, at, clock))
+        grams.append(gram_of(joint, x, at, clock))
     numbers = [*found.numbers, *(c.start for c in causes)]
     precision, pull = np.zeros(size), np.zeros(size)
     for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
@@ -202,7 +202,7 @@ def _beside(columns: Array, more: Array, size: int) -> Array:
     return np.column_stack([columns, room, more])
 
 
-def _own_effects(
+def own_effects(
     joint: FittedJoint, clock: Clock, own: Callable[[str], bool]
 ) -> list[tuple[Candidate, Array]]:
     """Each of the joint's own effects that explains some of its residual, and its columns."""
@@ -239,7 +239,8 @@ def law_columns(joint: FittedJoint) -> Array:
     return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
 
 
-def _gram(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
+def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
+    """Gram matrices of some of a joint's columns, in units of what its fit leaves."""
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(

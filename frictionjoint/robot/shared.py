@@ -145,9 +145,9 @@ def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: froze
             rest = found.without(i)
             at = [j.corrected(rest.state) for j in now.joints]
             others.append(screened(at, now.clock, rest, beside))
-        i = idle(seen, others)
-        if i is None:
+        least = idle(seen, others)
+        if least is None:
             break
-        choices = now.choices[:i] + now.choices[i + 1 :]
-        now = _Now(settle(now.joints, found.without(i), each, beside), choices)
+        choices = now.choices[:least] + now.choices[least + 1 :]
+        now = _Now(settle(now.joints, found.without(least), each, beside), choices)
     return now

@@ -1,10 +1,11 @@
 """Between motor and link, where both have an encoder: stiffness, backlash, hysteresis of the gear.
 
-    twist = motor / ratio - link = torque / K + b/2 side(torque) - h element(torque)
+    twist = motor / ratio - link = torque / K + b/2 side(torque) - h element(torque) + T velocity
 
 The torque is what the gear transmits, by the model's rigid body behind it. In a gap of width b the
 twist turns over where the torque changes its side; a contact that slides between motor and link
-makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque.
+makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque. A
+link's position that is T older than the motor's makes a twist of its own.
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import GEAR, TIME, Q
+from frictionjoint.effects.signals import GEAR, TIME, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import Estimate
@@ -42,8 +43,9 @@ class Torsion:
     Attributes:
         ratio: turns of the motor in a turn of the link. twist: rms without its mean, rad.
         left: rms of the twist that is not explained, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad; each None where the
-            logs do not show it.
+        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: T by which the
+            link's position is older than the motor's, s. Each None where the logs do not show
+            it.
     """
 
     ratio: float
@@ -52,6 +54,7 @@ class Torsion:
     stiffness: Estimate | None
     backlash: Estimate | None
     hysteresis: Estimate | None
+    older: Estimate | None
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
@@ -65,6 +68,7 @@ class Torsion:
                     ("stiffness", self.stiffness),
                     ("backlash", self.backlash),
                     ("hysteresis", self.hysteresis),
+                    ("link_position_older", self.older),
                 )
             },
         }
@@ -87,7 +91,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     size = float(np.sqrt(np.mean((twist - offsets @ _mean(offsets, twist)) ** 2)))
     if size <= _COMPUTED * span or not np.ptp(torque):
         return None
-    link = np.concatenate([kept(s, s.signals[:, [Q]]) for s in prepared.segments])
+    link = np.concatenate([kept(s, s.signals[:, [Q, V]]) for s in prepared.segments])
     known = np.column_stack([offsets, link, torque])
     unit = torque / np.abs(torque).max()
     elements = [_element(prepared, reach) for reach in _REACHES]
@@ -105,6 +109,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
         stiffness=_inverse(best.estimate("torque"), per),
         backlash=_twice(best.estimate("gap"), slope),
         hysteresis=_twice(best.estimate("lag"), slope),
+        older=_delay(best),
     )
 
 
@@ -129,7 +134,10 @@ class _Model:
         """Coefficient and standard error by a jackknife over stretches of time; None: not there."""
         if name not in self.names:
             return None
-        i = self.X.shape[1] - len(self.names) + self.names.index(name)
+        return self.at(self.X.shape[1] - len(self.names) + self.names.index(name))
+
+    def at(self, i: int) -> tuple[float, float] | None:
+        """The same of a column by its number."""
         block = np.arange(len(self.y)) * _BLOCKS // len(self.y)
         count = len(self.names)
         left_out = np.array(
@@ -137,7 +145,7 @@ class _Model:
         )
         error = float(np.sqrt((_BLOCKS - 1) * np.mean((left_out - left_out.mean()) ** 2)))
         value = float(_solved(self.X, self.y, count)[i])
-        return (value, error) if value > _SURE * error else None
+        return (value, error) if abs(value) > _SURE * error else None
 
 
 def _ratio(logs: Sequence[JointLog]) -> float:
@@ -177,7 +185,7 @@ def _with(known: Array, side: Array, element: Array, twist: Array) -> _Model:
 
 def _pruned(model: _Model) -> _Model:
     """Without a gap or a lag that the logs do not show."""
-    whole = float(np.sum((model.y - model.y.mean()) ** 2))
+    whole = _cost(model.without("torque").without("gap").without("lag"))
     for name in ("gap", "lag"):
         less = model.without(name)
         if _cost(less) - _cost(model) < _SHARE * whole or model.estimate(name) is None:
@@ -201,6 +209,12 @@ def _solved(X: Array, y: Array, positive: int) -> Array:
 
 def _mean(offsets: Array, x: Array) -> Array:
     return np.asarray(offsets.T @ x / offsets.sum(axis=0))
+
+
+def _delay(model: _Model) -> Estimate | None:
+    """By the velocity, the column before the torque."""
+    found = model.at(model.X.shape[1] - len(model.names) - 1)
+    return None if found is None else Estimate(*found, "s")
 
 
 def _inverse(found: tuple[float, float] | None, unit: str) -> Estimate | None:

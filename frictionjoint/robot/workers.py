@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -43,7 +44,8 @@ def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # ty
     pool = ProcessPoolExecutor(count, context, initializer=_begin)
     try:
         with _uninterrupted():
-            pool.submit(int)  # starts them all
+            for _ in range(count):  # each starts one, for none is idle before it has begun
+                pool.submit(int)
         yield pool.map
     except BaseException:
         for process in list((pool._processes or {}).values()):
@@ -92,16 +94,24 @@ def processes(jobs: int) -> int:
 def _uninterrupted() -> Iterator[None]:
     """Signals that end a program wait: a process half started would complain of its parent.
 
-    What is started meanwhile inherits that, until `_begin`.
+    What is started meanwhile does not listen to them until `_begin`.
     """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDS)
+    held: list[int] = []
+    handlers, mask = {}, None
+    if threading.current_thread() is threading.main_thread():
+        for number in _ENDS:  # another thread may take a signal that this one blocks
+            handlers[number] = signal.signal(number, lambda n, _: held.append(n))
+    if hasattr(signal, "pthread_sigmask"):  # what is started inherits it
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDS)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if mask is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        if held:
+            signal.raise_signal(held[0])
 
 
 def _begin() -> None:

@@ -1,0 +1,159 @@
+"""Numbers of shared causes that leave the joints least, every joint's law moving along.
+
+A tree's torque is linear in its bodies' ten parameters, in rotors and in shafts, but a possible
+body is not linear in the numbers that keep it possible. So the torque is taken as linear in what is
+corrected, once, and the numbers are searched through that: a large change of a body is as exact as
+a small one.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import composed
+from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.screen import Found, gram_of, own_effects
+from frictionjoint.robot.stack import roots
+
+# steps of the coordinates of a state in a difference, over 1 in SI units
+_STEP = 1e-3
+# of the largest eigenvalue, below which a direction moves no torque
+_NOTHING = 1e-12
+_MOST_STEPS = 60
+
+
+def descended(
+    joints: Sequence[FittedJoint],
+    blocks: Clock,
+    found: Found,
+    own: Callable[[str], bool],
+) -> Found:
+    """The causes with the numbers that leave least of these joints.
+
+    Args:
+        joints: under the corrections of `found`. blocks: of time. own: effects of single joints,
+            by label, that move along as the laws do.
+    """
+    here = found.state
+    places = _places(found)
+    if not places:
+        return found
+    factor, target = _squares(joints, blocks, here, places, own)
+    at = _read(here, places)
+    prior = np.concatenate([c.prior for c in found.causes])
+    ends = np.cumsum([len(n) for n in found.numbers])[:-1]
+
+    def left(x: Array) -> Array:
+        parts = tuple(np.split(x, ends))
+        moved = _read(composed(found.causes, parts, found.original), places) - at
+        return np.concatenate([factor @ moved - target, x / prior])
+
+    bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
+    given = np.concatenate(found.numbers)
+    nothing = np.concatenate(
+        [n if c.homogeneous else c.start for c, n in zip(found.causes, found.numbers, strict=True)]
+    )
+    start = min((given, nothing), key=lambda x: float(np.sum(left(x) ** 2)))
+    x = least_squares(
+        left,
+        np.clip(start, *bounds),
+        bounds=tuple(bounds),
+        x_scale="jac",
+        max_nfev=_MOST_STEPS,
+    ).x
+    return replace(found, numbers=tuple(np.split(x, ends)))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A coordinate of a state: its kind, which body, joint or shaft, and which of its numbers."""
+
+    kind: str
+    which: int | str
+    number: int = 0
+
+    def of(self, state: Corrections) -> float:
+        """Its value."""
+        if self.kind == "phi":
+            return float(state.phi[int(self.which), self.number])
+        if self.kind == "gravity":
+            return float(state.gravity[self.number])
+        if self.kind == "shaft":
+            return float(state.shafts[int(self.which)].numbers[self.number])
+        values: dict[str, float] = getattr(state, self.kind)
+        return values.get(str(self.which), 0.0)
+
+    def moved(self, state: Corrections, by: float) -> Corrections:
+        """The state with it changed."""
+        if self.kind == "phi":
+            phi = state.phi[int(self.which)].copy()
+            phi[self.number] += by
+            return state.with_body(int(self.which), phi)
+        if self.kind == "gravity":
+            return replace(state, gravity=state.gravity + by * np.eye(3)[self.number])
+        if self.kind == "shaft":
+            shafts = list(state.shafts)
+            shafts[int(self.which)] = shafts[int(self.which)].moved(self.number, by)
+            return replace(state, shafts=tuple(shafts))
+        values = getattr(state, self.kind)
+        here = {str(self.which): values.get(str(self.which), 0.0) + by}
+        return replace(state, **{self.kind: values | here})
+
+
+def _places(found: Found) -> list[_Place]:
+    """Coordinates that the causes move."""
+    places: dict[_Place, None] = {}
+    for i in range(len(found.causes)):
+        for low, high, _ in found.pairs(i):
+            for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
+                places |= dict.fromkeys(_Place("phi", int(b), k) for k in range(low.phi.shape[1]))
+            if np.any(low.gravity != high.gravity):
+                places |= dict.fromkeys(_Place("gravity", 0, k) for k in range(3))
+            for kind in ("armature", "offset"):
+                one, other = getattr(low, kind), getattr(high, kind)
+                places |= dict.fromkeys(_Place(kind, n) for n in other if one.get(n) != other[n])
+            for k, (one, other) in enumerate(zip(low.shafts, high.shafts, strict=True)):
+                at = np.flatnonzero(one.numbers != other.numbers)
+                places |= dict.fromkeys(_Place("shaft", k, int(n)) for n in at)
+    return list(places)
+
+
+def _read(state: Corrections, places: Sequence[_Place]) -> Array:
+    return np.array([place.of(state) for place in places])
+
+
+def _squares(
+    joints: Sequence[FittedJoint],
+    blocks: Clock,
+    here: Corrections,
+    places: Sequence[_Place],
+    own: Callable[[str], bool],
+) -> tuple[Array, Array]:
+    """Factor F and target y: |F dz - y|^2 is what all joints leave, up to a constant.
+
+    Laws and effects of single joints are projected out.
+    """
+    pairs = [(p.moved(here, -_STEP), p.moved(here, _STEP), 2.0 * _STEP) for p in places]
+    n = len(places)
+    A, b = np.zeros((n, n)), np.zeros(n)
+    for joint in joints:
+        beside = [x for _, x in own_effects(joint, blocks, own)]
+        columns = np.column_stack([joint.columns(pairs), *beside])
+        G = gram_of(joint, columns, np.arange(columns.shape[1]), blocks).grams.sum(axis=0)
+        if beside:
+            inner = G[n:-1, n:-1]
+            through = np.linalg.pinv(inner, rcond=1e-9, hermitian=True) @ G[n:-1]
+            G = G - G[:, n:-1] @ through
+        A += G[:n, :n]
+        b += G[:n, -1]
+    scale = roots(A)
+    values, vectors = np.linalg.eigh(A / np.outer(scale, scale))
+    kept = values > _NOTHING * values[-1]
+    root = np.sqrt(values[kept])
+    factor = root[:, None] * vectors[:, kept].T * scale
+    return factor, (vectors[:, kept].T @ (b / scale)) / root

@@ -1,0 +1,59 @@
+"""Several robots of one kind: which logs are whose, and how much the units differ."""
+
+from pathlib import Path
+
+import pytest
+
+from frictionjoint.cli.robot import units_of
+from frictionjoint.errors import LogError
+from frictionjoint.identify.result import Estimate
+from frictionjoint.report.write_robot_units import render_units
+from frictionjoint.robot.units import Spread, UnitsReport
+from tests.command_line import run
+
+ROW = Spread(
+    "elbow", "Fc_pos", "N m", {"a": Estimate(1.0, 0.3, "N m"), "b": Estimate(2.0, 0.4, "N m")}
+)
+
+
+def test_logs_belong_to_the_unit_they_are_given_with():
+    found = units_of(["a=x.csv", "b=y.csv", "a=z=1.csv"])
+    assert found == {"a": [Path("x.csv"), Path("z=1.csv")], "b": [Path("y.csv")]}
+
+
+@pytest.mark.parametrize("text", ["x.csv", "=x.csv", "a=", "a/b=x.csv", "..=x.csv"])
+def test_a_unit_without_a_name_or_a_log_is_refused(text):
+    with pytest.raises(LogError, match="--unit"):
+        units_of([text])
+
+
+def test_spread_over_units_beside_the_error_of_one():
+    assert ROW.mean == pytest.approx(1.5)
+    assert ROW.deviation == pytest.approx(0.5**0.5)
+    assert ROW.error == pytest.approx(((0.09 + 0.16) / 2) ** 0.5)
+    assert Spread("elbow", "n", "1", {"a": Estimate(1.0, None, "1")}).error is None
+    assert ROW.to_dict()["units"]["b"] == {"value": 2.0, "stderr": 0.4, "unit": "N m"}
+
+
+def test_the_page_states_units_that_failed():
+    page = render_units(UnitsReport({}, {"third <unit>": "no log"}), "frictionjoint")
+    assert "third &lt;unit&gt;" in page
+    assert "no log" in page
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "no log"),
+        (("a.csv", "--unit", "x=b.csv"), "every log as NAME=LOG"),
+        (("--unit", "b.csv"), "write NAME=LOG"),
+        (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "leave it out with one"),
+    ],
+)
+def test_what_does_not_go_together_is_one_line(tmp_path, arguments, said):
+    (tmp_path / "arm.xml").write_text("<mujoco/>")
+    done = run("close-loop", *arguments, "--model", "arm.xml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
