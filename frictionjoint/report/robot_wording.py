@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from frictionjoint.diagnose.rms import Rms
-from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 
@@ -114,8 +114,8 @@ def torsion_rows(report: RobotReport) -> list[TorsionRow]:
             _estimate(t.backlash),
             _estimate(t.hysteresis),
             _estimate(t.older),
-            f"{t.twist:.3g}",
-            f"{t.left:.3g}",
+            three(t.twist),
+            three(t.left),
         )
         for name, result in report.joints.items()
         if (t := result.torsion)
@@ -123,9 +123,7 @@ def torsion_rows(report: RobotReport) -> list[TorsionRow]:
 
 
 def _estimate(x: Estimate | None) -> str:
-    if x is None:
-        return "none seen"
-    return f"{x.value:.4g}" + (f" ± {x.stderr:.2g}" if x.stderr else "") + f" {x.unit}"
+    return "none seen" if x is None else f"{value(x, True)} {unit(x.unit)}"
 
 
 def whole(report: RobotReport) -> str:

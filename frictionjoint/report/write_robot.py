@@ -7,9 +7,8 @@ from pathlib import Path
 from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.html import fill
 from frictionjoint.report.page import render
-from frictionjoint.report.robot_wording import joint_rows, shared_rows, whole
-from frictionjoint.report.wording import three
 from frictionjoint.report.robot_wording import joint_rows, shared_rows, torsion_rows, whole
+from frictionjoint.report.wording import three
 from frictionjoint.report.write import write_files
 from frictionjoint.robot.report_data import RobotReport
 

@@ -48,11 +48,27 @@ def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # ty
                 pool.submit(int)
         yield pool.map
     except BaseException:
+        _end(pool)
+        raise
+    pool.shutdown()
+
+
+def _end(pool: ProcessPoolExecutor) -> None:
+    """End all processes at once, whatever they do.
+
+    The pool's own thread then complains of tasks that were cancelled before it could call them
+    broken (Python 3.11): nobody is to read that.
+    """
+    thread, hook = pool._executor_manager_thread, threading.excepthook
+    threading.excepthook = lambda _: None
+    try:
         for process in list((pool._processes or {}).values()):
             process.kill()
         pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
+        if thread is not None:
+            thread.join(_PATIENCE_S)
+    finally:
+        threading.excepthook = hook
 
 
 @contextmanager

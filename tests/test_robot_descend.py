@@ -1,0 +1,103 @@
+"""Numbers of causes through the rigid body that is linear in them: far changes as exact as near."""
+
+import numpy as np
+import pytest
+
+from frictionjoint.measured.log import JointLog
+from frictionjoint.robot.causes.base_tilt import BaseTilt
+from frictionjoint.robot.causes.body_inertia import BodyInertia
+from frictionjoint.robot.causes.payload import Payload
+from frictionjoint.robot.causes.rotor_inertia import RotorInertia
+from frictionjoint.robot.clock import clock
+from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.descend import _Place, _places, descended
+from frictionjoint.robot.inertia import possible
+from frictionjoint.robot.joint import FittedJoint, first_fit
+from frictionjoint.robot.screen import Found
+from tests.arms.arm import hide_mass, random_arm
+from tests.arms.run import run
+
+
+@pytest.fixture(scope="module")
+def joints() -> list[FittedJoint]:
+    """An arm whose second link is three times as heavy as its model believes."""
+    arm = random_arm(31, 2)
+    hide_mass(arm, "link2", 3.0)
+    log = run(arm, 1, 6.0)
+    return [
+        first_fit(
+            [
+                JointLog(
+                    name="log",
+                    joint=j,
+                    time=log["time_s"],
+                    position=log[f"{j}.position_rad"],
+                    torque=log[f"{j}.torque_nm"],
+                    other_positions={n: log[f"{n}.position_rad"] for n in arm.joints if n != j},
+                )
+            ],
+            arm.believed,
+            j,
+            None,
+        )
+        for j in arm.joints
+    ]
+
+
+def found_of(joints: list[FittedJoint], *causes) -> Found:
+    found = Found(Corrections.none(joints[0].alongs[0].model))
+    for cause in causes:
+        found = found.with_cause(cause, cause.start)
+    return found
+
+
+def rms(joints, found) -> list[float]:
+    return [float(np.sqrt(np.mean(j.corrected(found.state).residual ** 2))) for j in joints]
+
+
+def test_a_body_three_times_as_heavy_is_found_from_the_models_own(joints):
+    start = found_of(joints, BodyInertia(2, "link2", "mass"))
+    found = descended(joints, clock(joints), start, lambda label: False)
+    assert np.exp(found.numbers[0][0]) == pytest.approx(3.0, rel=0.1)
+    assert all(b < a for a, b in zip(rms(joints, start), rms(joints, found), strict=True))
+
+
+def test_all_ten_parameters_find_it_too_and_stay_possible(joints):
+    start = found_of(joints, BodyInertia(2, "link2", "all ten"))
+    found = descended(joints, clock(joints), start, lambda label: False)
+    again = [j.corrected(found.state).refitted() for j in joints]
+    assert all(a.fit.rms < 0.7 * j.fit.rms for a, j in zip(again, joints, strict=True))
+    assert possible(found.state.phi[2])
+
+
+def test_a_start_far_off_is_no_worse_than_none(joints):
+    cause = BodyInertia(2, "link2", "all ten")
+    start = Found(found_of(joints).original).with_cause(cause, np.full(10, 1.5))
+    nothing = found_of(joints, cause)
+    at = [j.corrected(start.state) for j in joints]
+    found = descended(at, clock(joints), start, lambda label: False)
+    assert sum(rms(joints, found)) < sum(rms(joints, nothing))
+
+
+def test_coordinates_are_those_that_the_causes_move(joints):
+    found = found_of(joints, RotorInertia("j1", 0.0), BaseTilt(), Payload(2, "link2"))
+    places = _places(found)
+    assert {p.kind for p in places} == {"armature", "gravity", "phi"}
+    assert {p.which for p in places if p.kind == "phi"} == {2}
+
+
+def test_a_coordinate_moves_itself_alone(joints):
+    state = found_of(joints).original
+    state = Corrections(state.phi, state.gravity, shafts=(Shaft(("j1", "j2"), 1.0, 0.1, 0.2, 0.3),))
+    places = [
+        _Place("phi", 1, 4),
+        _Place("gravity", 0, 2),
+        _Place("armature", "j1"),
+        _Place("offset", "j2"),
+        _Place("shaft", 0, 1),
+    ]
+    for place in places:
+        moved = place.moved(state, 0.25)
+        for other in places:
+            change = other.of(moved) - other.of(state)
+            assert change == pytest.approx(0.25 if other == place else 0.0)
