@@ -59,7 +59,8 @@ def _end(pool: ProcessPoolExecutor) -> None:
     The pool's own thread then complains of tasks that were cancelled before it could call them
     broken (Python 3.11): nobody is to read that.
     """
-    thread, hook = pool._executor_manager_thread, threading.excepthook
+    thread: Any = pool._executor_manager_thread  # typeshed has another type
+    hook = threading.excepthook
     threading.excepthook = lambda _: None
     try:
         for process in list((pool._processes or {}).values()):
