@@ -1,6 +1,7 @@
 """Controllers: their files, their control law, the drive of a log."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,12 @@ import pytest
 from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of
-from frictionjoint.control.reconstruct import check_drive, commands, held, with_drive
+from frictionjoint.control.reconstruct import check_drive, commands, difference, held, with_drive
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
 
+MODELS = Path(__file__).resolve().parents[1] / "models"
 T = np.arange(0.0, 2.0, 0.01)
 
 
@@ -111,6 +113,18 @@ def test_a_tick_holds_and_a_target_arrives_late():
     np.testing.assert_allclose(held(T, T, np.array([0.004, 0.01, 5.0])), [0.0, 0.01, T[-1]])
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.012, 0.02, 0.047])
+def test_a_mean_command_knows_delays_finer_than_a_sample(delay):
+    given = log(position=np.zeros(len(T)))
+    c = Controller(output="torque_nm", kp=1.0, delay_s=delay)
+    # stairs, averaged over the width of one, are straight lines between their middles
+    expected = np.interp(T - delay, T + 0.005, given.target)
+    inner = slice(8, -2)
+    np.testing.assert_allclose(commands(given, c).mean_drive()[inner], expected[inner], atol=1e-12)
+    at_once = commands(given, Controller(output="torque_nm", kp=1.0)).mean_drive(delay=delay)
+    np.testing.assert_array_equal(at_once, commands(given, c).mean_drive())
+
+
 def test_a_limited_target_rate_makes_a_ramp_of_a_step():
     given = log(target=np.where(T > 0.5, 1.0, 0.0), position=1e-3 * np.sin(T))
     drive = drive_of(given, Controller(output="torque_nm", kp=1.0, target_rate=2.0))
@@ -163,3 +177,10 @@ def test_the_xl330_drive_agrees_with_its_register(measured_data):
 
 def test_unlimited_is_written_as_nothing():
     assert "limit" not in Controller(output="torque_nm", kp=1.0, limit=math.inf).to_toml()
+
+
+def test_the_controller_of_emps_agrees_with_its_log(measured_data):
+    """To 0.4% in the median; with the velocity that its loop forms from tick to tick."""
+    given = read_log(measured_data / "emps" / "DATA_EMPS.mat")
+    known = read_controller(MODELS / "emps.controller.toml")
+    assert difference(given, known) < 0.004

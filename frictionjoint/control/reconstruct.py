@@ -40,13 +40,29 @@ class Commands:
     delay: float
     on: NDArray[np.bool_]
 
-    def drive(self, block: Array | None = None, delay: float | None = None) -> Array:
-        """Drive along the log, of this controller or of one with another block or delay."""
+    def drive(self) -> Array:
+        """Drive at each sample, as the controller's tick there makes it."""
+        target = self.target
+        if self.delay:
+            target = held(self.time, target, self.time - self.delay)
+        return self._along(target, self.block)
+
+    def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
+        """Drive around each sample, of this controller or of one with another block or delay.
+
+        The command is the mean over half a sample on either side: a drive behind a filter has no
+        more than that of it, is half a sample early otherwise, and knows no delay but of whole
+        samples.
+        """
         delay = self.delay if delay is None else delay
+        width = np.gradient(self.time)
+        target = held_over(self.time, self.target, self.time - delay - 0.5 * width, width)
+        return self._along(target, self.block if block is None else block)
+
+    def _along(self, target: Array, block: Array) -> Array:
         drive = np.empty_like(self.time)
-        target = held(self.time, self.target, self.time - delay) if delay else self.target
         k.along(
-            self.block if block is None else block,
+            block,
             self.time,
             target,
             self.position,
@@ -62,6 +78,23 @@ def held(time: Array, x: Array, at: Array) -> Array:
     """A command at other times: each holds until the next one."""
     index = np.searchsorted(time, at + 1e-9, side="right") - 1
     return np.asarray(x[np.clip(index, 0, len(x) - 1)])
+
+
+def held_over(time: Array, command: Array, begin: Array, length: Array | float) -> Array:
+    """Mean of a command that holds until the next one, over stretches of time, shape of `begin`.
+
+    It depends smoothly on when they begin, and so on a delay that is finer than a sample.
+
+    Args:
+        begin, length: of the stretches, s.
+    """
+    area = np.concatenate([[0.0], np.cumsum(np.diff(time) * command[:-1])])
+
+    def until(t: Array) -> Array:
+        before, after = np.minimum(t - time[0], 0.0), np.maximum(t - time[-1], 0.0)
+        return np.asarray(np.interp(t, time, area) + before * command[0] + after * command[-1])
+
+    return (until(begin + length) - until(begin)) / length
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:

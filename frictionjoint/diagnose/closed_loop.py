@@ -13,7 +13,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import held
+from frictionjoint.control.reconstruct import held, held_over
 from frictionjoint.diagnose.replay import motor_of, simulated_effects
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
@@ -58,7 +58,7 @@ class Course:
         for change in changes:
             block, delay = change(block, delay)
         steps = self.time[0] + self.run.step * np.arange(len(self.run.target)) - delay
-        target = _held_over(self.time, self.target, steps, self.run.step)
+        target = held_over(self.time, self.target, steps, self.run.step)
         return replace(self.run, block=block, target=target)
 
     def at_samples(self, position: Array) -> Array:
@@ -134,7 +134,7 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
         target=log.target,
         run=Run(
             step=h,
-            target=_held_over(log.time, log.target, time - delay, h),
+            target=held_over(log.time, log.target, time - delay, h),
             supply=held(log.time, supply_of(controller, log), time),
             on=on,
             start=start,
@@ -145,21 +145,6 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
         delay=delay,
         figures={**log.metadata, "motion": log.motion, "load": float(load)},
     )
-
-
-def _held_over(time: Array, command: Array, steps: Array, h: float) -> Array:
-    """Mean over each step of a command that holds until the next one, shape of `steps`.
-
-    A command that comes within a step acts for the rest of it: so the motion depends smoothly on a
-    delay, and derivatives by one that is finer than a step are what they should be.
-    """
-    area = np.concatenate([[0.0], np.cumsum(np.diff(time) * command[:-1])])
-
-    def until(t: Array) -> Array:
-        before, after = np.minimum(t - time[0], 0.0), np.maximum(t - time[-1], 0.0)
-        return np.asarray(np.interp(t, time, area) + before * command[0] + after * command[-1])
-
-    return (until(steps + h) - until(steps)) / h
 
 
 def changes_of(fitted: Fit) -> list[Change]:

@@ -35,7 +35,7 @@ class Commanded:
         block, delay = self.commands.block.copy(), self.commands.delay
         for change in changes:
             block, delay = change(block, delay)
-        x = uniform(self.commands.time, self.commands.drive(block, delay), self.grid)
+        x = uniform(self.commands.time, self.commands.mean_drive(block, delay), self.grid)
         for smooth in self.filters:
             x = smooth(x)
         return np.asarray(x)

@@ -352,6 +352,10 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
     kind, values = _drive(log)
+    commanded = None
+    if log is not measured_log and controller is not None:
+        commanded = Commanded(commands(log, controller), grid, (smooth,))
+        values = commanded.commands.mean_drive()
     measured = uniform(log.time, values, grid)
     if log.torque_enabled is not None:
         enabled = uniform(log.time, log.torque_enabled.astype(float), t)
@@ -362,9 +366,6 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
     drive = smooth(measured)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
-    commanded = None
-    if log is not measured_log and controller is not None:
-        commanded = Commanded(commands(log, controller), grid, (smooth,))
     noise = noise_of(
         measured,
         raw,
