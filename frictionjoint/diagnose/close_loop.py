@@ -265,7 +265,8 @@ def _posterior(
         vector, values, spread = refined.vector, refined.values, refined.cov
 
     def made(x: Array) -> JointFriction:
-        one = vector.fit(x)
+        # what the logs hardly tell may lie far outside of what is possible
+        one = vector.fit(np.clip(x, vector.low, vector.high))
         return JointFriction(law_parameters(one), tuple(simulated_effects(one)))
 
     return Posterior.of(values, spread, made)

@@ -181,29 +181,48 @@ def _taken(
     if choice:
         now, tried = _looked_at_again(state, now, tried, choice.taken)
         choice = _chosen(now, tried)
-    if not choice:
-        return []
-    taken = choice.taken
-    before = state.fit
-    state.prepared, state.fit = reweighed(taken.prepared, taken.score.fit)
+    while choice:
+        changed = _changed(state, choice, tried, now)
+        names = _more(changed.fit, state.fit, choice.taken.move)
+        if names:
+            state.prepared, state.fit = changed.prepared, changed.fit
+            state.findings = changed.findings
+            best_forms(state)
+            weigh_others(state)
+            state.forget_dropped()
+            return names
+        # nothing of it was needed once it was in: the next best
+        tried = [t for t in tried if t is not choice.taken]
+        choice = _chosen(now, tried)
+    return []
+
+
+def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored) -> State:
+    """The model after a change, without what it then no longer needs."""
+    taken, seen = choice.taken, state.look
+    prepared, fitted = reweighed(taken.prepared, taken.score.fit)
     gain = taken.score.gain(now)
-    for candidate in taken.move.added:
-        state.findings.append(
-            Finding(
-                term=candidate.term,
-                look=seen,
-                row=seen.find(candidate),
-                gain=min(gain, seen.gain(seen.find(candidate))) if gain > 0 else gain,
-                ties=choice.ties,
-                rivals=_rivals(taken, tried, now),
-                fit=state.fit,
-            )
+    found = [
+        Finding(
+            term=candidate.term,
+            look=seen,
+            row=seen.find(candidate),
+            gain=min(gain, seen.gain(seen.find(candidate))) if gain > 0 else gain,
+            ties=choice.ties,
+            rivals=_rivals(taken, tried, now),
+            fit=fitted,
         )
-    _drop_idle(state)
-    best_forms(state)
-    weigh_others(state)
-    state.forget_dropped()
-    return [c.term.name for c in taken.move.added] if state.fit.effects != before.effects else []
+        for candidate in taken.move.added
+    ]
+    changed = State(prepared, fitted, [*state.findings, *found], seen)
+    _drop_idle(changed)
+    return changed
+
+
+def _more(after: Fit, before: Fit, move: Move) -> list[str]:
+    """Names of what a change brought in and was not dropped again."""
+    names, had = ([t.name for t in f.effects] for f in (after, before))
+    return [c.term.name for c in move.added if names.count(c.term.name) > had.count(c.term.name)]
 
 
 def _looked_at_again(
@@ -217,7 +236,7 @@ def _looked_at_again(
     gain = best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= _LEADERS * gain]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
-    if gain > _BENT:
+    if gain > _BENT or any(c.comes_first for c in best.move.added):
         anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
         prepared, first = reweighed(prepared, min(first, anew, key=lambda f: f.drive_rms), ROUGH)
     blocks = make_blocks(prepared, first)

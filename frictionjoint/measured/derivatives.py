@@ -28,9 +28,6 @@ _ROUNDING = 1e-12
 _LEAST_HZ = 5.0
 # fraction of the velocity's power that the motion is taken to end with
 _MOST_OF_IT = 0.99
-# part of the spectrum whose median is the noise's, over the sampling frequency, and how far above
-# it a band is motion for certain
-_NOISE, _MOTION = (0.25, 0.45), 10.0
 
 
 @dataclass(frozen=True)
@@ -78,23 +75,17 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     straight = uniform(time, position, grid)
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
-    bend = float(np.sqrt(np.mean((smooth - straight) ** 2)))
-    return smooth if bend > _count(position) / np.sqrt(12.0) else straight
-
-
-def _count(position: Array) -> float:
-    """Least step between two positions."""
     apart = np.diff(np.sort(position))
-    return float(apart[apart > _ROUNDING * np.ptp(position)].min(initial=np.inf))
+    count = float(apart[apart > _ROUNDING * np.ptp(position)].min(initial=np.inf))
+    bend = float(np.sqrt(np.mean((smooth - straight) ** 2)))
+    return smooth if bend > count / np.sqrt(12.0) else straight
 
 
 def motion_band(position: Array, dt: float) -> MotionBand:
     """Of a motion, from its own spectrum.
 
     Differentiated twice, the motion falls off towards high frequencies and the position's noise
-    rises. The whole of the motion ends at twice the frequency of the valley between the two. A
-    valley before what is motion for certain is another: a motor hardly moves where the link behind
-    its elastic gear resonates.
+    rises. The whole of the motion ends at twice the frequency of the valley between the two.
     """
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
@@ -105,13 +96,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     centre = np.array([np.exp(np.log(f[band == k]).mean()) for k in bands])
     motion = np.array([power[band == k].sum() for k in bands])
     acceleration = np.array([(power * f**4)[band == k].mean() for k in bands])
-    above = (f >= _NOISE[0] / dt) & (f <= _NOISE[1] / dt)
-    floor = float(np.median(power[above])) if above.any() else 0.0
-    wide = np.array([np.sum(band == k) for k in bands])
-    # a count's error has no more power than that, even where it is a line
-    certain = (motion > _MOTION * wide * floor) & (motion * f[0] > _count(position) ** 2 / 12.0)
-    last = int(np.flatnonzero(certain | (motion == motion.max()))[-1])
-    valley = centre[last + int(np.argmin(acceleration[last:]))]
+    largest = int(np.argmax(motion))
+    valley = centre[largest + int(np.argmin(acceleration[largest:]))]
     below = f <= valley
     grown = np.cumsum((power * f**2)[below])
     main = f[below][int(np.searchsorted(grown, _MOST_OF_IT * grown[-1]))] if below.any() else f[0]
