@@ -12,6 +12,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.refine import refine
+from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.vector import Vector
 
 HIDDEN = {"delay": 0.03}
@@ -60,3 +61,14 @@ def test_the_covariance_is_one(case):
     assert found.cov.shape == (len(found.values), len(found.values))
     assert np.linalg.eigvalsh(found.cov).min() > -1e-12
     assert np.all(np.sqrt(np.diag(found.cov)) <= found.vector.unit * 1.01)
+
+
+def test_numbers_stay_in_their_range_where_a_search_rounds(case):
+    _, found, other = case
+    vector = found.vector
+    objective = Objective(vector, other, 1.0, vector.start)
+    for bound in objective.bounds:
+        low = np.where(np.isfinite(bound), bound, 0.0)
+        x = objective.numbers(low)
+        assert np.all((x >= vector.low) & (x <= vector.high))
+    assert np.isfinite(objective(np.maximum(objective.bounds[0], -1.0))).all()

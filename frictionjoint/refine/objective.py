@@ -38,8 +38,9 @@ class Objective:
         return np.asarray((x - self.vector.start) / self.vector.unit)
 
     def numbers(self, z: Array) -> Array:
-        """Inverse of `units`."""
-        return np.asarray(self.vector.start + z * self.vector.unit)
+        """Inverse of `units`, within the bounds: a search rounds, and no law has less than none."""
+        x = self.vector.start + z * self.vector.unit
+        return np.clip(x, self.vector.low, self.vector.high)
 
     @property
     def bounds(self) -> tuple[Array, Array]:

@@ -92,5 +92,4 @@ def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
         z, before, cost = found.x, cost, found.cost
         if before - cost < _ENOUGH * cost:
             break
-    vector = objective.vector
-    return np.clip(objective.numbers(z), vector.low, vector.high), np.asarray(found.jac)
+    return objective.numbers(z), np.asarray(found.jac)
