@@ -109,7 +109,7 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
         loads=_whole(asks_for_load(numbers, int(at)) for at in effects),
         motor_first=_starts([len(own) for own in motors]),
         motors=_whole(i for own in motors for i in own),
-        tree_first=_starts([np.count_nonzero(trees == tree) for tree in present]),
+        tree_first=_starts([int(np.count_nonzero(trees == tree)) for tree in present]),
         members=_whole(np.argsort(trees, kind="stable")),
         tree_dof=_whole(ends.T),
         has_effects=bool(np.any(numbers[effects] > 0.0)),
