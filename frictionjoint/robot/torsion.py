@@ -5,7 +5,7 @@
 The torque is what the gear transmits, by the model's rigid body behind it. In a gap of width b the
 twist turns over where the torque changes its side; a contact that slides between motor and link
 makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque. A
-link's position that is T older than the motor's makes a twist of its own.
+delay T of the link's encoder makes a twist of its own, in proportion to the speed.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ class Torsion:
         ratio: turns of the motor in a turn of the link. twist: rms without its mean, rad.
         left: rms of the twist that is not explained, rad.
         stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: T by which the
-            link's position is older than the motor's, s. Each None where the logs do not show
+            link's position is delayed against the motor's, s. Each None where the logs do not show
             it.
     """
 
