@@ -5,7 +5,7 @@ through the two pointers MuJoCo hands over. A model without friction costs a loo
 """
 
 import ctypes
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import mujoco
@@ -296,6 +296,3 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     between(P, blocks, k, columns.reshape(-1), nv, W)
     settle(P, blocks, k, X, h, W, Y)
     data.qfrc_passive[dofs] -= Y[:k]
-
-
-Callback = Callable[[mujoco.MjModel, mujoco.MjData], None]
