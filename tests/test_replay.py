@@ -60,3 +60,10 @@ def test_what_diverges_is_not_explained() -> None:
     found: Any = SimpleNamespace(findings=("spring",), unexplained=())
     better = (Rms(2.0, 2.0), Rms(None, None)), (Rms(0.1, 0.1), Rms(None, None))
     assert verdict(found, *better, diverges=True) == "partly-explained"
+
+
+def test_each_run_counts_for_itself_and_none_for_more_than_all_travel():
+    lost = np.array([np.nan, 0.1, -0.1, np.nan, 50.0, 60.0])
+    runs = Replay((lost, np.full(3, np.nan)), travel=2.0).runs
+    np.testing.assert_allclose(runs, [0.01, 4.0])
+    assert Replay((), travel=1.0).runs.size == 0

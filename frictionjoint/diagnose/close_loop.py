@@ -157,7 +157,7 @@ def explain(
     if held_out:
         kept_back = prepare(list(held_out), theirs, fitted_on.band, controller)
 
-    def replayed(fitted: Fit) -> float | None:
+    def replayed(fitted: Fit) -> Array | None:
         known = scale_is_determined(fitted_on, fitted)
         return replayed_whole(fitted_on, mine, fitted) if known else None
 

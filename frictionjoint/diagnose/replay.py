@@ -52,6 +52,19 @@ class Replay:
         return float(np.sqrt(np.mean(e**2))) if e.size else None
 
     @property
+    def runs(self) -> Array:
+        """Mean square error of each free run, shape (k,); no run is further off than all travel."""
+        found = []
+        for e in self.errors:
+            inside = ~np.isnan(e)
+            run = np.cumsum(~inside)[inside]
+            if run.size:
+                count = np.bincount(run)
+                squares = np.bincount(run, np.minimum(e[inside] ** 2, self.travel**2))
+                found.append(squares[count > 0] / count[count > 0])
+        return np.concatenate([*found, np.zeros(0)])
+
+    @property
     def diverges(self) -> bool:
         """Whether the runs leave the measured motion by more than all its travel."""
         return self.rms is not None and self.rms > self.travel
@@ -114,8 +127,8 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 
 def replayed_whole(
     prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit
-) -> float | None:
-    """rms position error of free runs that hold all that a fit says, m or rad.
+) -> Array | None:
+    """Mean square error of each free run that holds all that a fit says, m^2 or rad^2, shape (k,).
 
     Returns:
         None where they do not: a log's delay and its thermometer are no part of a simulation, no
@@ -130,7 +143,7 @@ def replayed_whole(
         hidden = TEMP in term.effect.needs or term.effect.acts == "mechanism"
         if term.delay or hidden or less:
             return None
-    return replay(prepared, body, fitted).rms
+    return replay(prepared, body, fitted).runs
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:

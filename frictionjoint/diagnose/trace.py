@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
 from frictionjoint.diagnose.exchange import best_forms, weigh_others
@@ -44,6 +45,7 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
+Replayed = Callable[[Fit], Array | None]
 SIGNIFICANCE = 0.05
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
@@ -78,7 +80,7 @@ def trace(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
-    replayed: Callable[[Fit], float | None] = lambda fitted: None,
+    replayed: Replayed = lambda fitted: None,
 ) -> Trace:
     """Run the search on prepared logs; uses these logs only, split into folds.
 
@@ -87,8 +89,8 @@ def trace(
         progress: called with what is being done.
         law: name of the friction law; None for the integrated law, or in the result another one
             where that is clearly better.
-        replayed: error of the motion simulated with a fit on these logs, rad (m). What makes it
-            worse is dropped.
+        replayed: mean square error of each run simulated with a fit on these logs, rad^2 (m^2),
+            shape (k,), or None. What makes it worse is dropped.
     Raises:
         ParameterError: no law has this name.
     """
@@ -337,7 +339,7 @@ def _other_law(state: State, laws: Laws) -> bool:
     return changed
 
 
-def _drop_what_moves_worse(state: State, replayed: Callable[[Fit], float | None]) -> None:
+def _drop_what_moves_worse(state: State, replayed: Replayed) -> None:
     """Leave out, one after the other, effects without which the simulated motion is nearer."""
     while state.fit.effects:
         now = replayed(state.fit)
@@ -346,15 +348,22 @@ def _drop_what_moves_worse(state: State, replayed: Callable[[Fit], float | None]
         trials = []
         for term in state.fit.effects:
             other = without(state, term)
-            error = replayed(other)
-            if error is not None and error < (1.0 - _NEARER) * now:
-                trials.append((error, other))
+            errors = replayed(other)
+            if errors is not None and _nearer(errors, now):
+                trials.append((float(errors.sum()), other))
         if not trials:
             return
         state.prepared, state.fit = reweighed(state.prepared, min(trials, key=lambda x: x[0])[1])
 
 
-def _told(state: State, base: Fit, laws: Laws, replayed: Callable[[Fit], float | None]) -> Trace:
+def _nearer(errors: Array, now: Array) -> bool:
+    """Whether runs come nearer: by a part of the rms, and by a paired standard error."""
+    gained = now - errors
+    enough = errors.sum() < (1.0 - _NEARER) ** 2 * now.sum()
+    return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
+
+
+def _told(state: State, base: Fit, laws: Laws, replayed: Replayed) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     blocks = make_blocks(state.prepared, state.fit)
