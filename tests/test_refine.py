@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import ROUGH, refit
 from frictionjoint.identify.prepare import prepare
@@ -71,4 +71,9 @@ def test_numbers_stay_in_their_range_where_a_search_rounds(case):
         low = np.where(np.isfinite(bound), bound, 0.0)
         x = objective.numbers(low)
         assert np.all((x >= vector.low) & (x <= vector.high))
+    # a law without a level is none: the least one can still be simulated
+    at = found.fit.names.index("Fc")
+    least = found.values.copy()
+    least[at] = vector.low[at]
+    assert joint_model(vector.fit(least)).numbers.size
     assert np.isfinite(objective(np.maximum(objective.bounds[0], -1.0))).all()

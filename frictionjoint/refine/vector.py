@@ -17,6 +17,8 @@ _WIDER = 10.0
 _LEAST, _MOST = 0.05, 0.5
 # of the law's level, over the torque's rms, where the balance has found none
 _LEVEL = 0.05
+# least level of a law, over the torque's rms
+_LOWEST = 1e-6
 
 
 class Vector:
@@ -65,9 +67,10 @@ class Vector:
         low, high = [], []
         if self.has_gain:
             low, high = [-np.inf], [np.inf]
-        n = len(self.layout.base) - self.has_gain
-        low += [0.0] * n
-        high += [np.inf] * n
+        names = self.fitted.names[self.has_gain : len(self.layout.base)]
+        # a law has a level, however small
+        low += [_LOWEST * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
+        high += [np.inf] * len(names)
         for term in self.fitted.terms:
             bounds: tuple[tuple[float, float], ...] = ()
             if isinstance(term, EffectTerm) and not term.effect.of_inertia:
