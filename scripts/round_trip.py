@@ -5,8 +5,10 @@
 For each effect a plant that has it (`tests/plants`: MuJoCo's own parts, a LuGre joint) is logged.
 A fit with the effect, or with --search the whole search, gives a model; the model is written as an
 MJCF, loaded, and moved along the same targets by the same controller, its log taken from its own
-sensors. The same fit of that log should find the same effect with the same numbers. Errors are in
-standard errors of the second fit; those of the first are the plant's, which no model need share.
+sensors. The same fit of that log, of the effect in the same form, should give the same numbers.
+Errors are in standard errors of the second fit; those of the first are the plant's, which no model
+need share. Both models are run freely along their logs, half a second at a time: with the torque
+that the fits leave, the plant's runs may err as the model's own, times the ratio of what is left.
 """
 
 import argparse
@@ -23,7 +25,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import columns_of, effect_terms, periodic_terms, signals_of
-from frictionjoint.diagnose.replay import friction_spec, motor_of
+from frictionjoint.diagnose.replay import friction_spec, motor_of, replayed_whole
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.prepare import Prepared, prepare
@@ -70,6 +72,9 @@ class Trip:
         name: of the effect. again: what the search named on the simulated log.
         first, second: numbers of the effect by name, of the plant's log and of the model's.
         left, left_again: rms of the torque that the fits leave, N m.
+        before, after: rms error of free runs along the plant's logs, without the effect and with
+            it, rad; again_free: of the second model along the first one's; None where a log does
+            not hold where a run begins.
     """
 
     name: str
@@ -78,6 +83,9 @@ class Trip:
     second: dict[str, Estimate]
     left: float
     left_again: float
+    before: float | None
+    after: float | None
+    again_free: float | None
 
     @property
     def errors(self) -> dict[str, float]:
@@ -100,18 +108,19 @@ def plant(name: str, seed: int, seconds: float) -> PlantSpec:
     )
 
 
-def nominated(prepared: Prepared, name: str) -> Fit:
-    """The fit with the one effect, from the best of its shapes."""
+def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[Fit, Fit]:
+    """The fit without the effect, and with it, in one form or any, from the best of its shapes."""
     base = fit(prepared)
     signals = signals_of(prepared, base)
     terms = [
         *effect_terms(prepared, signals, ()),
         *periodic_terms(prepared, signals, base, make_blocks(prepared, base))[0],
     ]
-    own = [t for t in terms if t.name == name]
+    own = [t for t in terms if t.name == name and form in (None, t.effect.effect_id)]
     gains = [_gain(base, columns_of(prepared, signals, t)) for t in own]
     best: list[Term] = [own[i] for i in np.argsort(gains)[::-1][:_BEST]]
-    return min((refit(prepared, (t,), base.shape) for t in best), key=lambda f: f.drive_rms)
+    fits = [refit(prepared, (t,), base.shape) for t in best]
+    return base, min(fits, key=lambda f: f.drive_rms)
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:
@@ -122,9 +131,17 @@ def _gain(base: Fit, columns: np.ndarray) -> float:
     return float(np.sum((J @ np.linalg.lstsq(J, e, rcond=1e-10)[0]) ** 2))
 
 
-def searched(prepared: Prepared) -> Fit:
-    """The end of the whole search."""
-    return trace(prepared).final
+def searched(prepared: Prepared) -> tuple[Fit, Fit]:
+    """Begin and end of the whole search."""
+    found = trace(prepared)
+    return found.base, found.final
+
+
+def form_of(found: Fit, name: str) -> int:
+    """Number of the named effect in a fit."""
+    return next(
+        t.effect.effect_id for t in found.terms if isinstance(t, EffectTerm) and t.name == name
+    )
 
 
 def numbers(prepared: Prepared, found: Fit, name: str) -> dict[str, Estimate]:
@@ -195,8 +212,7 @@ def round_trip(name: str, folder: Path, seconds: float = 12.0, search: bool = Fa
     body_path = folder / "joint.xml"
     logs = [read_log(path, "joint") for path in write(simulate(spec), folder)]
     first_logs = prepare(logs, RigidBody(body_path, "joint"))
-    identify = searched if search else lambda prepared: nominated(prepared, name)
-    found = identify(first_logs)
+    base, found = searched(first_logs) if search else nominated(first_logs, name)
     first = numbers(first_logs, found, name)
     if not first:
         raise ValueError(f"{name} was not found on the plant: {[t.name for t in found.effects]}")
@@ -209,8 +225,10 @@ def round_trip(name: str, folder: Path, seconds: float = 12.0, search: bool = Fa
         log = folder / f"model{number}.csv"
         np.savetxt(log, rows, "%.9g", ",", header="time_s,position_rad,torque_nm", comments="")
         again.append(read_log(log, "joint"))
-    second_logs = prepare(again, RigidBody(body_path, "joint"))
-    refound = identify(second_logs)
+    body = RigidBody(body_path, "joint")
+    second_logs = prepare(again, body)
+    form = form_of(found, name)
+    _, refound = searched(second_logs) if search else nominated(second_logs, name, form)
     return Trip(
         name,
         tuple(t.name for t in refound.effects),
@@ -218,6 +236,9 @@ def round_trip(name: str, folder: Path, seconds: float = 12.0, search: bool = Fa
         numbers(second_logs, refound, name),
         found.rms,
         refound.rms,
+        replayed_whole(first_logs, body, base),
+        replayed_whole(first_logs, body, found),
+        replayed_whole(second_logs, body, refound),
     )
 
 
@@ -229,24 +250,30 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=12.0)
     asked = parser.parse_args()
     warnings.simplefilter("ignore", RuntimeWarning)
-    print("| effect | found again | numbers, first | again | worst, standard errors | left, N m |")
-    print("|---|---|---|---|---|---|")
+    heads = ("effect", "found again", "numbers, first", "again", "worst, standard errors")
+    runs = "free runs, mrad: without, with, model's own"
+    print(f"| {' | '.join(heads)} | left, N m | {runs} |")
+    print("|---" * (len(heads) + 2) + "|")
     for name in asked.effects:
         seconds = max(asked.seconds, 40.0) if name == "warm-up-drift" else asked.seconds
         with tempfile.TemporaryDirectory() as folder:
             try:
                 trip = round_trip(name, Path(folder), seconds, asked.search)
             except ValueError as error:
-                print(f"| {name} | {error} | | | | |", flush=True)
+                print(f"| {name} | {error} | | | | | |", flush=True)
                 continue
         told = [
             ", ".join(f"{key} {x.value:.4g}" for key, x in values.items())
             for values in (trip.first, trip.second)
         ]
         worst = max(trip.errors.values(), default=float("nan"))
+        free = [
+            "-" if x is None else f"{1e3 * x:.3g}"
+            for x in (trip.before, trip.after, trip.again_free)
+        ]
         print(
             f"| {name} | {', '.join(trip.again) or 'nothing'} | {told[0]} | {told[1]} | "
-            f"{worst:.1f} | {trip.left:.3g}, {trip.left_again:.3g} |",
+            f"{worst:.1f} | {trip.left:.3g}, {trip.left_again:.3g} | {', '.join(free)} |",
             flush=True,
         )
 
