@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A, H, Q
 from frictionjoint.identify.design import full_signals
@@ -138,8 +139,11 @@ def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     assert found.drive_rms < 0.8 * from_rest.drive_rms
     resonance, damping = found.terms[0].shape
     assert resonance == pytest.approx(RESONANCE, rel=0.02)
-    # friction on the motor's side stops the swing too, and no law is exact
-    assert damping == pytest.approx(DAMPING, rel=0.1)
+    # friction on the motor's side stops the swing too: the law's own error is in the stated one
+    at = found.layout.numbers([t.name for t in found.terms].index("joint-elasticity"))
+    error = float(np.sqrt(np.diag(stated_covariance(begun, found))[at][1]))
+    assert error < 0.1 * DAMPING
+    assert abs(damping - DAMPING) < 2.0 * error
     assert predict(swinging, found).error.std() < 1.05 * found.rms
 
 
