@@ -91,7 +91,8 @@ def row(case: Case) -> str:
 
     before = part(r.before_torque.held_out, r.torque_interval[0])
     after = part(r.after_torque.held_out, r.torque_interval[1])
-    replay = f"{r.before_replay.held_out or 0:.2g} to {r.after_replay.held_out or 0:.2g}"
+    ends = (r.before_replay.held_out, r.after_replay.held_out)
+    replay = " to ".join("none" if x is None else f"{x:.2g}" for x in ends)
     effects = ", ".join(a.effect for a in r.added) or "none"
     law = r.laws[1].law
     left = ", ".join(name for name, _ in r.unexplained) or "nothing named"
