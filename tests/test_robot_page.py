@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +10,13 @@ from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.robot_wording import whole
 from frictionjoint.report.write_robot import page_names, render_robot
-from frictionjoint.robot.report_data import JointResult, RobotErrors, RobotReport, SharedCause
+from frictionjoint.robot.report_data import (
+    JointResult,
+    RobotErrors,
+    RobotReport,
+    SharedCause,
+    notes_of,
+)
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',
@@ -86,3 +93,11 @@ def test_the_sentence_says_what_fell_and_what_did_not(robot):
         "The torque error goes from 11.9% to 12% of the rms torque (mean of the joints, held-out "
         "data)."
     )
+
+
+def test_a_note_says_whose_it_is_unless_it_is_that_of_all():
+    def noted(*notes):
+        return SimpleNamespace(report=SimpleNamespace(notes=notes))
+
+    notes = notes_of({"j1": noted("a gap", "held"), "j2": noted("held"), "j3": noted("held")})
+    assert notes == ("j1: a gap", "held")

@@ -28,7 +28,13 @@ from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import RobotLogs
 from frictionjoint.robot.replay import replay_robot
-from frictionjoint.robot.report_data import RobotErrors, RobotReport, SharedCause, mean_percent
+from frictionjoint.robot.report_data import (
+    RobotErrors,
+    RobotReport,
+    SharedCause,
+    mean_percent,
+    notes_of,
+)
 from frictionjoint.robot.screen import Found
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
@@ -108,7 +114,7 @@ def close_loop_robot(
         excitation=excitation,
         mjcf=model_text(spec, corrected.mjcf),
         seconds=time.perf_counter() - begin,
-        notes=tuple(dict.fromkeys(n for r in results.values() for n in r.report.notes)),
+        notes=notes_of(results),
     )
 
 

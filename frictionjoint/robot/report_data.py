@@ -1,5 +1,6 @@
 """What was found of a whole robot, as plain data: the content of report.json and of the pages."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -165,3 +166,16 @@ def mean_percent(pairs: list[tuple[Rms, float]]) -> Rms:
         return 100.0 * float(np.mean(known)) if known else None
 
     return Rms(mean([rms.fit for rms, _ in pairs]), mean([rms.held_out for rms, _ in pairs]))
+
+
+def notes_of(results: Mapping[str, JointResult]) -> tuple[str, ...]:
+    """Notes of the joints, each with whose it is where it is not that of all."""
+    whose: dict[str, list[str]] = {}
+    for name, result in results.items():
+        for note in result.report.notes:
+            whose.setdefault(note, []).append(name)
+    everyone = len(results)
+    return tuple(
+        note if len(names) == everyone else f"{', '.join(names)}: {note}"
+        for note, names in whose.items()
+    )
