@@ -70,6 +70,8 @@ def test_what_is_there_is_found_alone_with_its_size(name, tmp_path):
 def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     found = traced(tmp_path, friction=replace(PLANT.friction, law=friction))
     assert found.findings == ()
+    if found.final.shape.variables == found.base.shape.variables:
+        assert found.final is found.base  # nothing changed: no error before and another after
     assert found.unexplained == ()
     (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final))
                if "smallest effect" in n)  # fmt: skip

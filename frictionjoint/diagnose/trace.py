@@ -384,7 +384,8 @@ def _told(state: State, base: Fit, laws: Laws, replayed: Replayed) -> Trace:
         own = [f for f in state.findings if f.term.name == term.name]
         found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
     other = laws.unchosen(state.prepared, state.fit, base)
-    base = refit(state.prepared, (), base.shape)
+    same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
+    base = state.fit if same else refit(state.prepared, (), base.shape)
     return Trace(
         prepared=state.prepared,
         base=base,
