@@ -105,15 +105,9 @@ def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
     if not isinstance(term, EffectTerm):
         return []
     signals = signals_of(prepared, fitted)
-    everything = np.concatenate(signals)
-    terms: list[Term] = [
-        EffectTerm(effect, shape)
-        for effect in CATALOGUE
-        if effect.name == term.name and effect.effect_id != term.effect.effect_id
-        if effect.proposed_by == "grid"
-        for shape in effect.shapes(everything)
-        if _in_band(prepared, effect, shape)
-    ]
+    own = term.effect
+    forms = [e for e in CATALOGUE if e.name == own.name and e.effect_id != own.effect_id]
+    terms = _on_grid(prepared, forms, signals)
     return _candidates(prepared, fitted, signals, terms, [1.0] * len(terms))
 
 
@@ -167,17 +161,20 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
 
 def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]) -> list[Term]:
     """Every effect on a grid that the logs can test and that is not in the model yet."""
-    everything = np.concatenate(signals)
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
     timed = any(isinstance(term, Timing) and not term.at_its_end for term in taken)
+    new = [e for e in CATALOGUE if e.name not in names and not (timed and e.delays)]
+    return _on_grid(prepared, new, signals)
+
+
+def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) -> list[Term]:
+    """Those of some effects that have a grid, on all of it that the logs can test."""
+    everything = np.concatenate(signals)
     return [
         EffectTerm(effect, shape)
-        for effect in CATALOGUE
-        if effect.proposed_by == "grid"
-        and effect.name not in names
-        and not (timed and effect.delays)
-        if testable(prepared, effect, everything)
+        for effect in effects
+        if effect.proposed_by == "grid" and testable(prepared, effect, everything)
         for shape in effect.shapes(everything)
         if _in_band(prepared, effect, shape)
     ]
