@@ -13,6 +13,8 @@ from frictionjoint.errors import ModelError
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.urdf import with_found_meshes
 
+# kinds of joint with one degree of freedom
+ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 # what all functions of ctypes have as base, whatever their prototype
 _C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 

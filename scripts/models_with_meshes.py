@@ -29,8 +29,7 @@ import frictionjoint as fj
 from frictionjoint.cli import main as frictionjoint
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.files import toml_text
-from frictionjoint.model_files import compile_model
-from frictionjoint.simulate.carrier import ONE_DOF
+from frictionjoint.model_files import ONE_DOF, compile_model
 
 # light enough for a finger, and slack enough for the time step of any model
 FRICTION = fj.FrictionParameters.symmetric(Fs=0.015, Fc=0.01, Vs=0.05, knots=((0.01, 0.031),))

@@ -130,9 +130,8 @@ def test_the_process_ends_with_the_code_and_the_line(tmp_path):
 
 
 def test_identify_install_and_check_work_in_a_row(tmp_path):
-    done = run(
-        "identify", LOG, "--model", MODEL, "--joint", "joint", "--out", "joint.toml", cwd=tmp_path
-    )
+    # the model has one joint: it needs no name
+    done = run("identify", LOG, "--model", MODEL, "--out", "joint.toml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     # breakaway and Coulomb torque of the plant: 1.5 and 1.0 N m
     found = read_parameters(tmp_path / "joint.toml").parameters
@@ -142,6 +141,16 @@ def test_identify_install_and_check_work_in_a_row(tmp_path):
     done = run("check", "arm.xml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "integrated" in done.stdout
+
+
+def test_a_model_of_several_joints_asks_which(tmp_path, monkeypatch):
+    arm = "<mujoco><worldbody><body><joint name='a'/><geom size='.1'/><body><joint name='b'/>"
+    (tmp_path / "arm.xml").write_text(f"{arm}<geom size='.1'/></body></body></worldbody></mujoco>")
+    asked = ("identify", LOG, "--model", "arm.xml", "--out", "joint.toml")
+    done = run_here(*asked, cwd=tmp_path, monkeypatch=monkeypatch)
+    assert done.returncode == 2
+    assert "It has a, b: name one with --joint" in done.stderr
+    assert not (tmp_path / "joint.toml").exists()
 
 
 def test_parameter_file_round_trip_is_exact(tmp_path):

@@ -27,10 +27,12 @@ from frictionjoint.cli.logs import (
     Reading,
     Signals,
     Wrap,
+    joints_of,
     models_of,
     paths_of,
     poses,
     split,
+    the_joint,
 )
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
@@ -81,7 +83,12 @@ LogsOrUnits = Annotated[
     ),
 ]
 Joint = Annotated[
-    str, typer.Option("--joint", metavar="NAME", help="The joint in the MJCF and in the logs.")
+    str | None,
+    typer.Option(
+        "--joint",
+        metavar="NAME",
+        help="The joint in the MJCF and in the logs. Default: the model's only one.",
+    ),
 ]
 Joints = Annotated[
     list[str] | None,
@@ -224,6 +231,8 @@ def close_loop_command(
     logs, held_out = logs or [], held_out or ["0.25"]
     if not (logs or unit):
         raise LogError("no log: give one or more, or units with --unit NAME=LOG")
+    if not (unit or joint) and len(only := joints_of(model)) == 1:
+        joint = only
     if unit or joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
         robot = models_of(model)
@@ -270,8 +279,8 @@ def close_loop_command(
 def identify(
     logs: Logs,
     model: Model,
-    joint: Joint,
     out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
+    joint: Joint = None,
     law: Law = LAWS[0],
     fixed: Fixed = None,
     controller: ControllerFile = None,
@@ -312,6 +321,7 @@ def identify(
     with progress() as say:
         require_writable(out, [*logs, *paths_of(model)], force)
         forms = forms_of(law)
+        joint = the_joint(joint, model)
         bodies = Bodies(models_of(model), joint, poses(fixed))
         driven_by = read_controller(controller) if controller else None
         reading = Reading.of(joint, column, signal, wrap, gain)

@@ -96,6 +96,30 @@ def paths_of(model: list[str]) -> list[Path]:
     return [Path(x) for x in (models.values() if isinstance(models, dict) else [models])]
 
 
+def joints_of(model: list[str]) -> list[str]:
+    """Hinges and slides of a model, by name; of several models of one robot, those of the first."""
+    from frictionjoint.model_files import ONE_DOF, compile_model
+
+    compiled = compile_model(paths_of(model)[0])
+    joints = range(compiled.njnt)
+    return [compiled.joint(j).name for j in joints if int(compiled.jnt_type[j]) in ONE_DOF]
+
+
+def the_joint(asked: str | None, model: list[str]) -> str:
+    """The joint that is asked for, else the only one of a model.
+
+    Raises:
+        ModelError: none is asked for, and the model has not just one with a name.
+    """
+    if asked:
+        return asked
+    names = joints_of(model)
+    if len(names) != 1 or not names[0]:
+        has = ", ".join(name or "one without a name" for name in names) or "none"
+        raise ModelError(f"{paths_of(model)[0]}: which joint? It has {has}: name one with --joint")
+    return names[0]
+
+
 @dataclass(frozen=True)
 class Reading:
     """How the logs of a command are read, from the texts of its options.

@@ -151,7 +151,7 @@ def _files(joints: list[str]) -> dict[str, Path]:
 def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]":
     """The same parameters for every hinge and slide of a model."""
     from frictionjoint.files import read_parameters
-    from frictionjoint.simulate.carrier import ONE_DOF
+    from frictionjoint.model_files import ONE_DOF
 
     found = read_parameters(path)
     joints = [x for x in spec.joints if int(x.type) in ONE_DOF]

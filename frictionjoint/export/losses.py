@@ -17,6 +17,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
+from frictionjoint.model_files import ONE_DOF
 from frictionjoint.simulate.attach import attach
 
 _DISPLACED, _DAMPING, _HELD_HZ = 0.1, 0.3, 3.0
@@ -160,7 +161,7 @@ def _loop(
     """Position of the joint under a loop of this stiffness, N m/rad, at the motion's times."""
     data, before = mujoco.MjData(model), model.opt.timestep
     tracks = _tracks(model, joint, motion)
-    driven = [j for j in range(model.njnt) if model.jnt_type[j] in _ONE_DOF]
+    driven = [j for j in range(model.njnt) if model.jnt_type[j] in ONE_DOF]
     qpos, dofs = model.jnt_qposadr[driven], model.jnt_dofadr[driven]
     steps = max(1, int(np.ceil(motion.time[-1] / before)))
     model.opt.timestep = motion.time[-1] / steps
@@ -205,6 +206,3 @@ def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array,
     springs = (2.0 * np.pi * _HELD_HZ) ** 2 * np.diag(mass)
     springs[own] = min(stiffness, free[own] * (_FASTEST / step) ** 2)
     return springs, 2.0 * _DAMPING * np.sqrt(springs * free)
-
-
-_ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))

@@ -13,11 +13,12 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
-from frictionjoint.identify.rigid_body import ONE_DOF, RigidBody
+from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.speed import speed_note
 from frictionjoint.measured.validate import check_time
+from frictionjoint.model_files import ONE_DOF
 
 # Change of the load, over its rms, from which on a pose matters.
 _MATTERS = 0.01

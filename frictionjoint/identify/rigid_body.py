@@ -15,9 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
 from frictionjoint.measured.arguments import expect
-from frictionjoint.model_files import compile_model, read_spec
-
-ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 
 
 @dataclass(frozen=True)

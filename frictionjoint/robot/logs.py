@@ -10,11 +10,10 @@ import numpy as np
 from frictionjoint.diagnose.report_data import LogEntry
 from frictionjoint.errors import LogError
 from frictionjoint.identify.held import joint_label
-from frictionjoint.identify.rigid_body import ONE_DOF
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log
-from frictionjoint.model_files import compile_model
+from frictionjoint.model_files import ONE_DOF, compile_model
 
 # travel below which a joint stands still, rad (m)
 _STILL = 1e-3

@@ -29,7 +29,7 @@ from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
-from frictionjoint.model_files import compiling
+from frictionjoint.model_files import ONE_DOF, compiling
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.instruments import delay_sensors
@@ -48,7 +48,6 @@ VERSION = 1.0
 RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = 9
 REFUSED = -1.0
-ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 TAG = "frictionjoint:"
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11
