@@ -19,11 +19,12 @@ void drive(int joint, double *state, int n, const double *t, const double *q, co
     for (int k = 0; k < n; k++) {
         frictionjoint_surroundings s;
         if (around) {
-            s.bias = around[5 * k];
-            s.inertia = around[5 * k + 1];
-            s.gravity[0] = around[5 * k + 2];
-            s.gravity[1] = around[5 * k + 3];
-            s.asked = around[5 * k + 4];
+            s.bias = around[6 * k];
+            s.inertia = around[6 * k + 1];
+            s.armature = around[6 * k + 2];
+            s.gravity[0] = around[6 * k + 3];
+            s.gravity[1] = around[6 * k + 4];
+            s.asked = around[6 * k + 5];
         }
         F[k] = frictionjoint_torque(&frictionjoint_joints[joint], state, t[k], q[k], v[k],
             around ? &s : 0);
@@ -71,7 +72,7 @@ class Header:
 
         Args:
             joint: its index. time, position, velocity: shape (n,).
-            around: the surroundings, shape (n, 5), or None.
+            around: the surroundings, shape (n, 6), or None.
             state: shape (room,), changed; a fresh one without it.
         """
         columns = [np.ascontiguousarray(x, dtype=np.float64) for x in (time, position, velocity)]

@@ -54,7 +54,12 @@ def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" 
         duty = min(limit, max(-limit, duty))
         if abs(error) > hidden.get("threshold", math.inf):
             duty *= hidden["left"]
-        data.qfrc_applied[0] = KT * duty * SUPPLY - hidden.get("emf", EMF) * data.qvel[0]
+        emf = hidden.get("emf", EMF)
+        # a supply with a resistance, over the winding's, that bears duty times the motor's current
+        sag = hidden.get("sag", 0.0)
+        volts = SUPPLY + sag * duty * emf / KT * data.qvel[0]
+        volts /= 1.0 + sag * duty * duty
+        data.qfrc_applied[0] = KT * duty * volts - emf * data.qvel[0]
         mujoco.mj_step(model, data)
     some = slice(0, n, 10)
     return JointLog(

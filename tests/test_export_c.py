@@ -133,7 +133,7 @@ def test_effects_are_the_same(tmp_path):
         )
         friction[f"{effect.name} {effect.effect_id}"] = JointFriction(INTEGRATED[8], (made,))
     friction["two"] = JointFriction(RIVALS[6], friction["backlash 19"].effects * 2)
-    around = rng.normal(size=(4000, 5)) * (1.0, 0.1, 9.81, 9.81, 1.0)
+    around = rng.normal(size=(4000, 6)) * (1.0, 0.1, 0.1, 9.81, 9.81, 1.0)
     worst = compared(friction, tmp_path, around)
     assert max(worst.values()) < 1e-12, worst
 
@@ -187,7 +187,7 @@ def test_a_joint_that_asks_for_its_surroundings_says_so(tmp_path):
     state = np.zeros(made.room)
     assert np.isnan(made.torque(0, [1.0], [0.0], [0.0], state=state)[0])
     assert not state.any()
-    assert np.isfinite(made.torque(0, [1.0], [0.0], [0.0], np.ones((1, 5)), state)[0])
+    assert np.isfinite(made.torque(0, [1.0], [0.0], [0.0], np.ones((1, 6)), state)[0])
 
 
 def test_only_what_the_joints_need_is_in_the_header():

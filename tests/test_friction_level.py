@@ -18,7 +18,7 @@ from frictionjoint.effects import (
 )
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.level import approached
-from frictionjoint.effects.signals import DT, GEAR, LOAD, N_SIGNALS, TIME, H, Q, V
+from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
 
 LEVELS = st.floats(-10.0, 10.0)
 REACHES = st.floats(1e-6, 1.0)
@@ -54,7 +54,7 @@ def slid_rested_slid(rest: float) -> np.ndarray:
     signals[:, TIME] = np.arange(len(v)) * dt
     signals[1:, DT] = dt
     signals[:, V], signals[:, Q], signals[:, H] = v, np.cumsum(v) * dt, 1.0
-    signals[:, LOAD] = np.where(np.arange(len(v)) < 1000, 1.0, 3.0)  # loaded at rest
+    signals[:, GEAR] = np.where(np.arange(len(v)) < 1000, 1.0, 3.0)  # loaded at rest
     return signals
 
 

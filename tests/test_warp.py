@@ -194,18 +194,19 @@ def test_warp_computes_every_effect_as_numba_does():
     @wp.kernel(enable_backward=False, module="unique")
     def kernel(P: vector, X: vector, t: vector, u: wp.array2d(dtype=wp.float64), e: int, y: vector):
         for k in range(t.shape[0]):
-            # velocity, bias, inertia, unit gravity torques, torque asked for
+            # velocity, bias, inertia, armature, unit gravity torques, torque asked for
             h, v = wp.float64(0.0), u[k, 1]
             joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, u[k, 3])
-            asked = u[k, 6]
+            J, rotor, asked = u[k, 3], u[k, 4], u[k, 7]
             y[k] = effect(
-                P, 0, e, X, 0, t[k], u[k, 0], v, u[k, 2], u[k, 3], u[k, 4], u[k, 5], asked
+                P, 0, e, X, 0, t[k], u[k, 0], v, u[k, 2], J, rotor, u[k, 5], u[k, 6], asked
             )
 
     n, e = 300, len(law)
     t = 1e-3 * np.arange(n)
     q = 0.5 * np.sin(20 * t) + 1e-3 * rng.normal(size=n)
-    u = np.column_stack([q, np.gradient(q, t), 1 + np.sin(9 * t), np.full(n, 0.1), q, 1 - q, 3 * q])
+    rigid = [1 + np.sin(9 * t), np.full(n, 0.1), np.full(n, 0.05)]
+    u = np.column_stack([q, np.gradient(q, t), *rigid, q, 1 - q, 3 * q])
     X, numba = np.zeros(size), np.zeros(n)
     for k in range(n):
         evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])

@@ -58,7 +58,6 @@ class Effect:
             motor's circuit is closed.
         on_motor: it stands between the drive and the motor's torque.
         delays: its shape number is a time by which the drive is logged early, s.
-        geared: the load it looks at is what the gear transmits, without what turns the armature.
         is_inertia: its coefficient adds to the joint's inertia.
         acts: what it is in a simulation: a torque of the callback, a joint and its springs, or a
             delay of the joint's sensors.
@@ -99,7 +98,6 @@ class Effect:
     opposes_voltage: bool = False
     on_motor: bool = False
     delays: bool = False
-    geared: bool = False
     is_inertia: bool = False
     of_speed: bool = False
     plain: tuple[Plain, ...] = ()

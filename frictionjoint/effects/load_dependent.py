@@ -13,7 +13,7 @@ from numba import njit
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import reached, reaches
-from frictionjoint.effects.signals import LOAD, H, V
+from frictionjoint.effects.signals import GEAR, H, V
 
 # speeds over which the extra level falls off, over the fastest of a log: where a search starts
 _FALLS = (0.03, 0.15)
@@ -22,13 +22,13 @@ _FALLS = (0.03, 0.15)
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H, reached over `reach` of motion."""
-    return P[e + 1] * reached(abs(sig[LOAD]) * sig[H], P[e], sig, X, x)
+    return P[e + 1] * reached(abs(sig[GEAR]) * sig[H], P[e], sig, X, x)
 
 
 @njit(cache=True)
 def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
-    target = abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+    target = abs(sig[GEAR]) * min(1.0, max(-1.0, sig[H]))
     return P[e + 1] * reached(target, P[e], sig, X, x)
 
 
@@ -36,7 +36,7 @@ def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(c + cs exp(-|v|/vs)) |load| H1, reached over `reach` of motion; H1 = H within +-1."""
     level = P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1])
-    target = level * abs(sig[LOAD]) * min(1.0, max(-1.0, sig[H]))
+    target = level * abs(sig[GEAR]) * min(1.0, max(-1.0, sig[H]))
     return reached(target, P[e], sig, X, x)
 
 
@@ -61,11 +61,10 @@ EFFECT = Effect(
     shape=("reach",),
     shape_units=("x",),
     shapes=reaches,
-    needs=(LOAD,),
+    needs=(GEAR,),
     bounds=((0.0, 2.0),),
     shape_bounds=((0.0, float("inf")),),
     memory=2,
-    geared=True,
 )
 
 COULOMB = replace(

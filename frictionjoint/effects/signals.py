@@ -4,7 +4,7 @@ TIME   s since the start of the log or simulation
 Q V A  position, velocity, acceleration (rad or m)
 JERK SNAP  third and fourth derivative of the position; zero in simulation
 LOAD   rigid-body torque of the MJCF at this joint, N m
-GEAR   the same without what turns the armature: torque the gear transmits; zero in simulation
+GEAR   the same without what turns the armature: torque the gear transmits
 GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
 TEMP   temperature, deg C; not a number in a simulation that has no `heating`
 H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding

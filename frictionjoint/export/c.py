@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
-from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP
+from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c_source import Known, name_of, source
 from frictionjoint.law.kernel import row_size as law_row_size
@@ -26,10 +26,11 @@ from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
 # what the caller gives besides the motion: signals, and arguments of `effects_torque`
-_AROUND = frozenset({LOAD, GX, GY, MOTOR})
+_AROUND = frozenset({LOAD, GEAR, GX, GY, MOTOR})
 _SURROUNDINGS = {
     "bias": "s->bias",
     "inertia": "s->inertia",
+    "armature": "s->armature",
     "gx": "s->gravity[0]",
     "gy": "s->gravity[1]",
     "asked": "s->asked",

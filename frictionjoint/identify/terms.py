@@ -8,7 +8,6 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import GEAR, LOAD
 from frictionjoint.identify.prepare import Segment
 
 # of a sample, from which on a delay may be an effect
@@ -115,9 +114,6 @@ class EffectTerm:
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
-        if self.effect.geared:
-            signals = signals.copy()
-            signals[:, LOAD] = signals[:, GEAR]
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
         if self.effect.free and any(segment.swing):
             found[:, 0] += self.effect.free(self.shape, segment.swing, signals)

@@ -243,7 +243,9 @@ def _part(
             gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
             asked = torque - brake * v
             behind = load[INERTIA, i] - body[0]
-            F += effects_torque(P, 0, effects, X, 0, k * h, q, v, bias, behind, gx, gy, asked)
+            F += effects_torque(
+                P, 0, effects, X, 0, k * h, q, v, bias, behind, body[0], gx, gy, asked
+            )
         v = (inertia * v + h * (torque - F - bias)) / (inertia + h * brake)
         if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):

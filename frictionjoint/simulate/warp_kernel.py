@@ -200,7 +200,7 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
                     if others != others:
                         others = double(0.0)  # left by a state gone astray that was set right
                     b = b + load_of_others(P, law, X, x + FRONT, loads[k], later, others)
-                geared = J - double(armature[world % armature.shape[0], dof])
+                rotor = double(armature[world % armature.shape[0], dof])
                 wanted = asked(
                     world,
                     motor_first[k],
@@ -217,7 +217,7 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
                     biases,
                 )
                 F = F + effect_torque(
-                    P, law, effects, X, x + FRONT, t, q, v, b, geared, gx, gy, wanted
+                    P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
         total[world, k] = F
 

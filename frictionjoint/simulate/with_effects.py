@@ -10,6 +10,7 @@ from frictionjoint.effects.load_dependent import FORMS
 from frictionjoint.effects.signals import (
     ASKED,
     DT,
+    GEAR,
     GX,
     GY,
     LOAD,
@@ -50,15 +51,16 @@ def effects_torque(
     v: float,
     bias: float,
     inertia: float,
+    armature: float,
     gx: float,
     gy: float,
     asked: float,
 ) -> float:
     """Torque of a block's effects at one instant; the memory written is the evaluated one.
 
-    The load is what the gear transmits: `bias`, forces of gravity, of the motion of other joints
-    and of contacts, plus the inertia behind the gear, that of the joint without its armature, times
-    the acceleration since the committed point. `asked` is the torque of the joint's motors before
+    What the gear transmits is `bias`, forces of gravity, of the motion of other joints and of
+    contacts, plus the inertia behind the gear, that of the joint without its armature, times the
+    acceleration since the committed point; with the armature's it is the joint's load. `asked` is the torque of the joint's motors before
     anything saturates. An effect `heating` comes first, and has the loss of the committed point.
     """
     sig = np.zeros(N_SIGNALS)
@@ -67,7 +69,8 @@ def effects_torque(
     sig[Q] = q
     sig[V] = v
     sig[A] = (v - X[x + V_COMMITTED]) / dt if dt > 0.0 else 0.0
-    sig[LOAD] = bias + inertia * sig[A]
+    sig[GEAR] = bias + inertia * sig[A]
+    sig[LOAD] = sig[GEAR] + armature * sig[A]
     sig[GX] = gx
     sig[GY] = gy
     sig[DT] = dt
@@ -168,6 +171,7 @@ def joint_effects(
     v: float,
     bias: float,
     inertia: float,
+    armature: float,
     joint: int,
     axis: Vector,
     world: Vector,
@@ -191,13 +195,15 @@ def joint_effects(
         9 * body,
     )
     effects, x = block + int(P[block + EFFECTS]), int(P[block + ROW])
-    return effects_torque(P, block + HEAD, effects, X, x, t, q, v, bias, inertia, gx, gy, asked)
+    return effects_torque(
+        P, block + HEAD, effects, X, x, t, q, v, bias, inertia, armature, gx, gy, asked
+    )
 
 
 late_joint_effects = late(
     joint_effects,
     REAL(
-        *[VECTOR, WHOLE, VECTOR, *[REAL] * 5],
+        *[VECTOR, WHOLE, VECTOR, *[REAL] * 6],
         *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE, REAL],
     ),
 )
