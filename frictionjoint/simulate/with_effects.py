@@ -60,8 +60,9 @@ def effects_torque(
 
     What the gear transmits is `bias`, forces of gravity, of the motion of other joints and of
     contacts, plus the inertia behind the gear, that of the joint without its armature, times the
-    acceleration since the committed point; with the armature's it is the joint's load. `asked` is the torque of the joint's motors before
-    anything saturates. An effect `heating` comes first, and has the loss of the committed point.
+    acceleration since the committed point; with the armature's it is the joint's load. `asked` is
+    the torque of the joint's motors before anything saturates. An effect `heating` comes first, and
+    has the loss of the committed point.
     """
     sig = np.zeros(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
