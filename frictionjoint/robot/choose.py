@@ -105,9 +105,8 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     now = stack.held_out(_columns(screened.taken))
     for i, rest in enumerate(without):
         left = rest.stack.held_out(_columns(rest.taken))
-        gain = _gain(left, now)
-        enough = gain >= SMALLEST_GAIN and _moved(stack, left, now) >= DISCREPANCY
-        if not (enough and _better(now, left)):
+        gain = _joint_gain(left, now)
+        if not (_enough(stack, left, now) and _better(now, left)):
             found.append((gain, i))
     return min(found)[1] if found else None
 
@@ -145,7 +144,8 @@ def _next(
         if r is best
         or (not _better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
         or (
-            _thing(r.candidate) == _thing(best.candidate) and best.total >= (1.0 - _FORMS) * r.total
+            _changed(r.candidate) == _changed(best.candidate)
+            and best.total >= (1.0 - _FORMS) * r.total
         )
     ]
     simplest = min(near, key=_simplicity)
@@ -156,7 +156,7 @@ def _next(
         simplest.candidate,
         _gain(now, simplest.left),
         simplest.p_value,
-        _frequency(rows, _thing(simplest.candidate), rng),
+        _frequency(rows, _changed(simplest.candidate), rng),
         others[0].candidate.label if others else None,
         (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
         tuple(ties),
@@ -184,14 +184,13 @@ def _leading(stack: Stack, candidate: Candidate, scores: Array) -> Array:
 
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:
     """Whether a candidate is a form or shape of what is taken, and no richer one of the same."""
-    richer = candidate.label == taken.label and len(candidate.at) > len(taken.at)
-    return _thing(candidate) == _thing(taken) and not (richer and taken.cause)
+    richer = taken.cause is not None and len(candidate.at) > len(taken.at)
+    return _changed(candidate) == _changed(taken) and not richer
 
 
-def _thing(candidate: Candidate) -> str:
-    """What all forms of one change have in common: the inertia of a body, or the label."""
-    body = candidate.cause.place.get("body") if candidate.cause else None
-    return f"inertia of {body}" if body else candidate.label
+def _changed(candidate: Candidate) -> str:
+    """What all forms of one change have in common."""
+    return candidate.cause.changed if candidate.cause else candidate.label
 
 
 def _within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
@@ -219,8 +218,14 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
     if row.p_value > SIGNIFICANCE or not _better(row.left, now) or _harms(row.left, now):
         return False
-    enough = _gain(now, row.left) >= SMALLEST_GAIN
-    return enough and _moved(stack, now, row.left) >= DISCREPANCY
+    return _enough(stack, now, row.left)
+
+
+def _enough(stack: Stack, before: Array, after: Array) -> bool:
+    """Whether more is taken away than the laws' own errors might feign."""
+    return (
+        _joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= DISCREPANCY
+    )
 
 
 def _harms(after: Array, before: Array) -> bool:
@@ -233,8 +238,20 @@ def _harms(after: Array, before: Array) -> bool:
 
 def _gain(before: Array, after: Array) -> float:
     """Fraction of a joint's squares that a candidate takes away, where that is most."""
-    whole = np.maximum(before.sum(axis=1), 1e-300)
-    return float((1.0 - after.sum(axis=1) / whole).max())
+    return float((1.0 - _left(before, after)).max())
+
+
+def _joint_gain(before: Array, after: Array) -> float:
+    """Gain of all joints as if it were one's: what is left is the product of what each leaves.
+
+    The laws of several joints err independently, and one cause seldom likens all their errors.
+    """
+    return 1.0 - float(np.prod(_left(before, after)))
+
+
+def _left(before: Array, after: Array) -> Array:
+    """Squares left over those before, by joint, shape (J,)."""
+    return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:
@@ -258,7 +275,7 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
     """How often a cause in any form leaves least on half of the blocks (Shah and Samworth 2013)."""
     best: dict[str, Array] = {}
     for row in rows:
-        key = _thing(row.candidate)
+        key = _changed(row.candidate)
         if len(best) < _CONTENDERS or key == thing:
             best.setdefault(key, row.left.sum(axis=0))
     names, left = list(best), np.array(list(best.values()))

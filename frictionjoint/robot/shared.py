@@ -11,7 +11,6 @@ import numpy as np
 
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
-from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
 from frictionjoint.robot.choose import HARM, Choice, choose, idle
 from frictionjoint.robot.clock import Clock
@@ -110,22 +109,18 @@ def _with(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """With causes that come in; a richer form of one goes in the simpler one's place."""
+    """With causes that come in; a richer change of a thing goes in the simpler one's place."""
     found, choices = now.settled.found, now.choices
     for choice in new:
         cause = choice.candidate.cause
         assert cause is not None
         numbers = numbers_of(choice.candidate, choice.numbers, cause.start)
         for part, own in parts_of(cause, numbers):
-            at = [i for i, c in enumerate(found.causes) if _same_thing(c, part)]
+            at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
             for i in reversed(at):
                 found, choices = found.without(i), choices[:i] + choices[i + 1 :]
             found, choices = found.with_cause(part, own), (*choices, choice.of(part))
     return _Now(settle(now.joints, found, each, beside), choices)
-
-
-def _same_thing(one: Cause, other: Cause) -> bool:
-    return (one.name, one.place) == (other.name, other.place)
 
 
 def _nearer(after: _Now, before: _Now) -> bool:

@@ -32,6 +32,12 @@ class Cause(ABC):
         """Where it acts: a body, or one or two joints, by key of the report."""
 
     @property
+    def changed(self) -> str:
+        """What it changes, of which a model has one change: a body's inertia, or its own place."""
+        body = self.place.get("body")
+        return f"inertia of {body}" if body else " of ".join([self.name, *self.place.values()])
+
+    @property
     @abstractmethod
     def steps(self) -> Array:
         """Steps of a central difference by each number, shape (k,)."""
