@@ -58,7 +58,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import IN_MOTION, Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
-from frictionjoint.identify.weights import errors_of, weighted
+from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
@@ -167,9 +167,9 @@ def explain(
         found = found.without_scale()
     check_fit(found.prepared, found.final)
     moving = found.prepared
-    left = errors_of(moving, found.final)
-    kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     cov = stated_covariance(moving, found.final)
+    left = errors_elsewhere(moving, found.final, cov)
+    kept_moving = weighted(kept_back, found.final, left) if kept_back else None
     loops, refined, outcome, best = None, None, None, found.final
     if controller and scaled:
         progress("closed loop")

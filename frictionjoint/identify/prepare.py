@@ -92,6 +92,7 @@ class Segment:
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
         driven_along: what a law is driven along, where it was made before; see `path`.
+        unknown: friction outside of the joint that the motion does not determine, N m, (n,).
     """
 
     name: str
@@ -111,6 +112,7 @@ class Segment:
     held: float = 0.0
     swing: tuple[float, float] = (0.0, 0.0)
     driven_along: Path | None = None
+    unknown: Array | None = None
 
     @cached_property
     def path(self) -> Path:
@@ -249,6 +251,7 @@ def _thinned(s: Segment, factor: float) -> Segment:
         driven=s.driven[::step],
         mask=s.mask[::step],
         weight=None if s.weight is None else s.weight[::step],
+        unknown=None if s.unknown is None else s.unknown[::step],
         others={name: x[::step] for name, x in s.others.items()},
     )
 
@@ -392,6 +395,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         # a reconstructed drive leaps with its target, and has no noise
         noise=noise if commanded is None else replace(noise, torque=0.0),
         driven_along=path_of(signals, noise.resolution),
+        unknown=rigid.unknown,
         sample=sample,
         corner_hz=band.motion,
         commanded=commanded,

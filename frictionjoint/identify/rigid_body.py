@@ -26,11 +26,13 @@ class RigidBodyTorque:
         load: torque the rigid body asks of the joint, N m (N for a slide).
         gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint,
             N m per kg m; zero for a slide joint.
+        unknown: friction outside of the joint that the motion does not determine, N m; None: none.
     """
 
     load: Array
     gx: Array
     gy: Array
+    unknown: Array | None = None
 
 
 class RigidBody:

@@ -137,6 +137,7 @@ def _head(segment: Segment, shape: Shape) -> Segment:
         driven=segment.driven[: end + reach],
         mask=mask,
         others={name: x[: end + reach] for name, x in segment.others.items()},
+        unknown=None if segment.unknown is None else segment.unknown[: end + reach],
     )
 
 

@@ -16,13 +16,16 @@ from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import law_track
 from frictionjoint.identify.fit import CLOSE, Fit, refit
 from frictionjoint.identify.prepare import Prepared, Segment
-from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.result import law_estimates, law_parameters
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
 DISCREPANCY = 0.05
 # fraction of sticking below which a contact slides, and beyond which it sticks
 _SLIDING, _STICKING = 0.05, 0.5
+# most that the torque of a curve which saturates exponentially changes, over its level, when its
+# stiffness changes by a part
+_PER_STIFFNESS = np.exp(-1.0)
 
 
 class Errors(NamedTuple):
@@ -48,6 +51,21 @@ def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
     return Errors(base, float(np.sqrt(np.mean(sticking**2))) if sticking.size else 0.0)
 
 
+def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
+    """What a fit is expected to leave of logs that it was not fitted to.
+
+    Of logs that hardly stick no stiffness is known, so that friction at rest is known from none.
+
+    Args:
+        prepared: the logs it was fitted to. cov: of its parameters.
+    """
+    found = errors_of(prepared, fitted)
+    stiffness = law_estimates(fitted, cov, prepared.slide)["stiffness"]
+    error = np.inf if stiffness.stderr is None else stiffness.stderr / stiffness.value
+    unknown = fitted.levels[0] * min(1.0, _PER_STIFFNESS * error)
+    return found._replace(sticking=max(found.sticking, float(np.hypot(found.sliding, unknown))))
+
+
 def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
     """Logs with their samples weighted by what a fitted law says of them.
 
@@ -63,6 +81,8 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
         unresolved = min(law.stiffness * s.noise.resolution, level)
         known = unresolved**2 + (DISCREPANCY * level) ** 2
         variance = _sticking(s, fitted) * max(known, errors.sticking**2 - base**2)
+        if s.unknown is not None:
+            variance = variance + np.maximum(s.smooth(s.unknown**2), 0.0)
         segments.append(replace(s, weight=1.0 / np.sqrt(1.0 + variance / base**2)))
     return replace(prepared, segments=tuple(segments))
 

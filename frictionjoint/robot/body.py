@@ -2,7 +2,7 @@
 
 A shaft's Coulomb friction is a tendon's `frictionloss` in the corrected model. That is a
 constraint, which the rigid body leaves out with all friction of the joint under study; here it is
-known, and a load of that joint.
+known, and a load of that joint, but for a shaft that stands still: what it bears then is not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,11 +44,13 @@ class CorrectedBody(RigidBody):
         """See `RigidBody`."""
         found = super().torque(position, velocity, acceleration, others)
         speeds = {name: v for name, (_, v, _) in (others or {}).items()} | {self.joint: velocity}
-        load = found.load
+        load, unknown = found.load, np.zeros_like(velocity)
         for shaft in self.shafts:
             per_turn = shaft.per_turn(self.joint)
             if per_turn:
                 first, second = (speeds.get(name, np.zeros_like(velocity)) for name in shaft.joints)
                 turn = first + shaft.ratio * second
-                load = load + per_turn * shaft.level * direction(turn)
-        return replace(found, load=load)
+                level = per_turn * shaft.level
+                load = load + level * direction(turn)
+                unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(turn)))
+        return replace(found, load=load, unknown=unknown if unknown.any() else None)

@@ -20,7 +20,7 @@ from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
-from frictionjoint.identify.weights import errors_of, weighted
+from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, weighted
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Shaft
@@ -106,13 +106,15 @@ def _explained(task: Task) -> Explained:
     assert task.corrected is not None
     body = task.corrected.body(task.joint, task.fixed)
     report, trace = explain(task.logs, task.held_out, Bodies.one(body), task.seed, law=task.law)
-    kept_back = _kept_back(task, body, trace)
+    final = stated_covariance(trace.prepared, trace.final)
+    left = errors_elsewhere(trace.prepared, trace.final, final)
+    kept_back = _kept_back(task, body, trace, left)
     after = Fitted(trace.prepared, kept_back, trace.final)
     if task.corrected == task.user:
         before, base = Fitted(trace.prepared, kept_back, trace.base), trace.base
         torque, place = report.before_torque, report.before_replay
     else:
-        before = _law_alone(task, task.user, trace)
+        before = _law_alone(task, task.user, trace, left)
         base = before.fit
         torque, place = _torque(before, trace), _replay(before, task)
     cov = stated_covariance(before.prepared, base)
@@ -125,20 +127,20 @@ def _explained(task: Task) -> Explained:
         torsion=torsion(task.logs, trace.prepared),
     )
     without = {
-        i: _torque(_law_alone(task, state, trace), trace) for i, state in task.without.items()
+        i: _torque(_law_alone(task, state, trace, left), trace) for i, state in task.without.items()
     }
     return Explained(result, before, after, without, report.before_torque)
 
 
-def _kept_back(task: Task, body: RigidBody, trace: Trace) -> Prepared | None:
-    """Logs held out, weighted as the final fit has it."""
+def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepared | None:
+    """Logs held out, weighted by what the final fit is expected to leave of them."""
     if not task.held_out:
         return None
     prepared = prepare(list(task.held_out), body, trace.prepared.band)
-    return weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
+    return weighted(prepared, trace.final, left)
 
 
-def _law_alone(task: Task, state: State, trace: Trace) -> Fitted:
+def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
     """The law under another model, on the same samples with the same weights."""
     assert task.shape is not None
     body = state.body(task.joint, task.fixed)
@@ -146,7 +148,7 @@ def _law_alone(task: Task, state: State, trace: Trace) -> Fitted:
     prepared = weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
     fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
     prepared, best = settled(prepared, min(fits, key=lambda f: f.drive_rms))
-    return Fitted(prepared, _kept_back(task, body, trace), best)
+    return Fitted(prepared, _kept_back(task, body, trace, left), best)
 
 
 def _torque(fitted: Fitted, trace: Trace) -> Rms:

@@ -13,8 +13,9 @@ from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.inertia import TEN, point_mass
 
-# kg: below it there is no payload, and its centre is nowhere
+# kg: below it there is no payload, and its centre is nowhere; only slopes are taken there
 _NONE = 1e-6
+_LEAST = 10.0 * _NONE
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Payload(Cause):
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
-        return (POSITIVE, FREE, FREE, FREE, POSITIVE)
+        return ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
