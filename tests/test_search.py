@@ -79,6 +79,30 @@ def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
 
 
+# what no effect of the catalogue is: the quantity it acts through, and what is said of it
+OUTSIDE = {
+    "encoder-eccentricity": (
+        {"amplitude": 0.03, "phase": 0.5},
+        "position",
+        "off by up to 0.03 rad",
+    ),
+    "drive-saturation": ({"limit": 2.0}, "torque", "beyond 2 "),
+    "gust": ({"amplitude": 0.25, "frequency": 0.7, "phase": 1.0}, "time", "at 0.7 Hz"),
+}
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(name, tmp_path):
+    put_in, quantity, said = OUTSIDE[name]
+    # wide enough that a wave of the encoder is not a line
+    motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
+    found = traced(tmp_path, Effect(name, put_in), motions=motions)
+    assert found.findings == ()
+    assert [variable for variable, _ in found.unexplained] == [quantity]
+    (hint,) = found.hints
+    assert said in hint
+
+
 def test_spring_and_gravity_over_a_small_range_are_a_tie(tmp_path):
     """Over 0.15 rad a sine is a straight line to a third of a per cent."""
     motions = (Motion("sines", 3, 0.15, 0.5, 12.0), Motion("multisine", 4, 0.12, 0.5, 12.0))

@@ -76,6 +76,7 @@ class Trace:
         prepared: the logs as they were weighted last.
         base: fit of the law alone. findings: additions in order. final: the last fit.
         unexplained: quantities without a named effect, with the fraction of squares they explain.
+        hints: what those suggest, a sentence each.
         last_look: candidates against the final residual.
         other: the same additions to the law of the base fit, where the final law is another.
         sight: what could have been seen.
@@ -86,6 +87,7 @@ class Trace:
     findings: tuple[Finding, ...]
     final: Fit
     unexplained: tuple[tuple[str, float], ...]
+    hints: tuple[str, ...]
     last_look: Look
     other: Fit | None
     sight: Sight

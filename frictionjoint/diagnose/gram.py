@@ -64,8 +64,7 @@ class Screen:
         grams = self._grams(self.columns, at)
         A, b, squares = grams[:, :-1, :-1], grams[:, :-1, -1], grams[:, -1, -1].copy()
         trained = np.empty(self.blocks.count)
-        edges = np.cumsum([0, *(len(s) for s in sets)])
-        folds = self._folds([A[:, i:j, i:j] for i, j in itertools.pairwise(edges)])
+        folds = self._folds(A)
         total = grams.sum(axis=0)
         for fold in np.unique(folds):
             inside = folds == fold
@@ -75,13 +74,13 @@ class Screen:
             squares[inside] += (A[inside] @ beta - 2.0 * b[inside]) @ beta
         return squares, trained
 
-    def _folds(self, grams: Sequence[Array]) -> Columns:
-        """The folds; halved where one of them holds all that determines a set."""
+    def _folds(self, grams: Array) -> Columns:
+        """The folds; halved where one of them holds all that determines a coefficient."""
         fold = self.blocks.fold
-        for gram in grams:
-            by_fold = np.bincount(fold, np.einsum("bii->b", gram))
-            if by_fold.max() > _CONCENTRATED * by_fold.sum():
-                return np.asarray(2 * fold + self.blocks.halves)
+        squares = np.einsum("bii->bi", grams)
+        by_fold = np.stack([squares[fold == k].sum(axis=0) for k in np.unique(fold)])
+        if np.any(by_fold.max(axis=0) > _CONCENTRATED * by_fold.sum(axis=0)):
+            return np.asarray(2 * fold + self.blocks.halves)
         return fold
 
     def _grams(self, columns: Array, at: Columns) -> Array:
@@ -106,7 +105,7 @@ class Screen:
         """
         pieces = len(A) // self.blocks.count
         whole = A.reshape(self.blocks.count, pieces, *A.shape[1:]).sum(axis=1)
-        folds = np.repeat(self._folds([whole]), pieces)
+        folds = np.repeat(self._folds(whole), pieces)
         beta = np.empty_like(b)
         for fold in np.unique(folds):
             inside = folds == fold

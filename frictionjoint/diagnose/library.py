@@ -4,14 +4,16 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import MOTOR, TEMP, TIME, H, Q
+from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP, TIME, A, H, Q
 from frictionjoint.identify.design import full_signals, kept, term_bounds
 from frictionjoint.identify.fit import HEARD, Fit
+from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,
@@ -31,6 +33,10 @@ _FEWEST_PERIODS = 1.5
 _FEWEST_WAVES = 2.0
 # reaches of unnamed hysteresis, over the travel
 _REACHES = (0.01, 0.03, 0.1, 0.3)
+# fractions of the samples above which a logged torque may not have acted
+_EXCEEDED = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
+# waves of an encoder in a turn of the joint
+_ORDERS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 # strongest lines of a spectrum that are tried
 _PEAKS = 2
 # length over which a change of the friction level is reached, over the travel: where a fit starts
@@ -217,7 +223,8 @@ def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
     """Dependences without a physical name, on every measured quantity.
 
     A spline alone and times the direction of friction; hysteresis in position over a hundredth to
-    a third of the travel; a friction level for each log.
+    a third of the travel; a friction level for each log; what instruments may hold that the joint
+    does not.
     """
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:
@@ -234,6 +241,14 @@ def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
         terms += [curve.centred(prepared.segments, signals) for curve in pair]
     span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
     terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
+    if prepared.drive == "torque" and not prepared.commanded:
+        size = np.concatenate([np.abs(s.drive[s.mask]) for s in prepared.segments])
+        levels = np.quantile(size, _EXCEEDED).tolist()
+        terms += [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
+    if not prepared.slide:
+        x = np.concatenate([s.signals[s.mask] for s in prepared.segments])
+        inertia, *arms = np.linalg.lstsq(x[:, [A, GX, GY]], x[:, LOAD], rcond=None)[0].tolist()
+        terms += [EncoderTerm("position", N, inertia, (arms[0], arms[1])) for N in _ORDERS]
     names = tuple(s.name for s in prepared.segments)
     if len(names) > 1:
         terms.append(LogTerm("log", names))
@@ -261,8 +276,23 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     if not power.size:
         return [], 1.0
     frequency = (int(np.argmax(power)) + first) * rate / (2 * cells)
-    wave = WaveTerm("time", float(frequency), tuple(s.name for s in prepared.segments))
+    # a line is as wide as half a turn over the longest log: in between lies the wave
+    line = frequency - 0.5 / longest, frequency + 0.5 / longest
+    frequency = float(minimize_scalar(lambda f: -_of_wave(fitted, times, f), bounds=line).x)
+    wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments))
     return [wave], max(1.0, len(power) / 2.0)
+
+
+def _of_wave(fitted: Fit, times: list[Array], frequency: float) -> float:
+    """Squares of a fit's residual that a wave explains, with a phase for each log."""
+    explained = 0.0
+    for i, t in enumerate(times):
+        own = fitted.log_index == i
+        angle, w = 2.0 * np.pi * frequency * t, fitted.weight[own]
+        X = np.column_stack([np.sin(angle) * w, np.cos(angle) * w])
+        e = fitted.residual[own] * w
+        explained += float(e @ X @ np.linalg.lstsq(X, e, rcond=None)[0])
+    return explained
 
 
 def periodic_terms(

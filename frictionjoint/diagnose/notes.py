@@ -28,6 +28,7 @@ def notes(found: Trace, cov: Array) -> tuple[str, ...]:
         *scale_note(found.final),
         *_rest_note(found),
         *timing_note(found.final, cov),
+        *found.hints,
         *_law_note(found),
         *_sight_note(found),
     )

@@ -36,7 +36,9 @@ from frictionjoint.diagnose.state import (
 )
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -250,7 +252,7 @@ def _looked_at_again(
         return own, scored(found, blocks)
 
     with side_by_side() as each:
-        changes = list(each(begun, [t.move.terms for t in leaders]))
+        changes = list(each(begun, [t.score.fit.effects for t in leaders]))
     again = [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
     return begun(state.fit.effects)[1], again
 
@@ -366,12 +368,16 @@ def _nearer(errors: Array, now: Array) -> bool:
 def _told(state: State, base: Fit, laws: Laws, replayed: Replayed) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
+    hints: list[str] = []
     blocks = make_blocks(state.prepared, state.fit)
     whole = scored(state.fit, blocks)
-    for term in state.fit.effects:
-        if is_unnamed(term):
+    for i, term in enumerate(state.fit.terms):
+        if isinstance(term, SmoothTerm):
             gain = whole.gain(scored(without(state, term), blocks))
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
+            if not state.prepared.gain_unknown:
+                unit, _ = units_of(state.fit, state.prepared.slide)
+                hints.append(term.says(state.fit.term_coefficients(i), unit))
     if unexplained:
         named = tuple(t for t in state.fit.effects if not is_unnamed(t))
         alone = refit(state.prepared, named, state.fit.shape)
@@ -392,6 +398,7 @@ def _told(state: State, base: Fit, laws: Laws, replayed: Replayed) -> Trace:
         findings=tuple(found),
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
+        hints=tuple(filter(None, hints)),
         last_look=state.look,
         other=other,
         sight=sight(state.prepared, state.fit, state.look),

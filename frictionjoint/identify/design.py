@@ -20,7 +20,15 @@ from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import saturated
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, changed_drive, delay_of
+from frictionjoint.identify.smooth import SmoothTerm
+from frictionjoint.identify.terms import (
+    DriveTerm,
+    EffectTerm,
+    Term,
+    Timing,
+    changed_drive,
+    delay_of,
+)
 from frictionjoint.threads import side_by_side
 
 # displacements, over the travel, over which friction may have come to what it held at first
@@ -198,9 +206,9 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
     """
     found = []
     for i, x in enumerate(term.free_shape):
-        if not isinstance(term, EffectTerm):
+        if isinstance(term, Timing | DriveTerm):
             reach = np.inf
-        elif term.effect.proposed_by == "spectrum" and i == 0:
+        elif isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum" and i == 0:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
         else:
             # a zero was not searched yet: the physical range decides
@@ -304,7 +312,9 @@ def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
     """Range of each coefficient of a term, in units of the drive."""
     bounds: tuple[tuple[float, float], ...] = ()
     unit = 1.0
-    if isinstance(term, EffectTerm):
+    if isinstance(term, SmoothTerm):
+        bounds = term.bounds
+    elif isinstance(term, EffectTerm):
         bounds = term.effect.bounds
         if term.effect.of_inertia:
             unit = float(np.median([s.noise.inertia for s in prepared.segments]))

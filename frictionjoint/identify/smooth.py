@@ -61,6 +61,11 @@ class SmoothTerm:
         return ()
 
     @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """Of the coefficients; most have none."""
+        return ()
+
+    @property
     def follows_law(self) -> bool:
         """Most columns do not change with the law."""
         return False
@@ -68,6 +73,14 @@ class SmoothTerm:
     def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The same: there are no shape numbers."""
         return self
+
+    def says(self, coefficients: Array, unit: str) -> str:
+        """What it would mean, in a sentence, of those that suggest a cause; else empty.
+
+        Args:
+            coefficients: of its columns, in `unit` each. unit: of the torque.
+        """
+        return ""
 
 
 @dataclass(frozen=True)
@@ -160,11 +173,26 @@ class WaveTerm(SmoothTerm):
     """A wave in time whose phase belongs to each log.
 
     Attributes:
-        frequency: Hz. logs: names of the logs, in turn.
+        frequency: Hz. within: those of its line in the spectrum. logs: their names, in turn.
     """
 
     frequency: float
+    within: tuple[float, float]
     logs: tuple[str, ...]
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """The frequency."""
+        return (self.frequency,)
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """See `within`."""
+        return (self.within,)
+
+    def with_shape(self, shape: tuple[float, ...]) -> "WaveTerm":
+        """The same at another frequency."""
+        return replace(self, frequency=shape[0])
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -177,6 +205,14 @@ class WaveTerm(SmoothTerm):
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
         return np.hstack([wave * x for x in own])
+
+    def says(self, coefficients: Array, unit: str) -> str:
+        """Its size and frequency."""
+        size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
+        return (
+            f"A torque of up to {size:.2g} {unit} comes and goes at {self.frequency:.3g} Hz, "
+            "whatever the motion: something outside the joint drives it."
+        )
 
 
 @dataclass(frozen=True)

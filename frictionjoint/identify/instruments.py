@@ -1,0 +1,101 @@
+"""Terms of what instruments hold that the joint does not: a torque not given, a position off.
+
+They are quantities that a residual depends on, as those of `smooth` are, and have no place in a
+simulation: the log is wrong there, not the model.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GX, GY, A, Q, V
+from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.smooth import SmoothTerm
+
+
+@dataclass(frozen=True)
+class ExcessTerm(SmoothTerm):
+    """Torque that a log holds beyond a level: asked for, it may not have been given.
+
+    Attributes:
+        level: N m (N). within: least and largest level that the logs can tell.
+    """
+
+    level: float
+    within: tuple[float, float]
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """The level."""
+        return (self.level,)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """What was asked for beyond the level acts against nothing."""
+        return ((0.0, np.inf),)
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """Levels that are exceeded, but not always."""
+        return (self.within,)
+
+    def with_shape(self, shape: tuple[float, ...]) -> "ExcessTerm":
+        """The same with another level."""
+        return replace(self, level=shape[0])
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """The fraction that did not act."""
+        return ("fraction",)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, 1)."""
+        torque = segment.drive[:, None]
+        return np.asarray(torque - np.clip(torque, -self.level, self.level))
+
+    def says(self, coefficients: Array, unit: str) -> str:
+        """The level, and how much did not act."""
+        return (
+            f"Of the torque logged beyond {self.level:.3g} {unit}, {coefficients[0]:.0%} did not "
+            "act: a drive saturates, and the log holds what was asked for."
+        )
+
+
+@dataclass(frozen=True)
+class EncoderTerm(SmoothTerm):
+    """A position that is off by a wave of itself: an encoder's disc or shaft off its centre.
+
+    With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is off by what it
+    changes along d, in its acceleration and gravity together, and in its velocity.
+
+    Attributes:
+        order: N, waves in a turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
+    """
+
+    order: float
+    inertia: float
+    arms: tuple[float, float]
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Of the two waves."""
+        return ("sin", "cos", "sin_rate", "cos_rate")
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, 4)."""
+        N, v = self.order, signals[:, [V]]
+        angle = N * signals[:, [Q]]
+        wave = np.hstack([np.sin(angle), np.cos(angle)])
+        rate = N * np.hstack([np.cos(angle), -np.sin(angle)])
+        # about the joint's axis the first arm turns into the second
+        turned = self.arms[0] * signals[:, [GY]] - self.arms[1] * signals[:, [GX]]
+        acceleration = rate * signals[:, [A]] - N * N * wave * v**2
+        return np.hstack([self.inertia * acceleration + turned * wave, rate * v])
+
+    def says(self, coefficients: Array, unit: str) -> str:
+        """How far the position is off."""
+        return (
+            f"The logged position seems off by up to {np.hypot(*coefficients[:2]):.2g} rad, in "
+            f"{self.order:g} waves a turn: an encoder or a shaft off its centre."
+        )
