@@ -1,6 +1,6 @@
 """What is named is simulated: identify, write model.xml, simulate it, identify again.
 
-    python scripts/round_trip.py [--effects NAME...] [--search] [--seconds 12] > table.md
+    python scripts/round_trip.py [--effects NAME...] [--search] [--seconds 12] [--seed N] > table.md
 
 For each effect a plant of another hand that has it is logged: `tests/plants` (MuJoCo's own parts, a
 LuGre joint), of effects of the drive `tests/servo_plant` (MuJoCo's own friction under a firmware).
@@ -26,18 +26,21 @@ EFFECTS = (*PLANTS, *DRIVES)
 _SLOW_SECONDS = 40.0
 
 
-def round_trip(name: str, folder: Path, seconds: float = 12.0, search: bool = False) -> Trip:
+def round_trip(
+    name: str, folder: Path, seconds: float = 12.0, search: bool = False, seed: int = 0
+) -> Trip:
     """There and back with one effect's plant.
 
     Args:
         folder: to write into. seconds: of each log of the joint; slow effects have longer ones.
         search: the whole search names the effect, where it is one of the joint.
+        seed: of another plant, where the effect is one of the joint.
     Raises:
         ValueError: the first fit or search has not found the effect.
     """
     if name in DRIVES:
         return drive_trip(name, folder)
-    return joint_trip(name, folder, max(seconds, _SLOW_SECONDS * (name in SLOW)), search)
+    return joint_trip(name, folder, max(seconds, _SLOW_SECONDS * (name in SLOW)), search, seed)
 
 
 def row(trip: Trip) -> str:
@@ -62,20 +65,24 @@ def main() -> None:
     parser.add_argument("--effects", nargs="+", choices=EFFECTS, default=list(EFFECTS))
     parser.add_argument("--search", action="store_true")
     parser.add_argument("--seconds", type=float, default=12.0)
+    parser.add_argument("--seed", type=int, default=0, help="other plants of the joint's effects")
     asked = parser.parse_args()
     warnings.simplefilter("ignore", RuntimeWarning)
     heads = ("effect", "found again", "numbers, first", "again", "worst, standard errors")
     runs = "free runs, mrad: without, with, model's own"
     print(f"| {' | '.join(heads)} | left, N m | {runs} |")
     print("|---" * (len(heads) + 2) + "|")
+    within: list[bool] = []
     for name in asked.effects:
         with tempfile.TemporaryDirectory() as folder:
             try:
-                trip = round_trip(name, Path(folder), asked.seconds, asked.search)
+                trip = round_trip(name, Path(folder), asked.seconds, asked.search, asked.seed)
             except ValueError as error:
                 print(f"| {name} | {error} | | | | | |", flush=True)
                 continue
         print(row(trip), flush=True)
+        within += [error <= 2.0 for error in trip.errors.values()]
+    print(f"\n{sum(within)} of {len(within)} numbers within two standard errors.")
 
 
 if __name__ == "__main__":

@@ -97,10 +97,10 @@ class Trip:
         }
 
 
-def plant(name: str, seconds: float) -> PlantSpec:
+def plant(name: str, seconds: float, seed: int = 0) -> PlantSpec:
     """Two short logs of a LuGre joint that has the effect."""
     kind = "none" if name == SATURATION else f"one:{name}"
-    spec = draw_trial(np.random.default_rng(PLANTS[name]), kind)
+    spec = draw_trial(np.random.default_rng(PLANTS[name] + seed), kind)
     return replace(
         spec,
         motions=tuple(replace(m, duration=seconds) for m in spec.motions[:2]),
@@ -237,16 +237,18 @@ def write_model(path: Path, mjcf: Path, found: Fit) -> None:
     path.write_text(spec.to_xml())
 
 
-def joint_trip(name: str, folder: Path, seconds: float, search: bool = False) -> Trip:
+def joint_trip(
+    name: str, folder: Path, seconds: float, search: bool = False, seed: int = 0
+) -> Trip:
     """There and back with one effect's plant.
 
     Args:
         folder: to write into. seconds: of each of two logs. search: the whole search names the
-            effect, else it is fitted.
+            effect, else it is fitted. seed: added to the plant's.
     Raises:
         ValueError: the first fit or search has not found the effect.
     """
-    spec = plant(name, seconds)
+    spec = plant(name, seconds, seed)
     body_path = folder / "joint.xml"
     logs = plant_logs(name, spec, folder)
     body = RigidBody(body_path, "joint")
