@@ -102,9 +102,9 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
         without: each cause taken, one after the other: the same without it.
     """
     stack, found = screened.stack, []
-    now = stack.held_out(_columns(screened.taken))
+    now = stack.held_out(columns_of(screened.taken))
     for i, rest in enumerate(without):
-        left = rest.stack.held_out(_columns(rest.taken))
+        left = rest.stack.held_out(columns_of(rest.taken))
         gain = _joint_gain(left, now)
         if not (_enough(stack, left, now) and _better(now, left)):
             found.append((gain, i))
@@ -114,13 +114,13 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
 def _next(
     screened: Screened, taken: Sequence[Candidate], rng: np.random.Generator
 ) -> Choice | None:
-    stack, known = screened.stack, _columns(taken)
+    stack, known = screened.stack, columns_of(taken)
     now = stack.held_out(known)
     open_ones = [
         inside
         for c in screened.candidates
         if not any(_excluded(c, t) for t in taken)
-        if (inside := _within_bounds(stack, c, known)) is not None
+        if (inside := within_bounds(stack, c, known)) is not None
     ]
     scores = [_leading(stack, c, stack.scores(c.at, known)) for c in open_ones]
     signs = np.vstack([np.ones(stack.clock.count), rng.choice([-1.0, 1.0], (FLIPS, len(now[0])))])
@@ -134,7 +134,7 @@ def _next(
     rows.sort(key=lambda r: r.total)
     good = [r for r in rows if _justified(stack, r, now)]
     shared = any(r.candidate.cause for r in good)
-    if not good or not (shared or _gain(now, good[0].left) > _BENT):
+    if not good or not (shared or gain_of(now, good[0].left) > _BENT):
         return None
     best = good[0]
     gain = float(now.sum()) - best.total
@@ -144,8 +144,7 @@ def _next(
         if r is best
         or (not _better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
         or (
-            _changed(r.candidate) == _changed(best.candidate)
-            and best.total >= (1.0 - _FORMS) * r.total
+            r.candidate.changed == best.candidate.changed and best.total >= (1.0 - _FORMS) * r.total
         )
     ]
     simplest = min(near, key=_simplicity)
@@ -154,9 +153,9 @@ def _next(
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
     return Choice(
         simplest.candidate,
-        _gain(now, simplest.left),
+        gain_of(now, simplest.left),
         simplest.p_value,
-        _frequency(rows, _changed(simplest.candidate), rng),
+        _frequency(rows, simplest.candidate.changed, rng),
         others[0].candidate.label if others else None,
         (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
         tuple(ties),
@@ -185,15 +184,10 @@ def _leading(stack: Stack, candidate: Candidate, scores: Array) -> Array:
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:
     """Whether a candidate is a form or shape of what is taken, and no richer one of the same."""
     richer = taken.cause is not None and len(candidate.at) > len(taken.at)
-    return _changed(candidate) == _changed(taken) and not richer
+    return candidate.changed == taken.changed and not richer
 
 
-def _changed(candidate: Candidate) -> str:
-    """What all forms of one change have in common."""
-    return candidate.cause.changed if candidate.cause else candidate.label
-
-
-def _within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
+def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
     """The candidate without numbers that its bounds hold where they are; None if none is left."""
     if candidate.cause is None:
         return candidate
@@ -203,7 +197,7 @@ def _within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candid
         x = stack.solution(np.concatenate([known, at]))[len(known) :]
         inside = (x >= room[: len(x), 0]) & (x <= room[: len(x), 1])
         if inside.all():
-            return replace(candidate, at=at)
+            return replace(candidate, at=at, room=room)
         if not inside[: candidate.cause.essential].all():
             return None
         at, room = at[inside], room[inside]
@@ -236,7 +230,7 @@ def _harms(after: Array, before: Array) -> bool:
     )
 
 
-def _gain(before: Array, after: Array) -> float:
+def gain_of(before: Array, after: Array) -> float:
     """Fraction of a joint's squares that a candidate takes away, where that is most."""
     return float((1.0 - _left(before, after)).max())
 
@@ -252,6 +246,12 @@ def _joint_gain(before: Array, after: Array) -> float:
 def _left(before: Array, after: Array) -> Array:
     """Squares left over those before, by joint, shape (J,)."""
     return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
+
+
+def as_much(after: Array, before: Array) -> bool:
+    """Whether squares are not clearly more than others, of no joint by a noticeable part."""
+    least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
+    return least and not _better(before, after) and not _harms(after, before)
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:
@@ -275,7 +275,7 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
     """How often a cause in any form leaves least on half of the blocks (Shah and Samworth 2013)."""
     best: dict[str, Array] = {}
     for row in rows:
-        key = _changed(row.candidate)
+        key = row.candidate.changed
         if len(best) < _CONTENDERS or key == thing:
             best.setdefault(key, row.left.sum(axis=0))
     names, left = list(best), np.array(list(best.values()))
@@ -287,5 +287,5 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
     return won / (2 * _HALVES)
 
 
-def _columns(taken: Sequence[Candidate]) -> Columns:
+def columns_of(taken: Sequence[Candidate]) -> Columns:
     return np.concatenate([*(c.at for c in taken), []]).astype(np.int64)

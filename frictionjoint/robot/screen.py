@@ -47,6 +47,11 @@ class Candidate:
         return self.first
 
     @property
+    def changed(self) -> str:
+        """What all forms of one change have in common."""
+        return self.cause.changed if self.cause else self.label
+
+    @property
     def label(self) -> str:
         """What it is and where."""
         if self.cause is None:

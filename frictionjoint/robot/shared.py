@@ -5,12 +5,13 @@ justified, fit causes and laws together, leave out what is no longer needed; unt
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
 from frictionjoint.robot.choose import HARM, Choice, choose, idle
 from frictionjoint.robot.clock import Clock
@@ -18,6 +19,7 @@ from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Found, screen
 from frictionjoint.robot.settle import Each, Settled, numbers_of, screened, settle
+from frictionjoint.robot.simpler import simpler
 
 _MOST_ROUNDS = 10
 
@@ -67,14 +69,17 @@ def shared_causes(
         candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
         seen = choose(screen(now.joints, now.clock, here, candidates), rng)
         new = [c for c in seen if c.candidate.cause is not None]
+        beside = frozenset(c.candidate.label for c in seen if c.candidate.cause is None)
+        if not new:
+            now, simplified = _simplified(now, open_ones, each, beside)
+            if simplified:
+                continue
         if not new and whole:
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
         if not new:
             break
-        # effects of single joints were found under causes that have changed since
-        beside = frozenset(c.candidate.label for c in seen if c.candidate.cause is None)
         for several in [new, new[:1]][: len(new)]:
             progress(f"round {turn}: {', '.join(c.candidate.label for c in several)}")
             trial = _without_idle(_with(now, several, each, beside), each, beside)
@@ -121,6 +126,26 @@ def _with(
                 found, choices = found.without(i), choices[:i] + choices[i + 1 :]
             found, choices = found.with_cause(part, own), (*choices, choice.of(part))
     return _Now(settle(now.joints, found, each, beside), choices)
+
+
+def _simplified(
+    now: _Now,
+    causes: Sequence[Cause],
+    each: Each[FittedJoint, FittedJoint],
+    beside: frozenset[str],
+) -> tuple[_Now, bool]:
+    """With fewer numbers that explain as much in the place of a rich cause, and whether so."""
+    found = now.settled.found
+    better = simpler(now.joints, now.clock, found, now.choices, causes, beside)
+    if better is None:
+        return now, False
+    i, several = better
+    choices = now.choices[:i] + now.choices[i + 1 :]
+    rest = _Now(replace(now.settled, found=found.without(i)), choices)
+    trial = _with(rest, several, each, beside)
+    pairs = zip(trial.joints, now.joints, strict=True)
+    as_near = max((a.fit.rms / b.fit.rms) ** 2 for a, b in pairs) < 1.0 + HARM
+    return (trial, True) if as_near else (now, False)
 
 
 def _nearer(after: _Now, before: _Now) -> bool:
