@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.refine.guard import kinds, left_out_errors
+from frictionjoint.refine.guard import kinds, left_out_errors, of_logs
 from frictionjoint.refine.secant import Secant
 
 
@@ -71,7 +71,10 @@ def test_what_is_left_out_is_predicted_by_the_rest_alone():
     line = Line(x, y)
     J = np.vstack([line.A, 1e-9 * np.eye(2)])
     z = np.linalg.lstsq(line.A, y, rcond=None)[0]
-    assert left_out_errors(line, z, J, [mask]) == pytest.approx([0.7], rel=1e-6)
+    left = left_out_errors(line, z, J, [mask])
+    assert np.array_equal(np.isfinite(left), [mask])
+    assert np.abs(left[0, mask]) == pytest.approx(0.7, rel=1e-6)
+    assert of_logs(left[:, mask], [log(n=int(mask.sum()))]) == pytest.approx([0.7], rel=1e-6)
     # the fit to all of them flatters itself
     assert np.mean(np.abs(line.errors(z)[mask])) < 0.5 * 0.7
 

@@ -11,6 +11,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, read_controller
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
+from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
@@ -24,6 +25,7 @@ from frictionjoint.diagnose.replay import (
     replay,
     replayed_whole,
     simulated_effects,
+    simulated_whole,
 )
 from frictionjoint.diagnose.report_data import (
     Added,
@@ -64,9 +66,9 @@ from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.model_text import model_text
+from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
-from frictionjoint.refine.refine import refine as refined_by
 from frictionjoint.refine.vector import Vector
 from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.threads import one_thread
@@ -157,25 +159,29 @@ def explain(
     if held_out:
         kept_back = prepare(list(held_out), theirs, fitted_on.band, controller)
 
-    def replayed(fitted: Fit) -> Array | None:
-        known = scale_is_determined(fitted_on, fitted)
-        return replayed_whole(fitted_on, mine, fitted) if known else None
+    loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
 
-    found = trace(fitted_on, seed, progress, law, replayed)
+    def replayed(fitted: Fit) -> Array | None:
+        if not scale_is_determined(fitted_on, fitted):
+            return None
+        if loops is None:
+            return replayed_whole(fitted_on, mine, fitted)
+        return window_squares(loops.fit, fitted) if simulated_whole(fitted, body.armature) else None
+
+    found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
     scaled = load_shows(found.base) and scale_is_determined(found.prepared, found.final)
+    outcome = None
     if not scaled:
-        found = found.without_scale()
+        found, loops = found.without_scale(), None
+    elif loops and refine:
+        found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
     check_fit(found.prepared, found.final)
     moving = found.prepared
     cov = stated_covariance(moving, found.final)
     left = errors_elsewhere(moving, found.final, cov)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
-    loops, refined, outcome, best = None, None, None, found.final
-    if controller and scaled:
-        progress("closed loop")
-        loops = Loops.of(((logs, mine), (held_out, theirs)), controller)
-    if loops and refine:
-        outcome = refined_by(moving, found.final, cov, loops.fit, progress)
+    refined, best = None, found.final
+    if loops and outcome:
         best = outcome.fit
         refined = RefinedModel.of(outcome, loops, body.slide)
     progress("replay")

@@ -87,7 +87,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         Looked(
             Candidate(term, np.zeros((0, 0))),
             score.squares,
-            min(1.0, len(best) * _p_value(now.squares - score.squares, rng)),
+            min(1.0, len(best) * sign_flips(now.squares - score.squares, rng)),
             frequency,
         )
         for (term, score), frequency in zip(tried, won, strict=True)
@@ -99,7 +99,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
 
 
-def _p_value(difference: Array, rng: np.random.Generator) -> float:
+def sign_flips(difference: Array, rng: np.random.Generator) -> float:
     """Chance of as large a gain where each block's could as well be a loss."""
     flips = rng.choice([-1.0, 1.0], size=(_FLIPS, len(difference))) @ difference
     return float((1 + np.sum(flips >= difference.sum())) / (_FLIPS + 1))

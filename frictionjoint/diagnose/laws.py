@@ -39,7 +39,8 @@ class Laws:
     ) -> None:
         self.own = base.shape.variables
         self.shapes: dict[tuple[str, ...], Shape] = {self.own: base.shape}
-        self._rivals = () if asked else _RIVALS
+        self._forms = (LAW_FORMS[self.own], *(() if asked else _RIVALS))
+        self._rivals = self._forms[1:]
         self._progress = progress
         self.ripen(prepared, base.effects)
 
@@ -62,6 +63,16 @@ class Laws:
         if best is fitted or best.drive_rms >= _CLEARLY * fitted.drive_rms:
             return prepared, fitted
         return reweighed(prepared, best)
+
+    def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
+        """Every law and valley of one that leaves hardly more than a fit, with its effects.
+
+        As a coarse look has them, which is near enough to be simulated.
+        """
+        self._progress("fit: laws that leave as much")
+        places = [p for f in self._forms for p in ripened(prepared, fitted.effects, f)]
+        most = min(place.cost for place in places) / _CLEARLY**2
+        return [p.search.result(p.x) for p in places if p.cost <= most]
 
     def unchosen(self, prepared: Prepared, final: Fit, base: Fit) -> Fit | None:
         """The final effects with the law of the base fit, where the final one is another."""

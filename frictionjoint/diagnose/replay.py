@@ -131,19 +131,31 @@ def replayed_whole(
     """Mean square error of each free run that holds all that a fit says, m^2 or rad^2, shape (k,).
 
     Returns:
-        None where they do not: a log's delay and its thermometer are no part of a simulation, no
-        log holds where a link behind a spring or a gap is when a run begins, and an armature is
-        never below nothing.
+        None where they do not: see `simulated_whole`; nor does a replay know a log's delay.
     """
     armature = (body if isinstance(body, RigidBody) else body[0]).armature
+    late = any(isinstance(term, EffectTerm) and term.delay for term in fitted.terms)
+    if late or not simulated_whole(fitted, armature):
+        return None
+    return replay(prepared, body, fitted).runs
+
+
+def simulated_whole(fitted: Fit, armature: float) -> bool:
+    """Whether a simulation started from measured motion holds all that a fit says.
+
+    Not so a log's thermometer; no log holds where a link behind a spring or a gap is when a run
+    begins; and an armature is never below nothing.
+
+    Args:
+        armature: of the MJCF.
+    """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
         less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
-        hidden = TEMP in term.effect.needs or term.effect.acts == "mechanism"
-        if term.delay or hidden or less:
-            return None
-    return replay(prepared, body, fitted).runs
+        if less or TEMP in term.effect.needs or term.effect.acts == "mechanism":
+            return False
+    return True
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:

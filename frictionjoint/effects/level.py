@@ -21,7 +21,9 @@ _REACHES = (1e-4, 1e-3)
 
 @njit(cache=True)
 def approached(E: float, target: float, dq: float, reach: float) -> float:
-    """E after a displacement dq on its way to `target`, over the length `reach`."""
+    """E after a displacement dq on its way to `target`, over the length `reach`, 0 for at once."""
+    if reach <= 0.0:
+        return target if dq != 0.0 else E
     return E - (target - E) * math.expm1(-abs(dq) / reach)
 
 

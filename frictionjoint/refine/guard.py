@@ -53,16 +53,19 @@ def _groups(courses: Sequence[Course]) -> list[list[int]]:
 
 
 def left_out_errors(objective: Objective, z: Array, J: Array, masks: Sequence[Mask]) -> Array:
-    """Mean absolute error on each kind by a model that has not seen it, rad (m), one a kind.
+    """Errors on each kind by a model that has not seen it, NaN elsewhere, rad (m), (kinds, n).
 
     Args:
         objective: of whole logs. z: refined numbers in its units. J: its derivatives there.
     """
-    found = []
-    for mask in masks:
-        e = objective.errors(_without(objective, z, J, mask))
-        found.append(float(np.mean(np.abs(e[mask]))))
-    return np.array(found)
+    found = [objective.errors(_without(objective, z, J, mask)) for mask in masks]
+    return np.where(masks, found, np.nan)
+
+
+def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
+    """Mean absolute error of each log over all kinds that leave it out, shape (logs,)."""
+    ends = np.cumsum([len(c.position) for c in courses])[:-1]
+    return np.array([np.nanmean(np.abs(part)) for part in np.split(errors, ends, axis=1)])
 
 
 def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:

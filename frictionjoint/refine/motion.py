@@ -35,3 +35,13 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
 
     with side_by_side() as each:
         return list(each(one, courses))
+
+
+def window_squares(courses: Sequence[Course], fitted: Fit) -> Array:
+    """Mean square of the errors of each window, rad^2 (m^2), shape (k,)."""
+    found = []
+    for course, e in zip(courses, errors(courses, fitted, WINDOW_S), strict=True):
+        window = ((course.time - course.time[0]) / WINDOW_S).astype(int)
+        count = np.bincount(window)
+        found.append((np.bincount(window, e**2) / np.maximum(count, 1))[count > 0])
+    return np.concatenate(found)

@@ -6,6 +6,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
+from frictionjoint.identify.fit import Fit
 from frictionjoint.refine.motion import errors
 from frictionjoint.refine.vector import Vector
 
@@ -49,8 +50,11 @@ class Objective:
 
     def errors(self, z: Array) -> Array:
         """Simulated less measured position, rad (m), samples of all logs in turn."""
-        fitted = self.vector.fit(self.numbers(z))
-        return np.concatenate(errors(self.courses, fitted, self.window_s))
+        return np.concatenate(self.errors_of(self.vector.fit(self.numbers(z))))
+
+    def errors_of(self, fitted: Fit) -> list[Array]:
+        """Of any model, one array a log."""
+        return errors(self.courses, fitted, self.window_s)
 
     def soft(self, e: Array) -> Array:
         """Errors as the search counts them."""

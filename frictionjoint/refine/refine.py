@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.refine.guard import kinds, left_out_errors
+from frictionjoint.refine.guard import kinds, left_out_errors, of_logs
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant
@@ -33,15 +33,22 @@ class Refined:
         fit: refined, or the balance's own where that predicts unlike motion better.
         taken: whether it is the refined one. names: of the numbers in `values`.
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
-        guard: mean absolute errors on kinds of logs left out, before and after, rad (m).
+        left_out: mean absolute error of each log by what was fitted to other kinds of logs, before
+            and after, shape (logs,) each, rad (m).
     """
 
     fit: Fit
     taken: bool
     values: Array
     cov: Array
-    guard: tuple[float, float]
+    left_out: tuple[Array, Array]
     vector: Vector
+
+    @property
+    def guard(self) -> tuple[float, float]:
+        """Means of `left_out`."""
+        before, after = self.left_out
+        return float(np.mean(before)), float(np.mean(after))
 
 
 def refine(
@@ -66,11 +73,11 @@ def refine(
         x, J = _search(objective, x)
     progress("refine: guard")
     masks = kinds(courses)
-    start = np.abs(objective.errors(objective.units(vector.start)))
-    before = float(np.mean([np.mean(start[mask]) for mask in masks]))
-    after = float(np.mean(left_out_errors(objective, objective.units(x), J, masks)))
+    start = objective.errors(objective.units(vector.start))
+    before = of_logs(np.where(masks, start, np.nan), courses)
+    after = of_logs(left_out_errors(objective, objective.units(x), J, masks), courses)
     spread = np.linalg.pinv(J.T @ J) * np.outer(vector.unit, vector.unit)
-    taken = after < before
+    taken = bool(after.mean() < before.mean())
     refined = vector.fit(x) if taken else fitted
     return Refined(refined, taken, x, np.asarray(spread), (before, after), vector)
 

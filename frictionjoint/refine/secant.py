@@ -33,7 +33,7 @@ class Secant:
         r = self.residual(z)
         J = self._updated(z, r)
         if J is None:
-            J = self._differences(z, r)
+            J = differences(self.residual, self.bounds, z, r)
         self.last = z.copy(), r, J
         return J
 
@@ -50,11 +50,15 @@ class Secant:
             return None
         return np.asarray(J0 + np.outer(missed, step / (step @ step)))
 
-    def _differences(self, z: Array, r: Array) -> Array:
-        columns = []
-        for i in range(len(z)):
-            h = _STEP if z[i] + _STEP <= self.bounds[1][i] else -_STEP
-            moved = z.copy()
-            moved[i] += h
-            columns.append((self.residual(moved) - r) / h)
-        return np.column_stack(columns)
+
+def differences(
+    residual: Callable[[Array], Array], bounds: tuple[Array, Array], z: Array, r: Array
+) -> Array:
+    """Derivatives of a residual, which is r at z, by differences within bounds, shape (n, p)."""
+    columns = []
+    for i in range(len(z)):
+        h = _STEP if z[i] + _STEP <= bounds[1][i] else -_STEP
+        moved = z.copy()
+        moved[i] += h
+        columns.append((residual(moved) - r) / h)
+    return np.column_stack(columns)

@@ -19,6 +19,8 @@ _LEAST, _MOST = 0.05, 0.5
 _LEVEL = 0.05
 # least level of a law, over the torque's rms
 _LOWEST = 1e-6
+# of a length, a speed or a frequency, over the balance's: none of them is nothing
+_LEAST_SCALE = 1e-3
 
 
 class Vector:
@@ -90,8 +92,8 @@ class Vector:
             limits = shape_limits(term)
             if isinstance(term, Timing):  # a simulation knows no torque before its cause
                 limits = ((0.0, 0.05),)
-            for least, most in limits:
-                low.append(least)
+            for x, (least, most) in zip(term.free_shape, limits, strict=True):
+                low.append(max(least, _LEAST_SCALE * x) if least == 0.0 else least)
                 high.append(most)
         return np.array(low), np.array(high)
 

@@ -1,0 +1,55 @@
+"""Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
+
+import numpy as np
+from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
+
+from frictionjoint.diagnose.by_motion import named_by_motion
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of
+from frictionjoint.diagnose.finding import Finding, Sight, Trace
+from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.fit import ROUGH, refit
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import EffectTerm
+
+MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
+
+
+def named(friction):
+    """What is named where the balance has found the motor alone.
+
+    Returns also the errors on an unseen gain, refined over those of the balance.
+    """
+    body = RigidBody(PLANT.format(""), "j")
+    logs = [
+        servo(f"{m.__name__} {kp}", kp, m, {}, 3.0, friction=friction)
+        for kp in (0.8, 3.0)
+        for m in (steps, sines, swept)
+    ]
+    prepared = prepare(logs, body, controller=KNOWN)
+    fitted = refit(prepared, MOTOR, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    look = Look((), np.zeros(0), 0.0)
+    row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
+    own = Finding(MOTOR[0], look, row, 1.0, (), (), fitted)
+    found = Trace(prepared, fitted, (own,), fitted, (), look, None, Sight(0.0, 0.0, 0.0))
+    courses = courses_of(logs, [body] * len(logs), KNOWN)
+    found, refined = named_by_motion(found, courses, body.armature)
+    assert [f.term for f in found.findings] == list(found.final.effects)
+    unseen = courses_of([servo("swept 1.5", 1.5, swept, {}, 3.0, friction=friction)], [body], KNOWN)
+    errors = [closed_loop(unseen, f).mae for f in (refined.fit, fitted)]
+    return found.findings[1:], errors[0] / errors[1]
+
+
+def test_a_spring_that_the_balance_left_out_is_named():
+    findings, part = named('frictionloss="0.06" damping="0.03" stiffness="0.6" springref="0.5"')
+    assert [f.term.name for f in findings] == ["spring"]
+    assert findings[0].gain > 0.3
+    assert part < 0.5
+
+
+def test_nothing_is_named_where_nothing_is_there():
+    findings, _ = named('frictionloss="0.06" damping="0.03"')
+    assert not [f.term.name for f in findings]
