@@ -34,7 +34,7 @@ def named(friction):
     look = Look((), np.zeros(0), 0.0)
     row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
     own = Finding(MOTOR[0], look, row, 1.0, (), (), fitted)
-    found = Trace(prepared, fitted, (own,), fitted, (), look, None, Sight(0.0, 0.0, 0.0))
+    found = Trace(prepared, fitted, (own,), fitted, (), (), look, None, Sight(0.0, 0.0, 0.0))
     courses = courses_of(logs, [body] * len(logs), KNOWN)
     found, refined = named_by_motion(found, courses, body.armature)
     assert [f.term for f in found.findings] == list(found.final.effects)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.refine.guard import kinds, left_out_errors, of_logs
+from frictionjoint.refine.guard import kinds, of_logs, spread, without_each
 from frictionjoint.refine.secant import Secant
 
 
@@ -71,7 +71,7 @@ def test_what_is_left_out_is_predicted_by_the_rest_alone():
     line = Line(x, y)
     J = np.vstack([line.A, 1e-9 * np.eye(2)])
     z = np.linalg.lstsq(line.A, y, rcond=None)[0]
-    left = left_out_errors(line, z, J, [mask])
+    _, left = without_each(line, z, J, [mask])
     assert np.array_equal(np.isfinite(left), [mask])
     assert np.abs(left[0, mask]) == pytest.approx(0.7, rel=1e-6)
     assert of_logs(left[:, mask], [log(n=int(mask.sum()))]) == pytest.approx([0.7], rel=1e-6)
@@ -102,3 +102,16 @@ def test_steps_keep_derivatives_up_to_date_and_differences_mend_them():
     calls.clear()
     assert jacobian(far) == pytest.approx(exact(far), abs=0.09)
     assert len(calls) == 3
+
+
+def test_the_spread_of_a_mean_over_kinds_is_that_of_their_means():
+    # a number that is the mean of four kinds: without one it is the mean of the three others
+    means = np.array([1.0, 2.0, 4.0, 9.0])
+    z = np.array([means.mean()])
+    moved = np.array([[np.delete(means, k).mean()] for k in range(4)])
+    masks = [np.arange(8) // 2 == k for k in range(4)]
+    expected = np.var(means, ddof=1) / 4
+    assert spread(z, moved, masks) == pytest.approx(expected)
+    # the same kinds in two ways tell no more
+    twice = spread(z, np.vstack([moved, moved]), [*masks, *masks])
+    assert twice == pytest.approx(expected)

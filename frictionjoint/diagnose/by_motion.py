@@ -56,7 +56,7 @@ def named_by_motion(
         progress("effects by motion")
         for term in _promising(found.prepared, now, courses, armature):
             progress(f"effects by motion: {term.name}")
-            fitted = refit(found.prepared, (*found.final.terms, term), found.final.shape)
+            fitted = refit(found.prepared, (*found.final.effects, term), found.final.shape)
             prepared, fitted = reweighed(found.prepared, fitted)
             other = _refined(prepared, fitted, courses, lambda text: None)
             told = _told(other, now)

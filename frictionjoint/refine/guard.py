@@ -52,14 +52,35 @@ def _groups(courses: Sequence[Course]) -> list[list[int]]:
     return [list(group) for groups in found for group in groups]
 
 
-def left_out_errors(objective: Objective, z: Array, J: Array, masks: Sequence[Mask]) -> Array:
-    """Errors on each kind by a model that has not seen it, NaN elsewhere, rad (m), (kinds, n).
+def without_each(
+    objective: Objective, z: Array, J: Array, masks: Sequence[Mask]
+) -> tuple[Array, Array]:
+    """Numbers fitted without each kind, (kinds, p), and their errors on it, rad (m), (kinds, n).
+
+    The errors are NaN elsewhere.
 
     Args:
         objective: of whole logs. z: refined numbers in its units. J: its derivatives there.
     """
-    found = [objective.errors(_without(objective, z, J, mask)) for mask in masks]
-    return np.where(masks, found, np.nan)
+    moved = np.array([_without(objective, z, J, mask) for mask in masks])
+    return moved, np.where(masks, [objective.errors(x) for x in moved], np.nan)
+
+
+def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
+    """Covariance of numbers from what they are without each kind (jackknife), shape (p, p).
+
+    It holds what is wrong in another way in each kind, which the errors of single samples do not.
+    Where logs are of kinds in several ways, the mean of those.
+    """
+    found, ways, begin = np.zeros((len(z), len(z))), 0, 0
+    for end in range(1, len(masks) + 1):
+        if np.sum(masks[begin:end]) < len(masks[begin]) and end < len(masks):
+            continue
+        step = moved[begin:end] - z
+        count = max(len(step), 2)
+        found += (count - 1) / count * step.T @ step
+        ways, begin = ways + 1, end
+    return found / ways
 
 
 def of_logs(errors: Array, courses: Sequence[Course]) -> Array:

@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.refine.guard import kinds, left_out_errors, of_logs
+from frictionjoint.refine.guard import kinds, of_logs, spread, without_each
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant
@@ -75,11 +75,14 @@ def refine(
     masks = kinds(courses)
     start = objective.errors(objective.units(vector.start))
     before = of_logs(np.where(masks, start, np.nan), courses)
-    after = of_logs(left_out_errors(objective, objective.units(x), J, masks), courses)
-    spread = np.linalg.pinv(J.T @ J) * np.outer(vector.unit, vector.unit)
+    z = objective.units(x)
+    moved, errors = without_each(objective, z, J, masks)
+    after = of_logs(errors, courses)
+    uncertain = np.linalg.pinv(J.T @ J) + spread(z, moved, masks)
+    uncertain *= np.outer(vector.unit, vector.unit)
     taken = bool(after.mean() < before.mean())
     refined = vector.fit(x) if taken else fitted
-    return Refined(refined, taken, x, np.asarray(spread), (before, after), vector)
+    return Refined(refined, taken, x, np.asarray(uncertain), (before, after), vector)
 
 
 def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
