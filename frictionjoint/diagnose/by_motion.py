@@ -52,6 +52,8 @@ def named_by_motion(
         found: by the balance. courses: of the logs it was found in. armature: of the MJCF.
     """
     now = _refined(found.prepared, found.final, courses, progress)
+    if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
+        return found, now
     for _ in range(_MOST_LOOKS):
         progress("effects by motion")
         for term in _promising(found.prepared, now, courses, armature):

@@ -206,7 +206,7 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
     """
     found = []
     for i, x in enumerate(term.free_shape):
-        if isinstance(term, Timing | DriveTerm):
+        if isinstance(term, Timing):
             reach = np.inf
         elif isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum" and i == 0:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
