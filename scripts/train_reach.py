@@ -5,9 +5,9 @@
 The joint is one of `tests/third_hand`: its friction, one of four laws, and its integrator share no
 code with the package. Logs of it are identified; the model is trained on as it is, as plain MuJoCo
 has it (`frictionjoint export --to native`, and with --lugre), and without friction; with --bound
-also the joint itself, the most that training can do and most of the time. CMA-ES chooses the five numbers of a compliant
-controller that reaches 20 to 100 mrad far and rests there, through an encoder. Each result then
-runs other reaches, in its own simulation and on the joint.
+also the joint itself, the most that training can do and most of the time. CMA-ES chooses the five
+numbers of a compliant controller that reaches 20 to 100 mrad far and rests there, through an
+encoder. Each result then runs other reaches, in its own simulation and on the joint.
 
 The reward of a reach is the mean of exp(-(e / 1 mrad)^2) over its time, less what the torque
 trembles. Needs pip install 'frictionjoint[train]'.
