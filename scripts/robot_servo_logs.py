@@ -36,7 +36,7 @@ LAST = 1.0 / 3.0
 STEP = 1e-3
 # of the fit of MuJoCo's own friction: steps, change of a logarithm for a difference, and what a
 # number that is nothing begins at
-ROUNDS, CHANGE, LEAST = 8, 0.05, 1e-3
+ROUNDS, CHANGE, LEAST = 5, 0.05, 1e-3
 
 
 def with_friction(path: Path, reports: Mapping[str, Report]) -> mujoco.MjModel:

@@ -57,17 +57,18 @@ def named_by_motion(
     for _ in range(_MOST_LOOKS):
         progress("effects by motion")
         for term in _promising(found.prepared, now, courses, armature):
-            progress(f"effects by motion: {term.name}")
             fitted = refit(found.prepared, (*found.final.effects, term), found.final.shape)
             prepared, fitted = reweighed(found.prepared, fitted)
             other = _refined(prepared, fitted, courses, lambda text: None)
             told = _told(other, now)
+            (row,) = told.rows
+            gain = told.gain(row)
+            progress(f"effects by motion: {term.name} gains {gain:.0%}, p {row.p_value:.3f}")
             if _clearly(told):
                 break
         else:
             return found, now
-        (row,) = told.rows
-        own = Finding(fitted.effects[-1], told, row, told.gain(row), (), (), fitted)
+        own = Finding(fitted.effects[-1], told, row, gain, (), (), fitted)
         findings = (*_moved(found.findings, fitted), own)
         found = replace(found, prepared=prepared, final=fitted, findings=findings)
         now = other
@@ -83,11 +84,11 @@ def _refined(
 def _told(other: Refined, now: Refined) -> Look:
     """What logs of kinds left out say of the effect that came last, a block a log."""
     term = other.fit.effects[-1]
-    squares, without = (x.left_out[1] ** 2 for x in (other, now))
-    p_value = sign_flips(without - squares, np.random.default_rng(0))
-    better = float(np.mean(squares < without))
-    row = Looked(Candidate(term, np.zeros((0, 0))), squares, p_value, better)
-    return Look((row,), without, 0.0)
+    own, without = other.left_out[1], now.left_out[1]
+    p_value = sign_flips(without - own, np.random.default_rng(0))
+    better = float(np.mean(own < without))
+    row = Looked(Candidate(term, np.zeros((0, 0))), own**2, p_value, better)
+    return Look((row,), without**2, 0.0)
 
 
 def _clearly(told: Look) -> bool:
