@@ -59,6 +59,14 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
     assert of_drive(score, found.now) < LEAST_OF_DRIVE
 
 
+def test_a_number_that_ended_at_zero_is_fitted_on():
+    made = logs({"deadband": 0.07})[:2]
+    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    band = DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "deadband"), (0.0,))
+    found = refit(prepared, (EMF_TERM, band), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 1)
+    assert np.isfinite(found.terms[1].shape[0])
+
+
 def test_a_measured_drive_is_not_looked_at():
     made = logs({})[:1]
     body = RigidBody(PLANT.format(""), "j")

@@ -247,7 +247,9 @@ class Search:
     def vector(self, law: Shape) -> Array:
         """Numbers of a law and of the terms given, inside their bounds."""
         x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
-        inside = 1e-6 * (self.bounds[1] - self.bounds[0])
+        span = self.bounds[1] - self.bounds[0]
+        # a number at zero may go as far up as physics lets it: its range may have no end
+        inside = 1e-6 * np.where(np.isfinite(span), span, 1.0 + np.abs(x))
         return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
