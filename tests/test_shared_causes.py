@@ -59,3 +59,16 @@ def test_a_leaning_base_is_told_from_wrong_masses():
     ((name, _, found),) = values(found_in(arm))
     assert name == "base-tilt"
     assert found["angle"] == pytest.approx(0.06, rel=0.1)
+
+
+def test_two_simple_causes_are_not_one_rich_one():
+    arm = random_arm(26, 3)
+    hide_mass(arm, "link3", 1.5)
+    hide_rotor(arm, "j1")
+    found = {name: (place, v) for name, place, v in values(found_in(arm))}
+    assert set(found) == {"body-inertia", "rotor-inertia"}
+    place, link = found["body-inertia"]
+    assert place == {"body": "link3"}
+    assert link["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.1)
+    rotor = arm.hidden["rotor-inertia"]["j1"]
+    assert found["rotor-inertia"][1]["added"] == pytest.approx(rotor, rel=0.1)

@@ -11,7 +11,14 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.weights import DISCREPANCY, Errors, errors_of, reweighed, weighted
+from frictionjoint.identify.weights import (
+    DISCREPANCY,
+    Errors,
+    errors_elsewhere,
+    errors_of,
+    reweighed,
+    weighted,
+)
 from tests.plants.spec import Motion
 
 
@@ -88,3 +95,29 @@ def test_weights_of_other_logs_follow_from_the_same_fit(resolved):
     once = weighted(logs, found, Errors(0.01, 0.0))
     again = weighted(once, found, Errors(0.01, 0.0))
     np.testing.assert_array_equal(once.segments[0].weight, again.segments[0].weight)
+
+
+def test_logs_elsewhere_do_not_count_at_rest_where_the_stiffness_is_not_known(resolved):
+    logs, found = resolved
+    size = found.jacobian.shape[1]
+    known = errors_elsewhere(logs, found, np.zeros((size, size)))
+    assert known.sticking == pytest.approx(max(errors_of(logs, found)))
+    unknown = errors_elsewhere(logs, found, 1e12 * np.eye(size))
+    assert unknown.sticking >= found.levels[0]
+    rests = np.abs(logs.segments[0].signals[:, V]) < 1e-3
+    (loose,) = weighted(logs, found, unknown).segments
+    (sure,) = weighted(logs, found, known).segments
+    assert np.median(loose.weight[rests]) < np.median(sure.weight[rests])
+
+
+def test_friction_that_the_motion_does_not_determine_does_not_count(resolved):
+    logs, found = resolved
+    (segment,) = logs.segments
+    rests = np.arange(len(segment.signals)) < len(segment.signals) // 2
+    beside = replace(segment, unknown=np.where(rests, 5.0 * found.levels[0], 0.0))
+    (given,) = weighted(replace(logs, segments=(beside,)), found, errors_of(logs, found)).segments
+    (alone,) = weighted(logs, found, errors_of(logs, found)).segments
+    far = len(rests) // 10
+    assert np.all(given.weight[rests][far:-far] < 0.1)
+    later = np.flatnonzero(~rests)[far:-far]  # away from the filter's ends
+    np.testing.assert_allclose(given.weight[later], alone.weight[later], rtol=1e-2)

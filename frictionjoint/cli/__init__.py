@@ -39,6 +39,7 @@ from frictionjoint.cli.motors import motors
 from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.robot import (
     RobotRequest,
+    Wanted,
     close_loop_of_robot,
     close_loop_of_units,
     units_of,
@@ -241,11 +242,11 @@ def close_loop_command(
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out, Path(robot), joint or [], reading)
-        how = (out, force, seed, law, poses(fixed), as_json, scheduler)
+        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler)
         if unit:
-            close_loop_of_units(request, units_of(unit), *how)
+            close_loop_of_units(request, units_of(unit), wanted)
         else:
-            close_loop_of_robot(request, *how)
+            close_loop_of_robot(request, wanted)
         return
     if scheduler:
         raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")

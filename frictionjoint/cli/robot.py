@@ -5,7 +5,7 @@ import shlex
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.table import Table
@@ -72,32 +72,47 @@ class RobotRequest:
         )
 
 
-def close_loop_of_robot(
-    request: RobotRequest,
-    out: Path,
-    force: bool,
-    seed: int,
-    law: str | None,
-    fixed: "Mapping[str, Pose]",
-    as_json: bool,
-    scheduler: str | None = None,
-) -> None:
+@dataclass(frozen=True)
+class Wanted:
+    """What is made of the logs.
+
+    Attributes:
+        out, force: folder of the report, and whether it may be overwritten. as_json: on stdout.
+        seed, law, fixed, scheduler: see `close_loop_robot`.
+    """
+
+    out: Path
+    force: bool
+    seed: int
+    law: str | None
+    fixed: "Mapping[str, Pose]"
+    as_json: bool
+    scheduler: str | None = None
+
+    @property
+    def search(self) -> dict[str, Any]:
+        """Arguments of the search by name."""
+        names = ("seed", "law", "fixed", "scheduler")
+        return {name: getattr(self, name) for name in names}
+
+
+def close_loop_of_robot(request: RobotRequest, wanted: Wanted) -> None:
     """Read, explain, write, show."""
     from frictionjoint.report.write import FILES
     from frictionjoint.report.write_robot import write_robot_report
     from frictionjoint.robot.close_loop import close_loop_robot
 
     with progress() as say:
-        require_writable(out, request.files, force, FILES)
+        require_writable(wanted.out, request.files, wanted.force, FILES)
         logs = request.read()
-        report = close_loop_robot(logs, request.model, seed, say, law, fixed, scheduler=scheduler)
+        report = close_loop_robot(logs, request.model, progress=say, **wanted.search)
         say("writing the report")
-        write_robot_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
-    if as_json:
+        write_robot_report(report, wanted.out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if wanted.as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
         return
     show_robot(report)
-    typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
+    typer.echo(f"Report: {wanted.out / 'report.html'}   Model: {wanted.out / 'model.xml'}")
 
 
 def units_of(units: list[str]) -> dict[str, list[Path]]:
@@ -118,15 +133,7 @@ def units_of(units: list[str]) -> dict[str, list[Path]]:
 
 
 def close_loop_of_units(
-    request: RobotRequest,
-    units: dict[str, list[Path]],
-    out: Path,
-    force: bool,
-    seed: int,
-    law: str | None,
-    fixed: "Mapping[str, Pose]",
-    as_json: bool,
-    scheduler: str | None = None,
+    request: RobotRequest, units: dict[str, list[Path]], wanted: Wanted
 ) -> None:
     """Read, explain, write and show several robots of one kind."""
     from frictionjoint.report.write_robot_units import FILES, write_units_report
@@ -136,16 +143,16 @@ def close_loop_of_units(
         raise LogError("--unit: give every log as NAME=LOG, and a fraction to --held-out")
     with progress() as say:
         read = [path for paths in units.values() for path in paths]
-        require_writable(out, [*read, request.model], force, FILES)
+        require_writable(wanted.out, [*read, request.model], wanted.force, FILES)
         logs = {name: request.of_unit(paths).read() for name, paths in units.items()}
-        report = close_loop_units(logs, request.model, seed, say, law, fixed, scheduler=scheduler)
+        report = close_loop_units(logs, request.model, progress=say, **wanted.search)
         say("writing the reports")
-        write_units_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
-    if as_json:
+        write_units_report(report, wanted.out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if wanted.as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
         return
     show_units(report)
-    typer.echo(f"Report: {out / 'report.html'}")
+    typer.echo(f"Report: {wanted.out / 'report.html'}")
 
 
 def show_units(report: "UnitsReport") -> None:

@@ -142,7 +142,7 @@ def _simplified(
     i, several = better
     choices = now.choices[:i] + now.choices[i + 1 :]
     rest = _Now(replace(now.settled, found=found.without(i)), choices)
-    trial = _with(rest, several, each, beside)
+    trial = _without_idle(_with(rest, several, each, beside), each, beside)
     pairs = zip(trial.joints, now.joints, strict=True)
     as_near = max((a.fit.rms / b.fit.rms) ** 2 for a, b in pairs) < 1.0 + HARM
     return (trial, True) if as_near else (now, False)
