@@ -3,8 +3,8 @@
     python scripts/real_robots.py --data DIR --out DIR [--only panda --only ur10] [--docs]
 
 Held out is the last 30% of each log. A folder of `--out` that has a report is not run again; with
-`--docs` the reports there are written to docs/robots.md. Memory is the peak of all processes of a
-command together, as /proc has it.
+`--docs` the reports there are written to docs/robots.md, before what else it holds. Memory is the
+peak of all processes of a command together, as /proc has it.
 """
 
 import argparse
@@ -19,12 +19,15 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 HELD_OUT = "0.3"
 PAGE = "docs/robots.md"
+# what is not written here begins with it
+REST = "## What a least squares leaves"
 HEAD = """# Measured robots
 
 Written by `python scripts/real_robots.py --data DIR --out DIR --docs`: for each robot one command,
 `frictionjoint close-loop LOG... --model ROBOT --held-out 0.3 --out OUT`. Torque errors are in per
 cent of the rms of the joint's torque, on the last 30% of each log, which served neither the fit nor
-the choice. Replay is the rms position error of free runs of half a second on the same data. Before
+the choice, in motion: at rest friction is known only where the fitted logs held presliding. Replay
+is the rms position error of free runs of half a second on the same data. Before
 is the integrated law alone under the model as it is. A joint marked *worse* has more of one of them
 after than before: a failure of the loop.
 
@@ -165,7 +168,10 @@ def main() -> None:
         print(section(name, asked.out / name), flush=True)
     if asked.docs:
         done = [n for n in ROBOTS if (asked.out / n / "report.json").exists()]
-        (ROOT / PAGE).write_text(HEAD + "\n".join(section(n, asked.out / n) for n in done))
+        page = ROOT / PAGE
+        _, title, rest = page.read_text().partition(REST)
+        sections = "\n".join(section(n, asked.out / n) for n in done)
+        page.write_text(HEAD + sections + ("\n" + title + rest if title else ""))
 
 
 if __name__ == "__main__":
