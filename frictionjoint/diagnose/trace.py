@@ -9,20 +9,20 @@ the whole family of candidates, chance hardly does as much.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
+from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, weigh_others
-from frictionjoint.diagnose.finding import Finding, Trace, sight
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
-from frictionjoint.diagnose.library import Candidate, comes_first, library
-from frictionjoint.diagnose.moves import Look, Move, Moves, is_unnamed, look
+from frictionjoint.diagnose.library import Candidate, library
+from frictionjoint.diagnose.moves import Look, Move, Moves, look
+from frictionjoint.diagnose.nearest import Replayed
+from frictionjoint.diagnose.outcome import told
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     SMALLEST_GAIN,
@@ -32,13 +32,10 @@ from frictionjoint.diagnose.state import (
     compared,
     needed,
     numbers_of,
-    without,
 )
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import ROUGH, Fit
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -47,7 +44,6 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
-Replayed = Callable[[Fit], Array | None]
 SIGNIFICANCE = 0.05
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
@@ -58,8 +54,6 @@ _ENOUGH = 0.9
 _PAIR = 0.3
 # leaders that are compared once more, by their gain over the best one's
 _LEADERS = 0.7
-# of the replay's error, that leaving an effect out must take away
-_NEARER = 0.05
 _MOST_CHANGES = 12
 
 
@@ -114,7 +108,7 @@ def trace(
             laws.ripen(state.prepared, state.fit.effects)
         if not (_other_law(state, laws) or taken):
             break
-    return _told(state, base, laws, replayed, law_by_motion)
+    return told(state, base, laws, replayed, law_by_motion)
 
 
 def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
@@ -162,7 +156,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     state.look = found.look
     state.prepared, state.fit = reweighed(state.prepared, score.fit)
     state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
-    _drop_idle(state)
+    drop_idle(state)
     state.forget_dropped()
     return [f.term.name for f in state.findings if f.term is term]
 
@@ -221,7 +215,7 @@ def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored
         for candidate in taken.move.added
     ]
     changed = State(prepared, fitted, [*state.findings, *found], seen)
-    _drop_idle(changed)
+    drop_idle(changed)
     return changed
 
 
@@ -320,121 +314,12 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
     )
 
 
-def _drop_idle(state: State) -> None:
-    """Leave out, one after the other, what the model predicts as well without."""
-    while state.fit.effects:
-        blocks = make_blocks(state.prepared, state.fit)
-        now = scored(state.fit, blocks)
-        with side_by_side() as each:
-            others = list(each(partial(without, state), state.fit.effects))
-        scores = [scored(other, blocks) for other in others]
-        pairs = zip(state.fit.effects, scores, strict=True)
-        idle = [(now.gain(s), s.fit) for t, s in pairs if not needed(now, s, comes_first(t))]
-        if not idle:
-            return
-        state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
-
-
 def _other_law(state: State, laws: Laws) -> bool:
     """Take another law where that is clearly better together with the effects found."""
     prepared, found = laws.better(state.prepared, state.fit)
     changed = found is not state.fit
     state.prepared, state.fit = prepared, found
     return changed
-
-
-def _drop_what_moves_worse(state: State, replayed: Replayed) -> None:
-    """Leave out, one after the other, effects without which the simulated motion is nearer."""
-    while state.fit.effects:
-        now = replayed(state.fit)
-        if now is None:
-            return
-        trials = []
-        for term in state.fit.effects:
-            other = without(state, term)
-            errors = replayed(other)
-            if errors is not None and _nearer(errors, now):
-                trials.append((float(errors.sum()), other))
-        if not trials:
-            return
-        state.prepared, state.fit = reweighed(state.prepared, min(trials, key=lambda x: x[0])[1])
-
-
-def _nearer(errors: Array, now: Array) -> bool:
-    """Whether runs come nearer: by a part of the rms, and by a paired standard error."""
-    gained = now - errors
-    enough = errors.sum() < (1.0 - _NEARER) ** 2 * now.sum()
-    return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
-
-
-def _moving_nearest(state: State, laws: Laws, replayed: Replayed) -> None:
-    """Another law, or the same from another valley, where the simulated motion is nearer.
-
-    What else is wrong with a drive that a controller reconstructs bends the law: several leave as
-    much of the torque, and move quite differently.
-    """
-    now = replayed(state.fit)
-    if now is None:
-        return
-    best, least = None, now
-    for other in laws.near(state.prepared, state.fit):
-        errors = replayed(other)
-        if errors is not None and _nearer(errors, now) and errors.sum() < least.sum():
-            best, least = other, errors
-    if best is None:
-        return
-    moved = refit(state.prepared, best.effects, best.shape, ROUGH)
-    prepared, moved = reweighed(*settled(*reweighed(state.prepared, moved)))
-    errors = replayed(moved)
-    if errors is not None and _nearer(errors, now):
-        state.prepared, state.fit = prepared, moved
-
-
-def _told(state: State, base: Fit, laws: Laws, replayed: Replayed, law_by_motion: bool) -> Trace:
-    """What was found, without the dependences that have no name: those are only reported."""
-    unexplained: dict[str, float] = {}
-    hints: list[str] = []
-    blocks = make_blocks(state.prepared, state.fit)
-    whole = scored(state.fit, blocks)
-    for i, term in enumerate(state.fit.terms):
-        if isinstance(term, SmoothTerm):
-            gain = whole.gain(scored(without(state, term), blocks))
-            unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
-            if not state.prepared.gain_unknown:
-                unit, _ = units_of(state.fit, state.prepared.slide)
-                hints.append(term.says(state.fit.term_coefficients(i), unit))
-    if unexplained:
-        named = tuple(t for t in state.fit.effects if not is_unnamed(t))
-        alone = refit(state.prepared, named, state.fit.shape)
-        state.prepared, state.fit = reweighed(state.prepared, alone)
-        _drop_idle(state)
-    state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    if law_by_motion:
-        _moving_nearest(state, laws, replayed)
-    _drop_what_moves_worse(state, replayed)
-    found: list[Finding] = []
-    for term in state.fit.effects:
-        own = [f for f in state.findings if f.term.name == term.name]
-        found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
-    other = laws.unchosen(state.prepared, state.fit, base)
-    same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
-    base = state.fit if same else refit(state.prepared, (), base.shape)
-    return Trace(
-        prepared=state.prepared,
-        base=base,
-        findings=tuple(found),
-        final=state.fit,
-        unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
-        hints=tuple(filter(None, hints)),
-        last_look=state.look,
-        other=other,
-        sight=sight(state.prepared, state.fit, state.look),
-    )
-
-
-def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:
-    """Findings of one name: harmonics of a periodic effect come one by one."""
-    return [f for f in found if f.term.name == term.name]
 
 
 def _total(tried: _Tried) -> float:

@@ -1,0 +1,64 @@
+"""Models judged by the motion that they simulate."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.state import State, without
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.start import settled
+from frictionjoint.identify.weights import reweighed
+
+# mean square error of each run simulated with a fit, rad^2 (m^2), or None
+Replayed = Callable[[Fit], Array | None]
+# of the replay's error, that another model must take away
+_NEARER = 0.05
+
+
+def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
+    """Leave out, one after the other, effects without which the simulated motion is nearer."""
+    while state.fit.effects:
+        now = replayed(state.fit)
+        if now is None:
+            return
+        trials = []
+        for term in state.fit.effects:
+            other = without(state, term)
+            errors = replayed(other)
+            if errors is not None and _nearer(errors, now):
+                trials.append((float(errors.sum()), other))
+        if not trials:
+            return
+        state.prepared, state.fit = reweighed(state.prepared, min(trials, key=lambda x: x[0])[1])
+
+
+def _nearer(errors: Array, now: Array) -> bool:
+    """Whether runs come nearer: by a part of the rms, and by a paired standard error."""
+    gained = now - errors
+    enough = errors.sum() < (1.0 - _NEARER) ** 2 * now.sum()
+    return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
+
+
+def moving_nearest(state: State, laws: Laws, replayed: Replayed) -> None:
+    """Another law, or the same from another valley, where the simulated motion is nearer.
+
+    What else is wrong with a drive that a controller reconstructs bends the law: several leave as
+    much of the torque, and move quite differently.
+    """
+    now = replayed(state.fit)
+    if now is None:
+        return
+    best, least = None, now
+    for other in laws.near(state.prepared, state.fit):
+        errors = replayed(other)
+        if errors is not None and _nearer(errors, now) and errors.sum() < least.sum():
+            best, least = other, errors
+    if best is None:
+        return
+    moved = refit(state.prepared, best.effects, best.shape, ROUGH)
+    prepared, moved = reweighed(*settled(*reweighed(state.prepared, moved)))
+    errors = replayed(moved)
+    if errors is not None and _nearer(errors, now):
+        state.prepared, state.fit = prepared, moved
