@@ -77,13 +77,13 @@ class UnitsReport:
 
     @property
     def spreads(self) -> tuple[Spread, ...]:
-        """Of the friction law under the model as it is, the same in all units, joint by joint; then
-        of the shared causes. What only one unit has is left out.
+        """Of the friction law in the end, under the corrected model, joint by joint; then of the
+        shared causes. What only one unit has is left out.
         """
         rows: dict[tuple[str, str, str], dict[str, Estimate]] = {}
         for unit, report in self.units.items():
             for joint, result in report.joints.items():
-                for name, x in result.base.items():
+                for name, x in result.report.final.items():
                     rows.setdefault((joint, name, x.unit), {})[unit] = x
             for cause in report.shared:
                 owner = " of ".join(filter(None, (cause.cause, " and ".join(cause.place.values()))))
