@@ -101,6 +101,9 @@ def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(name, tmp_path
     assert [variable for variable, _ in found.unexplained] == [quantity]
     (hint,) = found.hints
     assert said in hint
+    if quantity == "torque":  # what did not act is taken off the log, and bends no law
+        assert found.final.coefficient("Fc") == pytest.approx(PLANT.friction.Fc, rel=0.05)
+        assert found.final.rms < 0.1 * PLANT.friction.Fc
 
 
 def test_spring_and_gravity_over_a_small_range_are_a_tie(tmp_path):

@@ -12,6 +12,8 @@ from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, movi
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.instruments import ExcessTerm
+from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
@@ -34,6 +36,7 @@ def told(state: State, base: Fit, laws: Laws, replayed: Replayed, law_by_motion:
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
     if unexplained:
         named = tuple(t for t in state.fit.effects if not is_unnamed(t))
+        state.prepared = _with_torque_that_acted(state)
         alone = refit(state.prepared, named, state.fit.shape)
         state.prepared, state.fit = reweighed(state.prepared, alone)
         drop_idle(state)
@@ -59,6 +62,16 @@ def told(state: State, base: Fit, laws: Laws, replayed: Replayed, law_by_motion:
         other=other,
         sight=sight(state.prepared, state.fit, state.look),
     )
+
+
+def _with_torque_that_acted(state: State) -> Prepared:
+    """The logs without what a dependence on their own torque says did not act."""
+    logs = list(state.prepared.segments)
+    for i, term in enumerate(state.fit.terms):
+        if isinstance(term, ExcessTerm):
+            (fraction,) = state.fit.term_coefficients(i)
+            logs = [term.corrected(s, float(fraction)) for s in logs]
+    return replace(state.prepared, segments=tuple(logs))
 
 
 def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:

@@ -58,8 +58,18 @@ class ExcessTerm(SmoothTerm):
         """The level, and how much did not act."""
         return (
             f"Of the torque logged beyond {self.level:.3g} {unit}, {coefficients[0]:.0%} did not "
-            "act: a drive saturates, and the log holds what was asked for."
+            "act: a drive saturates, and the log holds what was asked for. The final fit is of "
+            "what did act."
         )
+
+    def corrected(self, segment: Segment, fraction: float) -> Segment:
+        """A log of the torque that did act.
+
+        Args:
+            fraction: of the torque beyond the level that did not.
+        """
+        excess = self.columns(segment, segment.signals)[:, 0]
+        return replace(segment, drive=segment.drive - fraction * excess)
 
 
 @dataclass(frozen=True)
