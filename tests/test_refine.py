@@ -60,7 +60,9 @@ def test_the_covariance_is_one(case):
     _, found, _ = case
     assert found.cov.shape == (len(found.values), len(found.values))
     assert np.linalg.eigvalsh(found.cov).min() > -1e-12
-    assert np.all(np.sqrt(np.diag(found.cov)) <= found.vector.unit * 1.01)
+    # most numbers are determined better than by the balance; one on which kinds of logs disagree
+    # may be less sure than that
+    assert np.median(np.sqrt(np.diag(found.cov)) / found.vector.unit) < 0.9
 
 
 def test_numbers_stay_in_their_range_where_a_search_rounds(case):
