@@ -10,11 +10,11 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP, TIME, A, H, Q
+from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.design import full_signals, kept, term_bounds
 from frictionjoint.identify.fit import HEARD, Fit
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.smooth import (
     VARIABLES,
     HysteresisTerm,
@@ -31,6 +31,8 @@ _POSITION_BINS = 4096
 _FEWEST_PERIODS = 1.5
 # waves in time that the longest log must hold
 _FEWEST_WAVES = 2.0
+# of what a wave in time explains, that one in position may explain
+_AS_IN_TIME = 0.5
 # reaches of unnamed hysteresis, over the travel
 _REACHES = (0.01, 0.03, 0.1, 0.3)
 # fractions of the samples above which a logged torque may not have acted
@@ -278,9 +280,21 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     frequency = (int(np.argmax(power)) + first) * rate / (2 * cells)
     # a line is as wide as half a turn over the longest log: in between lies the wave
     line = frequency - 0.5 / longest, frequency + 0.5 / longest
-    frequency = float(minimize_scalar(lambda f: -_of_wave(fitted, times, f), bounds=line).x)
+    found = minimize_scalar(lambda f: -_of_wave(fitted, times, f), bounds=line)
+    frequency = float(found.x)
+    # at a constant speed a wave in position is one in time
+    turned = [_at_mean_speed(s) for s in prepared.segments]
+    if _of_wave(fitted, turned, frequency) >= _AS_IN_TIME * -float(found.fun):
+        return [], 1.0
     wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments))
     return [wave], max(1.0, len(power) / 2.0)
+
+
+def _at_mean_speed(segment: Segment) -> Array:
+    """Time at which the positions of a log would be passed at its mean speed, s."""
+    q, v = (segment.signals[:: segment.step, k][segment.kept] for k in (Q, V))
+    mean = float(np.mean(v))
+    return np.asarray(q / mean if mean else np.zeros(len(q)))
 
 
 def _of_wave(fitted: Fit, times: list[Array], frequency: float) -> float:

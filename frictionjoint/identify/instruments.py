@@ -13,6 +13,9 @@ from frictionjoint.effects.signals import GX, GY, A, Q, V
 from frictionjoint.identify.prepare import Segment
 from frictionjoint.identify.smooth import SmoothTerm
 
+# what the filter of the motion may change of a torque that does not act
+_ABOUT = 0.1
+
 
 @dataclass(frozen=True)
 class ExcessTerm(SmoothTerm):
@@ -32,8 +35,8 @@ class ExcessTerm(SmoothTerm):
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """What was asked for beyond the level acts against nothing."""
-        return ((0.0, np.inf),)
+        """A drive that saturates gives nothing beyond its level: all of that is missing."""
+        return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
