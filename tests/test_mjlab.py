@@ -6,15 +6,15 @@ It asks for an environment of its own, Python 3.12 and mjlab 1.6.0; elsewhere it
 # imports stand behind the skip
 # ruff: noqa: E402
 
-import runpy
 from dataclasses import asdict
 
 import mujoco
 import numpy as np
 import pytest
+from exported import carrying, module_of
 
 import frictionjoint as fj
-from frictionjoint.export.run import Target, export
+from frictionjoint.export.run import Target
 
 pytest.importorskip("mjlab", reason="mjlab is not installed")
 torch = pytest.importorskip("torch")
@@ -51,15 +51,8 @@ ARM = """<mujoco><compiler angle="radian"/><worldbody>
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory):
     """What the export to mjlab defines, and the MJCF."""
-    folder = tmp_path_factory.mktemp("mjlab")
-    spec = mujoco.MjSpec.from_string(ARM)
-    fj.install(spec, {"elbow": LAW})
-    spec.compile()
-    path = folder / "arm.xml"
-    path.write_text(spec.to_xml())
-    out = folder / "arm_mjlab.py"
-    out.write_text(export(path, Target.MJLAB, out).text)
-    return runpy.run_path(str(out)), path
+    path = carrying(ARM, LAW, tmp_path_factory.mktemp("mjlab"))
+    return module_of(path, Target.MJLAB), path
 
 
 def nearness(env):

@@ -3,11 +3,10 @@
 It asks for an environment of its own, Python 3.12 and `newton[sim]` 1.8.0; elsewhere it is skipped.
 """
 
-import runpy
-
 import mujoco
 import numpy as np
 import pytest
+from exported import carrying, module_of
 
 import frictionjoint as fj
 from frictionjoint.export.run import Target, export
@@ -30,17 +29,12 @@ ARM = f"""<mujoco model="arm"><compiler angle="radian"/>
 def exported(tmp_path_factory):
     """The robot without friction, what the export defines, and MuJoCo's own export."""
     folder = tmp_path_factory.mktemp("newton")
-    spec = mujoco.MjSpec.from_string(ARM)
-    fj.install(spec, {"elbow": LAW})
-    spec.compile()
-    carries = folder / "arm.xml"
-    carries.write_text(spec.to_xml())
-    file = folder / "arm_newton.py"
-    file.write_text(export(carries, Target.NEWTON, file, speeds=(0.5, 5.0)).text)
+    carries = carrying(ARM, LAW, folder)
+    module = module_of(carries, Target.NEWTON, speeds=(0.5, 5.0))
     native = export(carries, Target.NATIVE, folder / "native.xml", speeds=(0.5, 5.0)).text
     bare = folder / "bare.xml"
     bare.write_text(ARM)
-    return bare, runpy.run_path(str(file)), mujoco.MjModel.from_xml_string(native)
+    return bare, module, mujoco.MjModel.from_xml_string(native)
 
 
 def speeds(exported, friction, steps):

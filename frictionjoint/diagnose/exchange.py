@@ -7,8 +7,7 @@ import numpy as np
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.library import Candidate, library, other_forms
-from frictionjoint.diagnose.moves import is_unnamed
+from frictionjoint.diagnose.library import Candidate, is_unnamed, library, other_forms
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, apart, as_much, compared, numbers_of
 from frictionjoint.identify.fit import Fit

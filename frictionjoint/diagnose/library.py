@@ -68,7 +68,7 @@ class Candidate:
     @property
     def unnamed(self) -> bool:
         """Whether it is a dependence without a physical name."""
-        return isinstance(self.term, SmoothTerm)
+        return is_unnamed(self.term)
 
     @property
     def comes_first(self) -> bool:
@@ -87,6 +87,11 @@ class Candidate:
         left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
         rest = other.columns - self.columns @ left
         return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
+
+
+def is_unnamed(term: Term) -> bool:
+    """Whether a term is a dependence without a physical name."""
+    return isinstance(term, SmoothTerm)
 
 
 def comes_first(term: Term) -> bool:

@@ -12,7 +12,6 @@ from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import Term
 
 # of each sort of move, how many are refitted
@@ -179,8 +178,3 @@ class Moves:
 
 def _total(move: Move) -> float:
     return float(move.left.sum())
-
-
-def is_unnamed(term: Term) -> bool:
-    """Whether a term is a dependence without a physical name."""
-    return isinstance(term, SmoothTerm)

@@ -7,7 +7,7 @@ from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.laws import Laws
-from frictionjoint.diagnose.moves import is_unnamed
+from frictionjoint.diagnose.library import is_unnamed
 from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without

@@ -11,41 +11,24 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, A, Q, V
 from frictionjoint.identify.prepare import Segment
-from frictionjoint.identify.smooth import SmoothTerm
+from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
 # what the filter of the motion may change of a torque that does not act
 _ABOUT = 0.1
 
 
 @dataclass(frozen=True)
-class ExcessTerm(SmoothTerm):
+class ExcessTerm(TunedTerm):
     """Torque that a log holds beyond a level: asked for, it may not have been given.
 
     Attributes:
-        level: N m (N). within: least and largest level that the logs can tell.
+        at: the level, N m (N). within: levels that are exceeded, but not always.
     """
-
-    level: float
-    within: tuple[float, float]
-
-    @property
-    def shape(self) -> tuple[float, ...]:
-        """The level."""
-        return (self.level,)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """A drive that saturates gives nothing beyond its level: all of that is missing."""
         return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], ...]:
-        """Levels that are exceeded, but not always."""
-        return (self.within,)
-
-    def with_shape(self, shape: tuple[float, ...]) -> "ExcessTerm":
-        """The same with another level."""
-        return replace(self, level=shape[0])
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -55,12 +38,12 @@ class ExcessTerm(SmoothTerm):
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, 1)."""
         torque = segment.drive[:, None]
-        return np.asarray(torque - np.clip(torque, -self.level, self.level))
+        return np.asarray(torque - np.clip(torque, -self.at, self.at))
 
     def says(self, coefficients: Array, unit: str) -> str:
         """The level, and how much did not act."""
         return (
-            f"Of the torque logged beyond {self.level:.3g} {unit}, {coefficients[0]:.0%} did not "
+            f"Of the torque logged beyond {self.at:.3g} {unit}, {coefficients[0]:.0%} did not "
             "act: a drive saturates, and the log holds what was asked for. The final fit is of "
             "what did act."
         )

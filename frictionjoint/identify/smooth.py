@@ -169,30 +169,40 @@ class LogTerm(SmoothTerm):
 
 
 @dataclass(frozen=True)
-class WaveTerm(SmoothTerm):
-    """A wave in time whose phase belongs to each log.
+class TunedTerm(SmoothTerm):
+    """What has one number that enters nonlinearly.
 
     Attributes:
-        frequency: Hz. within: those of its line in the spectrum. logs: their names, in turn.
+        at: that number. within: its least and largest value.
     """
 
-    frequency: float
+    at: float
     within: tuple[float, float]
-    logs: tuple[str, ...]
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """The frequency."""
-        return (self.frequency,)
+        """The number."""
+        return (self.at,)
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """See `within`."""
         return (self.within,)
 
-    def with_shape(self, shape: tuple[float, ...]) -> "WaveTerm":
-        """The same at another frequency."""
-        return replace(self, frequency=shape[0])
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
+        """The same with another number."""
+        return replace(self, at=shape[0])
+
+
+@dataclass(frozen=True)
+class WaveTerm(TunedTerm):
+    """A wave in time whose phase belongs to each log.
+
+    Attributes:
+        at: frequency, Hz. within: those of its line in the spectrum. logs: their names, in turn.
+    """
+
+    logs: tuple[str, ...]
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -201,7 +211,7 @@ class WaveTerm(SmoothTerm):
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
-        angle = 2.0 * np.pi * self.frequency * signals[:, [TIME]]
+        angle = 2.0 * np.pi * self.at * signals[:, [TIME]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
         return np.hstack([wave * x for x in own])
@@ -210,7 +220,7 @@ class WaveTerm(SmoothTerm):
         """Its size and frequency."""
         size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
         return (
-            f"A torque of up to {size:.2g} {unit} comes and goes at {self.frequency:.3g} Hz, "
+            f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz, "
             "whatever the motion: something outside the joint drives it."
         )
 
