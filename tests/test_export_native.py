@@ -194,14 +194,12 @@ def test_ball_joints_have_no_urdf(tmp_path):
         export(tmp_path / "ball.xml", Target.URDF, tmp_path / "x.urdf")
 
 
-def test_isaac_lab_gets_its_own_words(one_joint, tmp_path, monkeypatch):
-    _, file = written(one_joint, Target.ISAAC, tmp_path / "out", speeds=(0.1, 2.0))
-    seen = []
+@pytest.fixture
+def isaac_actuators(monkeypatch):
+    """What an exported file hands to Isaac Lab, by joint: a stand-in with the fields of its 3.0."""
 
     @dataclasses.dataclass
     class ImplicitActuatorCfg:
-        """The fields of Isaac Lab 3.0 that are used, with its names."""
-
         joint_names_expr: list
         stiffness: float | None
         damping: float | None
@@ -210,21 +208,40 @@ def test_isaac_lab_gets_its_own_words(one_joint, tmp_path, monkeypatch):
         viscous_friction: float
         armature: float
 
-        def __post_init__(self):
-            seen.append(self)
-
     module = types.ModuleType("isaaclab.actuators")
     module.ImplicitActuatorCfg = ImplicitActuatorCfg
     monkeypatch.setitem(sys.modules, "isaaclab", types.ModuleType("isaaclab"))
     monkeypatch.setitem(sys.modules, "isaaclab.actuators", module)
-    actuators = runpy.run_path(str(file))["ACTUATORS"]
-    (found,) = seen
-    assert actuators == {"elbow": found}
+    return lambda file: runpy.run_path(str(file))["ACTUATORS"]
+
+
+def test_isaac_lab_gets_its_own_words(one_joint, tmp_path, isaac_actuators):
+    _, file = written(one_joint, Target.ISAAC, tmp_path / "out", speeds=(0.1, 2.0))
+    actuators = isaac_actuators(file)
+    assert set(actuators) == {"elbow"}
+    found = actuators["elbow"]
     assert found.joint_names_expr == ["elbow"]
+    assert found.stiffness is found.damping is None
     assert found.friction == pytest.approx(1.4)
     assert found.dynamic_friction == pytest.approx(1.4, abs=0.01)
     assert found.viscous_friction == pytest.approx(0.3 + 0.3 + 0.25, abs=0.01)
     assert found.armature == pytest.approx(0.05)
+
+
+def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_actuators):
+    falls = StaticParameters.symmetric(Fs=2.0, Fc=1.2, Vs=0.02, delta=2.0, sigma2=0.7, V0=1e-3)
+    path = arm(tmp_path, {"elbow": falls, "rail": falls})
+    _, file = written(path, Target.ISAAC, tmp_path / "out", speeds=(0.5, 3.0))
+    actuators = isaac_actuators(file)
+    # per radian, and of a slide per metre, as its documentation has it; the joints' own added
+    own = {"elbow": (0.0, 0.3), "rail": (0.2, 0.0)}
+    for name, (loss, damping) in own.items():
+        found = actuators[name]
+        assert found.dynamic_friction == pytest.approx(1.2 + loss, abs=2e-3)
+        assert found.friction == pytest.approx(2.0 + loss)
+        assert found.viscous_friction == pytest.approx(0.7 + damping, abs=2e-3)
+        # PhysX asks for it
+        assert found.dynamic_friction <= found.friction
 
 
 def test_newton_gets_its_own_words(one_joint, tmp_path):
