@@ -2,7 +2,10 @@
 
 import json
 import math
+import re
+from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -13,7 +16,10 @@ from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.motors.bam import MODELS, BamParameters, from_bam, read_bam, to_bam
 from frictionjoint.motors.library import get_motor, list_motors, motor_text
+from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.carrier import install
 
+MODELS_FOLDER = Path(__file__).resolve().parents[1] / "models"
 MOTOR = {"kt": 0.38, "R": 3.4, "armature": 0.0019, "q_offset": 0.03}
 NUMBERS = {
     "friction_base": 0.009,
@@ -100,7 +106,7 @@ def test_what_has_no_counterpart_is_said():
     text = " ".join(said)
     for word in ("before sliding", "kt 0.38", "armature 0.0019", "q_offset", "exponent 1.7"):
         assert word in text
-    joint = get_motor("ur10_j1").friction
+    joint = get_motor("ur10_j3").friction
     made, said = to_bam(joint, bam("m1"), "m1")
     text = " ".join(said)
     assert "integrated law before sliding" in text
@@ -149,17 +155,43 @@ def test_the_command_goes_both_ways(tmp_path):
     assert "no model 'm9'" in str(refused.exception)
 
 
-def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path):
-    found = list_motors()
-    assert {"ur10_j1", "ur10_j6"} <= {motor.name for motor in found}
-    for motor in found:
-        assert motor.source.startswith("https://")
-        assert motor.licence
-        assert motor.fit
-        out = tmp_path / f"{motor.name}.toml"
-        assert call("get", motor.name, "--out", out).exit_code == 0
-        assert read_parameters(out) == motor.friction
-        assert toml_text(motor.friction.parameters, motor.friction.effects) == out.read_text()
+@pytest.mark.parametrize("motor", list_motors(), ids=lambda motor: motor.name)
+def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor):
+    assert motor.source.startswith("https://")
+    assert motor.licence
+    assert motor.command.startswith("frictionjoint close-loop ")
+    assert re.fullmatch("[0-9a-f]{64}", motor.logs)
+    assert re.fullmatch("[0-9a-f]{12}", motor.version)
+    assert (MODELS_FOLDER / motor.model).exists()
+    out = tmp_path / f"{motor.name}.toml"
+    assert call("get", motor.name, "--out", out).exit_code == 0
+    assert read_parameters(out) == motor.friction
+    assert toml_text(motor.friction.parameters, motor.friction.effects) == out.read_text()
+    model = mujoco.MjSpec.from_file(str(MODELS_FOLDER / motor.model))
+    install(model, {motor.joint: motor.friction.parameters}, {motor.joint: motor.friction.effects})
+    compiled = model.compile()
+    data = mujoco.MjData(compiled)
+    with attach(compiled):
+        mujoco.mj_step(compiled, data, 20)
+    assert np.isfinite(data.qpos).all()
+
+
+@pytest.mark.parametrize("motor", list_motors(), ids=lambda motor: motor.name)
+def test_what_is_left_before_and_after_is_stated_and_a_worse_end_is_said(motor):
+    assert {"torque_held_out", "torque_held_out_before"} <= set(motor.fit)
+    for key, after in motor.fit.items():
+        if motor.fit.get(f"{key}_before", np.inf) < after:
+            assert key in motor.remark.partition("Worse after than before:")[2]
+    effects = {x.effect.name for x in motor.friction.effects}
+    for effect in set(motor.found) - effects - {"motor"}:
+        assert effect in motor.remark
+
+
+def test_the_library_holds_every_machine_with_all_its_joints():
+    names = {motor.name for motor in list_motors()}
+    joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6}
+    wanted = {f"{stem}{i}" for stem, n in joints.items() for i in range(1, n + 1)}
+    assert names == wanted | {"xl330", "sts3215", "emps"}
 
 
 def test_the_list_names_them():

@@ -49,20 +49,24 @@ def list_command(as_json: Json = False) -> None:
                 "effects": [e.effect.name for e in x.friction.effects],
                 "unit": x.unit,
                 "fit": x.fit,
+                "stderr": x.stderr,
+                "found": x.found,
                 "source": x.source,
                 "licence": x.licence,
                 "command": x.command,
+                "version": x.version,
+                "logs": x.logs,
                 "remark": x.remark,
             }
             for x in found
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "law", "effects", "left, rms", "licence")
+    table = Table("name", "what", "law", "effects", "held out, rms", "licence")
     for x in found:
-        left = x.fit.get("held_out_rms", x.fit.get("torque_rms"))
         effects = ", ".join(e.effect.name for e in x.friction.effects) or "none"
-        shown = "" if left is None else f"{left:.3g} {x.unit}"
+        ends = (x.fit.get(f"torque_held_out{when}") for when in ("_before", ""))
+        shown = " to ".join("?" if end is None else f"{end:.3g}" for end in ends) + f" {x.unit}"
         table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
     console().print(table)
 

@@ -1,7 +1,9 @@
 """Motors and joints identified from public logs, one TOML file each in this folder.
 
 A file holds ``[motor]``: title, source and licence of the logs it was identified from, the command
-that did it, and what the fit left; and ``[friction]``: law and effects as in a parameter file.
+that did it, the digest of its report (what was left before and after effects were added, standard
+errors); and ``[friction]``: law and effects as in a parameter file. ``scripts/make_motors.py``
+writes them all.
 """
 
 import tomllib
@@ -17,8 +19,7 @@ from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.simulate.carrier import JointFriction
 
 # what a file says of a motor, all of it text but the numbers of the fit
-TEXTS = ("title", "joint", "model", "source", "licence", "command", "remark")
-NUMBERS = ("torque_rms", "torque_rms_before", "held_out_rms", "held_out_rms_before")
+TEXTS = ("title", "joint", "model", "source", "licence", "command", "version", "logs", "remark")
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,16 @@ class Motor:
     Attributes:
         name: as the command takes it. title: what it is.
         joint, model: of the MJCF it was identified with, which holds its inertia.
-        source, licence: of the logs. command: that identified it.
+        source, licence: of the logs. logs: SHA-256 of them all, in order.
+        command: that identified it. version: commit of the package that ran it.
         remark: what to know before using it; may be empty.
-        unit: of torques. fit: rms of what the fit left, by name, in that unit: `torque_rms` of all
-            logs, or of the fitted and the held-out ones, before and after effects were added.
+        unit: of torques.
+        fit: what was left before and after effects were added, by name: `torque` rms of the drive
+            in `unit`, `replay` rms of free runs and `closed_loop` mean absolute error of whole logs
+            from their target, rad or m; each `_fit` and `_held_out`, and these with `_before`.
+        stderr: standard errors of the law's numbers.
+        found: numbers of all effects that were added, by effect, also of those that are no part of
+            `friction`: the drive's, the load's, the log's.
         friction: law and effects.
     """
 
@@ -42,9 +49,13 @@ class Motor:
     source: str
     licence: str
     command: str
+    version: str
+    logs: str
     remark: str
     unit: str
     fit: dict[str, float]
+    stderr: dict[str, float]
+    found: dict[str, dict[str, float]]
     friction: JointFriction
 
 
@@ -73,6 +84,8 @@ def motor_text(motor: Motor) -> str:
     for key in (*TEXTS, "unit"):
         table.add(key, getattr(motor, key))
     table.add("fit", motor.fit)
+    table.add("stderr", motor.stderr)
+    table.add("found", motor.found)
     document.add("motor", table)
     friction = toml_document(motor.friction.parameters, motor.friction.effects)
     document.add("friction", tomlkit.item(friction.unwrap()))
@@ -87,9 +100,14 @@ def _read(file: Traversable) -> Motor:
         return Motor(
             name=name,
             unit=about["unit"],
-            fit={key: float(about["fit"][key]) for key in NUMBERS if key in about["fit"]},
+            fit={key: float(x) for key, x in about["fit"].items()},
+            stderr={key: float(x) for key, x in about["stderr"].items()},
+            found={
+                effect: {key: float(x) for key, x in numbers.items()}
+                for effect, numbers in about["found"].items()
+            },
             friction=joint_friction(content["friction"]),
             **{key: str(about[key]) for key in TEXTS},
         )
-    except (tomllib.TOMLDecodeError, KeyError, ParameterError) as error:
+    except (tomllib.TOMLDecodeError, KeyError, ValueError, ParameterError) as error:
         raise ParameterError(f"motor {name}: its file is damaged: {error}") from None

@@ -1,0 +1,321 @@
+"""The library of motors, frictionjoint/motors/*.toml, from a folder of public logs.
+
+    python scripts/make_motors.py --data DIR --out DIR [--only xl330]
+
+Each source is one command, `frictionjoint close-loop`; its report goes to a folder of --out, and
+one that has a report is not run again. A motor's file holds friction from the report's model.xml
+and a digest of its report.json. The logs themselves are not part of the package. docs/motors.md,
+the table of the whole library, is written again each time.
+"""
+
+import argparse
+import hashlib
+import json
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from frictionjoint.motors.library import Motor, list_motors, motor_text
+from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+
+ROOT = Path(__file__).resolve().parents[1]
+LIBRARY = ROOT / "frictionjoint/motors"
+PAGE = ROOT / "docs/motors.md"
+HEAD = """# Library of motors
+
+Written by `python scripts/make_motors.py --data DIR --out DIR`: motors and joints identified from
+public logs by `frictionjoint close-loop`, one command a machine. `frictionjoint motors get NAME`
+writes the parameter file; `frictionjoint motors list --json` has also the command, the commit, the
+digest of the logs, standard errors, and the numbers of effects that are the drive's or the load's.
+
+Torque is the rms of what is left of the drive on held-out data, from the law alone to the law with
+the effects found; replay the rms position error of free runs of half a second; loop the mean
+absolute error of whole logs simulated from their target, where there is one. Of a robot the second
+number is of the model whose bodies are corrected as the remark says, not of the MJCF as it is.
+
+"""
+# a number whose standard error is more than this part of it is called loose
+LOOSE = 0.5
+
+
+@dataclass(frozen=True)
+class Source:
+    """Logs of one motor, or of one robot.
+
+    Attributes:
+        title: of the machine. logs: fitted ones, patterns in the data folder.
+        held_out: such patterns, or the fraction of each log's end.
+        model: MJCF in models/, or PATTERN=MJCF by the names of the logs. joint: None for a robot.
+        address, licence: of the logs. controller: preset or file in models/. remark: of the author.
+    """
+
+    title: str
+    logs: tuple[str, ...]
+    held_out: tuple[str, ...] | float
+    model: tuple[str, ...]
+    joint: str | None
+    address: str
+    licence: str
+    controller: str = ""
+    remark: str = ""
+
+
+NO_LICENCE = "none stated"
+NOT_SHIPPED = "The logs are not redistributed; these are numbers of a fit."
+SOURCES = {
+    "xl330": Source(
+        "Dynamixel XL330 servo",
+        (
+            "xl330/*_10h28m*.json",
+            "xl330/*_10h29m04.json",
+            "xl330/*_10h29m[45]*.json",
+            "xl330/*_10h30m*.json",
+        ),
+        ("xl330/*_10h29m[123]*.json",),
+        ("xl330_pendulum.xml",),
+        "pendulum",
+        "https://github.com/Rhoban/bam",
+        "Apache-2.0",
+        controller="xl330",
+        remark="Held out: firmware gain 400. Presliding is below the encoder's count.",
+    ),
+    "sts3215": Source(
+        "Feetech STS3215 servo, 12 V",
+        ("sts3215/*_kp4_*.json", "sts3215/*_kp16_*.json", "sts3215/*_kp32_*.json"),
+        ("sts3215/*_kp8_*.json",),
+        ("m0.535*=sts3215_pendulum.xml", "m0.969*=sts3215_pendulum_heavy.xml"),
+        "pendulum",
+        "https://github.com/kscalelabs/sysid",
+        NO_LICENCE,
+        controller="sts3215",
+        remark=f"Held out: firmware gain 8. Presliding is below the encoder's count. {NOT_SHIPPED}",
+    ),
+    "emps": Source(
+        "EMPS, electro-mechanical positioning system",
+        ("emps/DATA_EMPS.mat",),
+        0.3333,
+        ("emps.xml",),
+        "carriage",
+        "https://github.com/forgi86/sysid-neural-continuous",
+        NO_LICENCE,
+        controller="emps.controller.toml",
+        remark=NOT_SHIPPED,
+    ),
+    "panda": Source(
+        "Franka Emika Panda",
+        ("panda",),
+        0.3,
+        ("panda.xml",),
+        None,
+        "https://github.com/marcocognetti/FrankaEmikaPandaDynModel",
+        "GPL-3.0",
+        remark="Torque was measured behind the gear.",
+    ),
+    "tx40": Source(
+        "Staubli TX40",
+        ("staubli_tx40",),
+        0.3,
+        ("staubli_tx40.xml",),
+        None,
+        "https://github.com/thanhndv212/figaroh-examples",
+        "Apache-2.0",
+    ),
+    "ur10": Source(
+        "Universal Robots UR10",
+        ("unisa_ur10/ur10.csv",),
+        0.3,
+        ("ur10.xml",),
+        None,
+        "https://github.com/unisa-acg/inverse-dynamics-solver",
+        "BSD-3-Clause",
+    ),
+}
+
+
+def arguments(source: Source, logs: Sequence[str], held_out: Sequence[str]) -> list[str]:
+    """Of `frictionjoint close-loop`, without --out; paths from the root of the checkout."""
+    made = [*logs]
+    for text in source.model:
+        pattern, _, name = text.rpartition("=")
+        made += ["--model", f"{pattern}=models/{name}" if pattern else f"models/{name}"]
+    if source.joint:
+        made += ["--joint", source.joint]
+    if source.controller:
+        file = source.controller.endswith(".toml")
+        made += ["--controller", f"models/{source.controller}" if file else source.controller]
+    for log in held_out:
+        made += ["--held-out", log]
+    return made
+
+
+def found(data: Path, patterns: tuple[str, ...] | float) -> list[str]:
+    """The logs of some patterns, in order; a fraction is itself.
+
+    Raises:
+        SystemExit: a pattern without a log.
+    """
+    if isinstance(patterns, float):
+        return [f"{patterns:g}"]
+    logs: list[str] = []
+    for pattern in patterns:
+        paths = sorted(data.glob(pattern))
+        if not paths:
+            raise SystemExit(f"{data / pattern}: no such log")
+        logs += [str(path.resolve()) for path in paths]
+    return logs
+
+
+def digest(paths: Sequence[str]) -> str:
+    """SHA-256 of files, and of what folders hold, in order."""
+    whole = hashlib.sha256()
+    for path in map(Path, paths):
+        for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+            if file.is_file():
+                whole.update(file.read_bytes())
+    return whole.hexdigest()
+
+
+def run(source: Source, data: Path, out: Path) -> None:
+    """The command, and beside its report the commit that ran it."""
+    asked = arguments(source, found(data, source.logs), found(data, source.held_out))
+    start = [sys.executable, "-c", "from frictionjoint.cli import main; main()", "close-loop"]
+    subprocess.run([*start, *asked, "--out", str(out)], check=True, cwd=ROOT)
+    asked_git = ["git", "rev-parse", "--short=12", "HEAD"]
+    commit = subprocess.run(asked_git, check=True, cwd=ROOT, capture_output=True, text=True).stdout
+    (out / "version.txt").write_text(commit)
+
+
+def errors(report: dict[str, Any]) -> dict[str, float]:
+    """What a report left, before and after, by name; four digits."""
+    kept: dict[str, float] = {}
+    kinds = {"torque_rms": "torque", "replay_rms": "replay", "closed_loop_mae": "closed_loop"}
+    for key, name in kinds.items():
+        for part in ("fit", "held_out"):
+            for when, end in (("before", "_before"), ("after", "")):
+                value = report[when].get(key, {}).get(part)
+                if value is not None:
+                    kept[f"{name}_{part}{end}"] = float(f"{value:.4g}")
+    return kept
+
+
+def added(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Numbers of the effects that a report added, and the motor's constant; four digits."""
+    kept = {
+        x["effect"]: {key: float(f"{y['value']:.4g}") for key, y in x["parameters"].items()}
+        for x in report["added"]
+    }
+    if "gain" in report["after"]["parameters"]:
+        kept["motor"] = {"gain": float(f"{report['after']['parameters']['gain']['value']:.4g}")}
+    return kept
+
+
+def remarks(
+    source: Source, whole: dict[str, Any], report: dict[str, Any], friction: JointFriction
+) -> str:
+    """What to know before using a motor."""
+    said = [source.remark] if source.remark else []
+    acts = {effect.effect.name for effect in friction.effects}
+    rest = [x["effect"] for x in report["added"] if x["effect"] not in acts]
+    if rest:
+        said.append(f"Found besides, of the drive, the load or the log: {', '.join(rest)}.")
+    causes = []
+    for cause in whole.get("shared", []):
+        place = " and ".join(cause[k] for k in ("body", "joint", "other_joint") if k in cause)
+        causes.append(f"{cause['cause']}{f' of {place}' if place else ''}")
+    if causes:
+        said.append(f"The MJCF was corrected besides, for all joints: {', '.join(causes)}.")
+    numbers = report["after"]["parameters"].items()
+    loose = [
+        name
+        for name, x in numbers
+        if x["stderr"] is not None and x["stderr"] > LOOSE * abs(x["value"])
+    ]
+    kept = errors(report)
+    worse = [key for key in kept if f"{key}_before" in kept and kept[key] > kept[f"{key}_before"]]
+    if worse:
+        said.append(f"Worse after than before: {', '.join(worse)}.")
+    if loose:
+        said.append(f"Hardly determined by these logs: {', '.join(loose)}.")
+    return " ".join(said)
+
+
+def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Motor]:
+    """Of a finished report."""
+    whole = json.loads((folder / "report.json").read_text())
+    carried = read_friction(load_model(folder / "model.xml"))
+    logs = found(data, source.logs)
+    # a fraction of the same logs holds no other files
+    other = [] if isinstance(source.held_out, float) else found(data, source.held_out)
+    held = found(data, source.held_out) if isinstance(source.held_out, float) else source.held_out
+    command = " ".join(arguments(source, source.logs, held))
+    for joint, report in whole.get("joints", {whole.get("joint"): whole}).items():
+        part = "" if source.joint else joint.replace("_", "")
+        yield Motor(
+            name="_".join(filter(None, (name, part))),
+            title=source.title + (f", {joint}" if part else ""),
+            joint=joint,
+            model=source.model[0].rpartition("=")[2],
+            source=source.address,
+            licence=source.licence,
+            command=f"frictionjoint close-loop {command} --out {name}",
+            version=(folder / "version.txt").read_text().strip(),
+            logs=digest([*logs, *other]),
+            remark=remarks(source, whole, report, carried[joint]),
+            unit=report.get("units", whole.get("units", {})).get("torque", "N m"),
+            fit=errors(report),
+            stderr={
+                key: float(f"{x['stderr']:.2g}")
+                for key, x in report["after"]["parameters"].items()
+                if x["stderr"] is not None
+            },
+            found=added(report),
+            friction=carried[joint],
+        )
+
+
+def page(library: Sequence[Motor]) -> str:
+    """The table of all motors, and what to know of each."""
+    lines = [
+        "| motor | law | effects | torque | replay | loop | licence of the logs |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for motor in library:
+        effects = ", ".join(x.effect.name for x in motor.friction.effects) or "none"
+        metre = "m" if motor.unit == "N" else "rad"
+        cells = [f"`{motor.name}`", motor.friction.parameters.law, effects]
+        for kind, unit in (("torque", motor.unit), ("replay", metre), ("closed_loop", metre)):
+            ends = [motor.fit.get(f"{kind}_held_out{when}") for when in ("_before", "")]
+            shown = " to ".join(f"{x:.3g}" for x in ends if x is not None)
+            cells.append(f"{shown} {unit}" if shown else "")
+        lines.append(f"| {' | '.join([*cells, motor.licence])} |")
+    lines += ["", "## Remarks", ""]
+    lines += [
+        f"* `{motor.name}`: {motor.title} ([logs]({motor.source})). {motor.remark}".rstrip()
+        for motor in library
+    ]
+    return HEAD + "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run what has no report yet, write the files."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--only", action="append", choices=SOURCES)
+    asked = parser.parse_args()
+    for name in asked.only or SOURCES:
+        folder = asked.out.resolve() / name
+        if not (folder / "report.json").exists():
+            run(SOURCES[name], asked.data, folder)
+        for motor in motors(name, SOURCES[name], asked.data, folder):
+            out = LIBRARY / f"{motor.name}.toml"
+            out.write_text(motor_text(motor))
+            print(f"Wrote {out.relative_to(ROOT)}", flush=True)
+    PAGE.write_text(page(list_motors()))
+
+
+if __name__ == "__main__":
+    main()
