@@ -35,6 +35,8 @@ Torque is the rms of what is left of the drive on held-out data, from the law al
 the effects found; replay the rms position error of free runs of half a second; loop the mean
 absolute error of whole logs simulated from their target, where there is one. Of a robot the second
 number is of the model whose bodies are corrected as the remark says, not of the MJCF as it is.
+Where the controller is known, `--refine` is given; without it, tried first, the loop's error is
+0.0296 rad for the STS3215 and 0.0398 rad for the XL330, and that of EMPS, not taken, is the same.
 
 """
 # a number whose standard error is more than this part of it is called loose
@@ -146,6 +148,7 @@ def arguments(source: Source, logs: Sequence[str], held_out: Sequence[str]) -> l
     if source.controller:
         file = source.controller.endswith(".toml")
         made += ["--controller", f"models/{source.controller}" if file else source.controller]
+        made += ["--refine"]
     for log in held_out:
         made += ["--held-out", log]
     return made
@@ -201,14 +204,24 @@ def errors(report: dict[str, Any]) -> dict[str, float]:
     return kept
 
 
+def parameters(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Value and standard error by name: the refined ones where the refinement was taken."""
+    refined = report.get("refined", {"taken": False})
+    found = refined if refined["taken"] else report["after"]
+    return dict(found["parameters"])
+
+
 def added(report: dict[str, Any]) -> dict[str, dict[str, float]]:
     """Numbers of the effects that a report added, and the motor's constant; four digits."""
-    kept = {
-        x["effect"]: {key: float(f"{y['value']:.4g}") for key, y in x["parameters"].items()}
-        for x in report["added"]
-    }
-    if "gain" in report["after"]["parameters"]:
-        kept["motor"] = {"gain": float(f"{report['after']['parameters']['gain']['value']:.4g}")}
+    now = parameters(report)
+    kept: dict[str, dict[str, float]] = {}
+    for x in report["added"]:
+        name = x["effect"]
+        own = {key: y["value"] for key, y in x["parameters"].items()}
+        own |= {k.removeprefix(f"{name} "): y["value"] for k, y in now.items() if name in k.split()}
+        kept[name] = {key: float(f"{value:.4g}") for key, value in own.items()}
+    if "gain" in now:
+        kept["motor"] = {"gain": float(f"{now['gain']['value']:.4g}")}
     return kept
 
 
@@ -227,7 +240,12 @@ def remarks(
         causes.append(f"{cause['cause']}{f' of {place}' if place else ''}")
     if causes:
         said.append(f"The MJCF was corrected besides, for all joints: {', '.join(causes)}.")
-    numbers = report["after"]["parameters"].items()
+    if report.get("refined", {"taken": False})["taken"]:
+        said.append(
+            "Refined by simulated motion: the errors in closed loop are of these numbers, those of "
+            "torque and replay of the fit before."
+        )
+    numbers = parameters(report).items()
     loose = [
         name
         for name, x in numbers
@@ -268,7 +286,7 @@ def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Moto
             fit=errors(report),
             stderr={
                 key: float(f"{x['stderr']:.2g}")
-                for key, x in report["after"]["parameters"].items()
+                for key, x in parameters(report).items()
                 if x["stderr"] is not None
             },
             found=added(report),
