@@ -168,6 +168,9 @@ def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor
     assert read_parameters(out) == motor.friction
     assert toml_text(motor.friction.parameters, motor.friction.effects) == out.read_text()
     model = mujoco.MjSpec.from_file(str(MODELS_FOLDER / motor.model))
+    # what saturates has to be there
+    drive = model.add_actuator(trntype=mujoco.mjtTrn.mjTRN_JOINT, target=motor.joint)
+    drive.set_to_motor()
     install(model, {motor.joint: motor.friction.parameters}, {motor.joint: motor.friction.effects})
     compiled = model.compile()
     data = mujoco.MjData(compiled)
