@@ -48,7 +48,7 @@ CATALOGUE: tuple[Effect, ...] = (
     nonlinear_viscous.EFFECT,
     direction_asymmetry.EFFECT,
     direction_asymmetry.BY_MOTION,
-    temperature_dependent.EFFECT,
+    *temperature_dependent.FORMS,
     warm_up_drift.EFFECT,
     warm_up_drift.BY_LOSS,
     measurement_delay.EFFECT,

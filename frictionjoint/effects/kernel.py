@@ -46,6 +46,7 @@ _load = load_dependent.torque
 _load_coulomb = load_dependent.coulomb_torque
 _load_stribeck = load_dependent.stribeck_torque
 _temperature = temperature_dependent.torque
+_temperature_apart = temperature_dependent.apart_torque
 _warm_up = warm_up_drift.torque
 _warmed = warm_up_drift.warmed_torque
 _emf = back_emf.torque
@@ -121,6 +122,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _temperature(P, e, sig, X, x)
     if effect_id == 28:
         return _heating(P, e, sig, X, x)
+    if effect_id == 29:
+        return _temperature_apart(P, e, sig, X, x)
     return np.nan
 
 
@@ -215,6 +218,8 @@ def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: 
         _along(_saturation, numbers, n_shape, signals, out)
     elif effect_id == 27:
         _along(_temperature, numbers, n_shape, signals, out)
+    elif effect_id == 29:
+        _along(_temperature_apart, numbers, n_shape, signals, out)
 
 
 def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:

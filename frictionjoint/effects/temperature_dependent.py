@@ -1,9 +1,13 @@
 """temperature-dependent: level and viscosity that fall with the temperature.
 
+Two forms: both fall at the same rate, which a small change of the temperature cannot tell from the
+truth; or each at its own.
+
 A log measures it. In a simulation it is the state of `heating`, or rests where it was set.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -19,9 +23,22 @@ _SCALES = (8.0, 20.0, 60.0, 300.0)
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where T is not a signal."""
-    warmer = X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
-    change = math.expm1(-warmer / P[e + 1])
+    change = math.expm1(-_warmer(P, e, sig, X, x) / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
+
+
+@njit(cache=True)
+def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v; X[x] as that of `torque`."""
+    warmer = _warmer(P, e, sig, X, x)
+    level = P[e + 3] * math.expm1(-warmer / P[e + 1]) * sig[H]
+    return level + P[e + 4] * math.expm1(-warmer / P[e + 2]) * sig[V]
+
+
+@njit(cache=True)
+def _warmer(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """T - T0, K: of the signal, or where that is not a number of the memory."""
+    return X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
 
 
 def _references(signals: Array) -> list[Shape]:
@@ -51,3 +68,15 @@ EFFECT = Effect(
     needs=(TEMP,),
     memory=1,
 )
+
+APART = replace(
+    EFFECT,
+    effect_id=29,
+    form="a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v",
+    source="Bittencourt and Gunnarsson (2012), levels and viscosity of their own rates",
+    shape=("T0", "scale", "viscous_scale"),
+    shape_units=("deg C", "K", "K"),
+    shapes=lambda signals: [(T0, s, s) for T0, s in _references(signals)],
+    shape_bounds=((-100.0, 300.0), (2.0, 1000.0), (2.0, 1000.0)),
+)
+FORMS = (EFFECT, APART)

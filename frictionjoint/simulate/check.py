@@ -64,6 +64,6 @@ def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
         return f"the joint's sensors of {late} are late; control loops of the model are not"
     if effect is heating.EFFECT:
         return "the friction's loss warms the joint"
-    if effect is temperature_dependent.EFFECT:
+    if effect in temperature_dependent.FORMS:
         return "a torque, at the temperature of heating, or that of set_temperature"
     return "a torque"

@@ -42,8 +42,8 @@ def _less(P: Array, celsius: float, t: float) -> float:
 
 
 _TEMPERATURES = {
-    float(heating.EFFECT.effect_id): _Kind(_above, _less),
-    float(temperature_dependent.EFFECT.effect_id): _Kind(_above, _less),
+    float(effect.effect_id): _Kind(_above, _less)
+    for effect in (heating.EFFECT, *temperature_dependent.FORMS)
 }
 _WARMTHS = {
     float(warm_up_drift.EFFECT.effect_id): _Kind(
