@@ -42,7 +42,7 @@ def fitted(y, X, weight=None):
         layout=Layout(("sigma2", "Fc", "sigma1"), (), ()), residual=y - X @ beta, jacobian=X,
         weight=weight, bound=np.zeros(3, dtype=bool),
         low=np.full(3, -np.inf), high=np.full(3, np.inf), log_index=np.zeros(N, dtype=int),
-        target_rms=1.0,
+        begun=np.zeros((N, 0)), target_rms=1.0,
     )  # fmt: skip
 
 
@@ -156,7 +156,8 @@ def test_blocks_cut_logs_in_time_and_folds_are_of_unlike_motion(logs):
         layout=Layout(("Fc",), (), ()), residual=rng.standard_normal(n),
         jacobian=np.ones((n, 1)), weight=np.ones(n), bound=np.zeros(1, dtype=bool),
         low=np.full(1, -np.inf), high=np.full(1, np.inf),
-        log_index=np.repeat(np.arange(logs), len(segments[0].drive)), target_rms=1.0,
+        log_index=np.repeat(np.arange(logs), len(segments[0].drive)),
+        begun=np.zeros((logs * len(segments[0].drive), 0)), target_rms=1.0,
     )  # fmt: skip
     found = make_blocks(prepared, fit)
     assert 40 <= found.count <= 250

@@ -50,7 +50,8 @@ def fitted(v, torque):
         layout=Layout(("sigma2", "Fc"), (), ()), residual=residual, jacobian=X,
         weight=np.ones(len(residual)), bound=np.zeros(2, dtype=bool),
         low=np.full(2, -np.inf), high=np.full(2, np.inf),
-        log_index=np.repeat(np.arange(LOGS), SAMPLES), target_rms=1.0,
+        log_index=np.repeat(np.arange(LOGS), SAMPLES),
+        begun=np.zeros((len(residual), 0)), target_rms=1.0,
     )  # fmt: skip
     return Prepared(tuple(segments), "joint", False, "torque", Band(10.0, 20.0)), found
 

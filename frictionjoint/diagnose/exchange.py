@@ -15,8 +15,13 @@ from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
 
-def best_forms(state: State) -> None:
-    """Give each effect the form that predicts best: the first look saw them beside a bent law."""
+def best_forms(state: State) -> bool:
+    """Give each effect the form that predicts best: the first look saw them beside a bent law.
+
+    Returns:
+        whether any has another form now: what stood in for that may be idle.
+    """
+    before = state.fit
     for i in range(len(state.fit.effects)):
         others = other_forms(state.prepared, state.fit, state.fit.effects[i])
         if not others:
@@ -25,6 +30,7 @@ def best_forms(state: State) -> None:
         other = _in_place_of(state, blocks, i, others)[1]
         if scored(other, blocks).better(scored(state.fit, blocks)):
             state.prepared, state.fit = reweighed(state.prepared, other)
+    return state.fit is not before
 
 
 def weigh_others(state: State) -> None:

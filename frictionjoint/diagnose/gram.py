@@ -41,6 +41,8 @@ class Screen:
         white: the same of whitened ones, shape (n, c).
         low, high: range of the coefficient of each column but the last. To first order a number of
             a shape moves no further than one search may move it, shape (c - 1,).
+        begun: columns of what a log held when it began, shape (c - 1,): as the law's they are
+            known on all data.
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 
@@ -50,6 +52,7 @@ class Screen:
     white: Array
     low: Array
     high: Array
+    begun: NDArray[np.bool_]
     terms: tuple[Columns, ...]
     candidates: tuple[Columns, ...]
 
@@ -66,6 +69,7 @@ class Screen:
         trained = np.empty(self.blocks.count)
         folds = self._folds(A)
         total = grams.sum(axis=0)
+        at = at[~self.begun[at]]
         for fold in np.unique(folds):
             inside = folds == fold
             G = total - grams[inside].sum(axis=0)
@@ -83,9 +87,20 @@ class Screen:
             return np.asarray(2 * fold + self.blocks.halves)
         return fold
 
-    def _grams(self, columns: Array, at: Columns) -> Array:
-        """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1)."""
-        return self.blocks.gram(columns[:, [*at, -1]])
+    def _grams(self, columns: Array, at: Columns, fine: bool = False) -> Array:
+        """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
+
+        Less what the logs held when they began, which has no row of its own.
+        """
+        grams = self.blocks.gram(columns[:, [*at, -1]], fine)
+        begun = np.append(self.begun[at], False)
+        if not begun.any():
+            return grams
+        total = grams.sum(axis=0)
+        inverse = np.linalg.pinv(total[np.ix_(begun, begun)], rcond=_RCOND, hermitian=True)
+        less = np.eye(len(begun))[:, ~begun]
+        less[begun] = -inverse @ total[np.ix_(begun, ~begun)]
+        return np.asarray(less.T @ grams @ less)
 
     def products(self, at: Columns, whitened: bool) -> Array:
         """Gram matrices of a candidate's columns and the residual, by block, shape (B, k, k).
@@ -93,9 +108,7 @@ class Screen:
         Args:
             whitened: of whitened columns, by the smaller pieces of the blocks.
         """
-        if whitened:
-            return self.blocks.gram(self.white[:, [*at, -1]], fine=True)
-        return self._grams(self.tested, at)
+        return self._grams(self.white if whitened else self.tested, at, fine=whitened)
 
     def elsewhere(self, A: Array, b: Array) -> Array:
         """Coefficients of each block, or piece, fitted to the other folds, shape (B, k).
@@ -135,7 +148,7 @@ class Screen:
         b = G[:, :-1, -1] / scale
         inverse = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True)
         found = np.einsum("pi,pij,pj->p", b, inverse, b)
-        return np.asarray(found - 2.0 * len(at) * G[:, -1, -1] / self.blocks.count)
+        return np.asarray(found - 2.0 * (k - 1) * G[:, -1, -1] / self.blocks.count)
 
 
 def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
@@ -165,6 +178,9 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     for i, term in enumerate(fitted.terms):
         if isinstance(term, Timing) and term.at_its_end:
             free[layout.numbers(i)] = False
+    for i in range(len(fitted.terms)):
+        # of a term one on its bound acts too, and may leave it where a fold is missing
+        free[layout.coefficients(i)] = True
     own = [
         np.array([k for k in layout.of_term(i) if free[k]], dtype=np.int64)
         for i, t in enumerate(fitted.terms)
@@ -177,9 +193,15 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         if not isinstance(term, Timing):
             at = layout.coefficients(i)
             target += fitted.jacobian[:, at] @ fitted.beta[at]
-    law = _unit(fitted.jacobian[:, base] * w)
-    sets = [fitted.jacobian[:, k] for k in own] + [c.columns for c in candidates]
+    law = _unit(np.hstack([fitted.jacobian[:, base], fitted.begun]) * w)
+    sets = [fitted.jacobian[:, k] for k in own]
+    sets += [c.columns if c.begun is None else np.hstack([c.columns, c.begun]) for c in candidates]
     edges = np.cumsum([0, *(x.shape[1] for x in sets)])
+    begun = [np.zeros(len(k), dtype=bool) for k in own]
+    begun += [
+        np.arange(x.shape[1]) >= c.columns.shape[1]
+        for x, c in zip(sets[len(own) :], candidates, strict=True)
+    ]
     X = np.column_stack([np.zeros((len(target), 0)), *sets]) * w
     size = lengths(X)
     X = X / size
@@ -202,6 +224,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         white=white,
         low=low,
         high=high,
+        begun=np.concatenate([*begun, []]).astype(bool),
         terms=tuple(places[: len(own)]),
         candidates=tuple(places[len(own) :]),
     )
@@ -212,6 +235,7 @@ def _ranges(fitted: Fit, own: Sequence[Columns], candidates: Sequence[Candidate]
     pairs = [(fitted.low[k], fitted.high[k]) for columns in own for k in columns]
     for c in candidates:
         pairs += c.bounds or ((-np.inf, np.inf),) * c.columns.shape[1]
+        pairs += ((-np.inf, np.inf),) * (0 if c.begun is None else c.begun.shape[1])
     return np.array(pairs).reshape(-1, 2).T
 
 

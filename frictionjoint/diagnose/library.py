@@ -13,6 +13,7 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import GX, GY, LOAD, MOTOR, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.design import full_signals, kept, term_bounds
 from frictionjoint.identify.fit import HEARD, Fit
+from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.smooth import (
@@ -24,6 +25,7 @@ from frictionjoint.identify.smooth import (
     WaveTerm,
     quantity,
 )
+from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
 from frictionjoint.threads import side_by_side
 
@@ -58,12 +60,15 @@ class Candidate:
         columns: behind the balance's filter, N m per coefficient, shape (n, k).
         bounds: of each coefficient, N m; none where empty.
         among: lines of the residual's spectrum that it was chosen from.
+        begun: columns of what it may have held when each log began, shape (n, m);
+            None: nothing.
     """
 
     term: Term
     columns: Array
     bounds: tuple[tuple[float, float], ...] = ()
     among: float = 1.0
+    begun: Array | None = None
 
     @property
     def unnamed(self) -> bool:
@@ -103,6 +108,9 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
     terms = effect_terms(prepared, signals, fitted.terms) + unnamed_terms(prepared, signals)
+    if not scale_is_determined(prepared, fitted):
+        # a part of an inertia that does not show could be as large as one likes
+        terms = [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]
     among = [1.0] * len(terms)
     for found, lines in (
         periodic_terms(prepared, signals, fitted, blocks),
@@ -136,6 +144,7 @@ def _candidates(
             x,
             tuple((lo * fitted.gain, hi * fitted.gain) for lo, hi in term_bounds(prepared, term)),
             lines,
+            swings_of(prepared, term) if swings(term) else None,
         )
         for term, x, lines in zip(terms, columns, among, strict=True)
         if np.all(np.isfinite(x)) and np.any(x)

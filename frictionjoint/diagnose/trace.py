@@ -36,7 +36,7 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.identify.fit import ROUGH, Fit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.start import settled
+from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
@@ -48,8 +48,6 @@ SIGNIFICANCE = 0.05
 # part of what is left from which on an effect may have bent the laws, which are then fitted from
 # everywhere
 _BENT = 0.3
-# an unnamed dependence is taken only where no effect explains as large a part of it
-_ENOUGH = 0.9
 # of a pair over its better half: what one of two effects must explain besides the other
 _PAIR = 0.3
 # leaders that are compared once more, by their gain over the best one's
@@ -171,8 +169,8 @@ def _taken(
     now = scored(current, blocks)
 
     def attempt(move: Move) -> _Tried:
-        found = compared(prepared, move.terms, current.shape)
-        return _Tried(move, prepared, scored(found, blocks))
+        own, found = _compared(prepared, current, move)
+        return _Tried(move, own, scored(found, blocks))
 
     moves = Moves(current, seen, screened, candidates).best()
     with side_by_side() as each:
@@ -187,7 +185,8 @@ def _taken(
         if names:
             state.prepared, state.fit = changed.prepared, changed.fit
             state.findings = changed.findings
-            best_forms(state)
+            if best_forms(state):
+                drop_idle(state)
             weigh_others(state)
             state.forget_dropped()
             return names
@@ -195,6 +194,16 @@ def _taken(
         tried = [t for t in tried if t is not choice.taken]
         choice = _chosen(now, tried)
     return []
+
+
+def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, Fit]:
+    """A change fitted to the logs, which may have begun with what it brings in."""
+    begun = prepared
+    for c in move.added:
+        if c.begun is not None:
+            begun = swinging(begun, current, c.term, c.columns, c.begun)
+    found = compared(begun, move.terms, current.shape)
+    return (prepared, found) if begun is prepared else settled(begun, found)
 
 
 def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored) -> State:
@@ -263,7 +272,8 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     if pair and (not best or _clearly(pair, best, _PAIR)):
         best = pair
     unnamed = min((t for t in good if t.move.unnamed), key=_total, default=None)
-    if unnamed and (not best or _stands_in(unnamed, best, now)):
+    # a curve, which bends with the data, takes an effect's place as it would come in beside it
+    if unnamed and (not best or needed(unnamed.score, best.score)):
         return _Choice(unnamed)
     if not best:
         return None
@@ -295,12 +305,6 @@ def _beyond_chance(move: Move, seen: Look) -> bool:
 
 def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
     return one.score.better(other.score) and one.score.gain(other.score) > least
-
-
-def _stands_in(unnamed: _Tried, named: _Tried, now: Scored) -> bool:
-    """Whether a dependence explains clearly more than any effect."""
-    less = named.score.gain(now) < _ENOUGH * unnamed.score.gain(now)
-    return less and unnamed.score.better(named.score)
 
 
 def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:

@@ -18,6 +18,7 @@ from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.prepare import Drive, Prepared
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
 from frictionjoint.threads import one_thread
 
@@ -48,6 +49,8 @@ class Fit:
         low, high: range of each linear coefficient; of a number of a shape, how far one search may
             move it from where it is, shape (p,).
         log_index: which log each sample belongs to, shape (n,).
+        begun: columns of what else each log may have begun with, N m, shape (n, m); they belong
+            to no parameter of the model. Empty where the model lets nothing swing.
         target_rms: rms of the measured torque.
         unit: by which errors were multiplied, for effects of the drive that make it smaller.
     """
@@ -65,6 +68,7 @@ class Fit:
     low: Array
     high: Array
     log_index: NDArray[np.int64]
+    begun: Array
     target_rms: float
     in_drive_units: bool = False
     unit: float = 1.0
@@ -351,9 +355,18 @@ class Search:
             low=np.concatenate([self.low, low - x]),
             high=np.concatenate([self.high, high - x]),
             log_index=index,
+            begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
             target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
             unit=unit,
         )
+
+    def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
+        """Columns of the swings that the logs may have begun with."""
+        return [
+            swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
+            for i, term in enumerate(terms)
+            if swings(term)
+        ]
 
     def _near_bound(self, x: Array) -> NDArray[np.bool_]:
         near = _ON_BOUND * (self.bounds[1] - self.bounds[0])

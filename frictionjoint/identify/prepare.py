@@ -375,7 +375,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         np.interp(grid, t, q),
         sample,
         count_of(log.position),
-        _inertia(rigid.load, a) * per_drive,
+        _inertia(signals) * per_drive,
     )
     return Segment(
         name=log.name,
@@ -402,10 +402,10 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     )
 
 
-def _inertia(load: Array, acceleration: Array) -> float:
-    """Torque of the rigid body over its acceleration, kg m^2."""
-    columns = np.column_stack([acceleration, np.ones_like(load)])
-    return abs(float(np.linalg.lstsq(columns, load, rcond=None)[0][0]))
+def _inertia(signals: Array) -> float:
+    """Torque of the rigid body over its acceleration, kg m^2; gravity goes with the position."""
+    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
+    return abs(float(np.linalg.lstsq(columns, signals[:, LOAD], rcond=None)[0][0]))
 
 
 def _per_torque(drive: Array, load: Array, velocity: Array) -> float:

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import Balance, kept, law_track, load_torque
+from frictionjoint.identify.design import Balance, law_track, lengths, load_torque
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.swing import swing_columns, swings
+from frictionjoint.identify.terms import Term
 
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
@@ -31,6 +32,8 @@ _TELLS = 0.01
 # corner
 _ALIKE, _REACH = 1e-3, 2.0
 _PASSES = 2
+# singular values below this fraction of the largest hold nothing
+_DEPENDENT = 1e-6
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
@@ -87,21 +90,38 @@ def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
     What is left of the log is linear in both.
     """
     (segment,) = one.segments
-    at = [i for i, t in enumerate(fitted.terms) if isinstance(t, EffectTerm) and t.effect.free]
+    at = [i for i, t in enumerate(fitted.terms) if swings(t)]
     inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0
     if inertia == 0.0:
         return segment.swing
-    term = fitted.terms[at[0]]
-    assert isinstance(term, EffectTerm)
-    assert term.effect.free is not None
     left = _left(one, fitted)
-    size = 2.0 * np.pi * term.shape[0]  # of a rate of the same swing
-    swings = [term.effect.free(term.shape, s, segment.signals) for s in ((1.0, 0.0), (0.0, size))]
-    C = inertia * kept(segment, np.column_stack(swings))
+    free, sizes = swing_columns(segment, fitted.terms[at[0]])
+    C = inertia * free
     change = np.linalg.lstsq(C, left, rcond=None)[0]
     if _squares(left) - _squares(left - C @ change) <= _TELLS * _squares(left):
         return segment.swing
-    return segment.swing[0] + float(change[0]), segment.swing[1] + size * float(change[1])
+    d, rate = np.array(segment.swing) + sizes * change
+    return float(d), float(rate)
+
+
+def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: Array) -> Prepared:
+    """The logs with the swings that a term would find in them if it came in.
+
+    Args:
+        term: not of the fit. columns: of the term, shape (n, 1). free: its `swing_columns`, two
+            for each log, shape (n, 2 k).
+    """
+    X = np.column_stack([columns, free]) * fitted.weight[:, None]
+    size = lengths(X)
+    e = fitted.residual * fitted.weight
+    found = np.linalg.lstsq(X / size, e, rcond=_DEPENDENT)[0] / size
+    if found[0] <= 0.0:
+        return prepared
+    logs = []
+    for segment, share in zip(prepared.segments, found[1:].reshape(-1, 2) / found[0], strict=True):
+        d, rate = swing_columns(segment, term)[1] * share
+        logs.append(replace(segment, swing=(float(d), float(rate))))
+    return replace(prepared, segments=tuple(logs))
 
 
 def _left(one: Prepared, fitted: Fit) -> Array:
@@ -162,8 +182,9 @@ class Prediction(NamedTuple):
 
     @property
     def in_motion(self) -> NDArray[np.bool_]:
-        """The samples whose torque the position determines, shape (n,)."""
-        return np.asarray(np.concatenate(self.weight) ** 2 > IN_MOTION)
+        """The samples whose torque the position determines, shape (n,); all, if that are none."""
+        found = np.asarray(np.concatenate(self.weight) ** 2 > IN_MOTION)
+        return found if found.any() else ~found
 
 
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:

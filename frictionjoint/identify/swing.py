@@ -1,0 +1,36 @@
+"""Swings that logs begin with: the link of an elastic joint need not be at rest then."""
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.design import kept
+from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.terms import EffectTerm, Term
+
+
+def swings(term: Term) -> bool:
+    """Whether what a term stands for may be swinging when a log begins."""
+    return isinstance(term, EffectTerm) and term.effect.free is not None
+
+
+def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
+    """Torques of a swing that a log begins with, per unit of the term's coefficient.
+
+    Returns:
+        columns on the kept samples, shape (n, 2), of a deflection and of a rate that swings as
+        far; and these two, shape (2,).
+    """
+    assert isinstance(term, EffectTerm)
+    assert term.effect.free is not None
+    sizes = np.array([1.0, 2.0 * np.pi * term.shape[0]])
+    found = [
+        term.effect.free(term.shape, (float(d), float(rate)), segment.signals)
+        for d, rate in np.diag(sizes)
+    ]
+    return kept(segment, np.column_stack(found)), sizes
+
+
+def swings_of(prepared: Prepared, term: Term) -> Array:
+    """The same of all logs, each with two columns of its own, shape (n, 2 k)."""
+    return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))
