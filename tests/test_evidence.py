@@ -1,5 +1,7 @@
 """What the evidence of a candidate means: gains and p-values against their definitions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -126,6 +128,44 @@ def test_what_the_law_knows_is_no_effect():
     without, _ = found.held_out(found.terms)
     with_it, _ = found.held_out([*found.terms, found.candidates[0]])
     assert with_it.sum() > 0.98 * without.sum()
+
+
+def test_what_a_log_held_when_it_began_is_known_on_all_data():
+    """An effect that begins in motion is seen at its size, and its beginning alone is none."""
+    rng = np.random.default_rng(6)
+    X, (candidate,) = rng.standard_normal((N, 3)), candidates(rng, 1)
+    # it fades in the first block, which so is the only one that can tell of it
+    begun = np.exp(-np.arange(N) / 8.0)[:, None]
+    noise = rng.standard_normal(N)
+    alone = Candidate(candidate.term, candidate.columns)
+    together = Candidate(candidate.term, candidate.columns, begun=begun)
+    of_both = 2.0 * candidate.columns[:, 0] + 60.0 * begun[:, 0] + noise
+    seen, _ = look(fitted(of_both, X), blocks(), [together], np.random.default_rng(7))
+    total, left = float(np.sum(of_both**2)), float(seen.rows[0].left.sum())
+    assert left == pytest.approx(float(np.sum(noise**2)), rel=0.05)
+    assert seen.gain(seen.rows[0]) == pytest.approx(1.0 - left / total, abs=0.05)
+    assert seen.rows[0].p_value <= 0.002
+    blind, _ = look(fitted(of_both, X), blocks(), [alone], np.random.default_rng(7))
+    assert float(blind.rows[0].left.sum()) > 3.0 * left
+    nothing, _ = look(fitted(noise + 60.0 * begun[:, 0], X), blocks(), [together], rng)
+    assert nothing.rows[0].p_value > 0.01
+
+
+def test_a_coefficient_on_its_bound_still_acts():
+    """Squares predicted of a fold hold what a term on its bound explains of it."""
+    rng = np.random.default_rng(8)
+    X, (candidate,) = rng.standard_normal((N, 3)), candidates(rng, 1)
+    column = candidate.columns[:, 0]
+    y = 2.0 * column + 0.1 * rng.standard_normal(N)
+    fit = fitted(y, np.column_stack([X, column]))
+    at_most = np.array([0.0, 0.0, 0.0, 1.8])
+    held = replace(
+        fit,
+        terms=(TERMS[0],), layout=Layout(("sigma2", "Fc", "sigma1"), (), (TERMS[0],)),
+        beta=at_most, residual=y - 1.8 * column, bound=np.array([False, False, False, True]),
+        low=np.full(4, -np.inf), high=np.array([np.inf, np.inf, np.inf, 1.8]),
+    )  # fmt: skip
+    assert scored(held, blocks()).total == pytest.approx(np.sum((0.2 * column) ** 2), rel=0.5)
 
 
 def motion(seed, n=3000):

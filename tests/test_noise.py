@@ -1,5 +1,7 @@
 """What the instruments of a log are: read from the log alone, against what was put in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -104,3 +106,12 @@ def test_what_is_left_of_a_density_is_its_part_that_passes():
     white = rng.standard_normal(N)
     found = noise_of(white, motion(), motion(), DT, 0.0, 0.0).left(30.0, 4)[0]
     assert found == pytest.approx(np.var(LowPass(N, DT, 30.0, 4)(white)), rel=0.1)
+
+
+def test_the_inertia_behind_the_noise_is_taken_apart_from_gravity():
+    """Swinging about the vertical, the torque of gravity goes with the acceleration."""
+    pendulum = XML.replace('gravity="0 0 0"', "").replace('pos="0 0 0"', 'pos="0 0 -0.3"')
+    whole = INERTIA + 0.3**2
+    one = replace(log(), torque=whole * motion(2) + 9.81 * 0.3 * np.sin(motion()))
+    (segment,) = prepare([one], RigidBody(pendulum, "arm")).segments
+    assert segment.noise.inertia == pytest.approx(whole, rel=1e-3)

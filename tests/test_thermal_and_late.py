@@ -152,8 +152,15 @@ def test_the_loss_warms_the_joint():
         assert fj.temperature(model, data) == {"j": ambient}
 
 
-def test_without_heating_a_temperature_stays_as_set():
-    model = model_of(TURNING, [(temperature_dependent.EFFECT, (25.0, 40.0), (0.5, 0.1))])
+@pytest.mark.parametrize(
+    ("effect", "shape"),
+    [
+        (temperature_dependent.EFFECT, (25.0, 40.0)),
+        (temperature_dependent.APART, (25.0, 40.0, 20.0)),
+    ],
+)
+def test_without_heating_a_temperature_stays_as_set(effect, shape):
+    model = model_of(TURNING, [(effect, shape, (0.5, 0.1))])
     data = mujoco.MjData(model)
     data.ctrl[0] = 1.0
     with fj.attach(model):
@@ -166,7 +173,8 @@ def test_without_heating_a_temperature_stays_as_set():
         mujoco.mj_step(model, other, 500)
         assert fj.temperature(model, other) == {"j": 5.0}
         part = fj.torque(model, other)["j"].effects["temperature-dependent"]
-    assert part == pytest.approx((0.5 + 0.1 * other.qvel[0]) * math.expm1(0.5), rel=1e-2)
+    level, viscous = (scale * math.expm1(20.0 / s) for scale, s in ((0.5, 40.0), (0.1, shape[-1])))
+    assert part == pytest.approx(level + viscous * other.qvel[0], rel=1e-2)
 
 
 @pytest.mark.parametrize(
