@@ -2,20 +2,23 @@
 
 from collections.abc import Callable
 
+from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
+from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.laws import LAWS
+from frictionjoint.rivals import StaticParameters
 
 # of the error: what chance or a few more parameters do not make
 _CLEARLY = 0.95
 # laws that take the integrated one's place where the residual of one is clearly smaller.
 # Maxwell-slip must follow its sliding level promptly: its lag would hide an effect of that name.
-_RIVALS = (prompt_maxwell_slip(), forms_of("lugre"), forms_of("static"))
+_CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
+_RIVALS = (prompt_maxwell_slip(), forms_of("lugre"), forms_of("static"), _CONSTRAINT)
 # the forms of every law by the names of its numbers
 LAW_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
     forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)

@@ -4,6 +4,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
+from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.start import IN_MOTION
@@ -30,6 +31,7 @@ def notes(found: Trace, cov: Array) -> tuple[str, ...]:
         *timing_note(found.final, cov),
         *found.hints,
         *_law_note(found),
+        *_constraint_note(found.final),
         *_sight_note(found),
     )
 
@@ -69,6 +71,17 @@ def _law_note(found: Trace) -> tuple[str, ...]:
     return (
         f"The effects were found with the law {other} and then added to {final}, which leaves "
         f"{left}. --law {other} reports and simulates that law.",
+    )
+
+
+def _constraint_note(fitted: Fit) -> tuple[str, ...]:
+    """That friction acts as a solver's constraint does."""
+    if not isinstance(fitted.shape, ConstraintShape):
+        return ()
+    return (
+        f"Friction changes direction {1e3 * LEAD:.2g} ms ahead of the velocity, as MuJoCo's own "
+        "frictionloss does: are these the logs of a simulation? In a simulation the law named "
+        "here follows the velocity.",
     )
 
 

@@ -189,7 +189,7 @@ def prompt_maxwell_slip() -> tuple[Shape, ...]:
     Its rate of attraction is a frictional lag. A law to look for effects with must not have one,
     or that effect never shows.
     """
-    return (replace(_start_of(MaxwellSlipParameters), least_rate=_PROMPT),)
+    return (replace(start_of(MaxwellSlipParameters), least_rate=_PROMPT),)
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:
@@ -204,9 +204,10 @@ def forms_of(law: str) -> tuple[Shape, ...]:
         if rival.law == law:
             # a search that may take any lag for a log's friction needs a start that has none
             prompt = prompt_maxwell_slip() if rival is MaxwellSlipParameters else ()
-            return (_start_of(rival), *prompt)
+            return (start_of(rival), *prompt)
     raise ParameterError(f"unknown law {law!r}: known are {', '.join(LAWS)}")
 
 
-def _start_of(rival: Any) -> RivalShape:
+def start_of(rival: Any) -> RivalShape:
+    """Where the search for a rival's shape begins, by the class of its parameters."""
     return RivalShape(rival, tuple(_START[name] for name in _VARIABLES[rival.law]))

@@ -1,0 +1,100 @@
+"""The static law as MuJoCo's own `frictionloss` has it, to read the logs of a simulation.
+
+That friction is a constraint: the solver drives velocity and acceleration to zero together, as
+v + a/b, with all the level allows (documentation of MuJoCo, chapter Computation, reference
+acceleration and friction loss). So it changes direction a time 1/b ahead of the velocity, which no
+joint does; a law without that lead leaves more of such a log than many an effect does.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.rival_shape import RivalShape
+from frictionjoint.parameters import Friction
+
+# s, 1/b = dmax timeconst / 2 of the default solimp and solref
+LEAD = 0.5 * 0.95 * 0.02
+
+
+@dataclass(frozen=True)
+class ConstraintShape:
+    """S(|v|) sat((v + LEAD a) / V0), with the numbers of a static law.
+
+    A simulation with these parameters has the static law, without the lead.
+    """
+
+    static: RivalShape
+
+    variables = ("excess", "log Vs", "delta", "log V0 of v + a/b")
+    damped = False
+
+    def vector(self) -> Array:
+        """See `Shape`."""
+        return self.static.vector()
+
+    def moved(self, x: Array) -> Self:
+        """See `Shape`."""
+        return type(self)(self.static.moved(x))
+
+    def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
+        """See `Shape`."""
+        return self.static.bounds(vmax, span)
+
+    def grid(self, vmax: float, span: float) -> list[Self]:
+        """See `Shape`."""
+        return [type(self)(shape) for shape in self.static.grid(vmax, span)]
+
+    def last_choices(self) -> list[Self]:
+        """See `Shape`."""
+        return [self]
+
+    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
+        """The law at a Coulomb level."""
+        return self.static.parameters(Fc, sigma2, sigma1)
+
+    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
+        """See `Shape`."""
+        level, saturated, _ = self._parts(time, q)
+        return level * saturated, np.zeros_like(q)
+
+    def tangents(
+        self, time: Array, q: Array, q_t: Array | None = None
+    ) -> tuple[Array, Array, Array, Array]:
+        """See `Shape`."""
+        level, saturated, v = self._parts(time, q)
+        excess, _, delta, log_V0 = self.vector()
+        inside = np.abs(saturated) < 1.0
+        ratio = self._ratio(v)
+        fall = np.exp(-(ratio**delta))
+        steep = excess * fall * ratio**delta
+        by_number = np.array(
+            [
+                fall * saturated,
+                steep * delta * saturated,
+                -steep * np.log(np.maximum(ratio, 1e-300)) * saturated,
+                -level * saturated * inside,
+            ]
+        )
+        if q_t is not None:
+            v_t = np.gradient(q_t, time, axis=1)
+            u_t = v_t + LEAD * np.gradient(v_t, time, axis=1)
+            slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
+            moved = slope * saturated * v_t + level * inside * u_t / np.exp(log_V0)
+            moved[: len(by_number)] += by_number
+            by_number = moved
+        zero = np.zeros_like(q)
+        return level * saturated, zero, by_number, np.zeros_like(by_number)
+
+    def _parts(self, time: Array, q: Array) -> tuple[Array, Array, Array]:
+        """Level over Fc, what is saturated, and velocity, each of shape (n,)."""
+        v = np.gradient(q, time)
+        ahead = v + LEAD * np.gradient(v, time)
+        excess, _, delta, log_V0 = self.vector()
+        level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
+        return level, np.clip(ahead / np.exp(log_V0), -1.0, 1.0), v
+
+    def _ratio(self, v: Array) -> Array:
+        return np.asarray(np.abs(v) / np.exp(self.vector()[1]))
