@@ -1,0 +1,95 @@
+"""Logs of simulations with MuJoCo's own `frictionloss`: read as what they are."""
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from frictionjoint import close_loop
+from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
+from frictionjoint.identify.rival_shape import start_of
+from frictionjoint.measured.log import JointLog
+from frictionjoint.rivals import StaticParameters
+
+LOSS, DAMPING = 0.8, 0.3
+BELIEVED = """
+<mujoco><option timestep="0.001"/><worldbody><body>
+<joint name="j" axis="0 1 0" armature="0.01"/>
+<inertial pos="0 0 -0.2" mass="1" diaginertia="0.01 0.01 0.01"/>
+</body></worldbody><actuator><motor joint="j"/></actuator></mujoco>"""
+TRUE = BELIEVED.replace('name="j"', f'name="j" frictionloss="{LOSS}" damping="{DAMPING}"')
+
+
+def driven(seed: int, seconds: float = 15.0) -> JointLog:
+    """The joint led by a controller along sines, its torque logged with noise."""
+    rng = np.random.default_rng(seed)
+    model = mujoco.MjModel.from_xml_string(TRUE)
+    data = mujoco.MjData(model)
+    n = int(seconds / model.opt.timestep)
+    f, phase = np.array([0.13, 0.31, 0.7]), rng.uniform(0.0, 6.28, 3)
+    t, q, torque = (np.zeros(n) for _ in range(3))
+    for k in range(n):
+        goal = float(np.sum([0.5, 0.3, 0.1] * np.sin(2.0 * np.pi * f * data.time + phase)))
+        data.ctrl[0] = 40.0 * (goal - data.qpos[0]) - 2.0 * data.qvel[0]
+        t[k], q[k], torque[k] = data.time, data.qpos[0], data.ctrl[0]
+        mujoco.mj_step(model, data)
+    torque += 0.005 * rng.standard_normal(n)
+    return JointLog(name=f"log{seed}", joint="j", time=t, position=q, torque=torque)
+
+
+def test_native_friction_is_found_with_its_size_and_nothing_else():
+    report = close_loop([driven(1), driven(2)], BELIEVED, "j", [driven(3)])
+    assert not report.added
+    assert not report.unexplained
+    assert report.final["Fc_pos"].value == pytest.approx(LOSS, rel=0.01)
+    assert report.final["sigma2_pos"].value == pytest.approx(DAMPING, rel=0.03)
+    assert any("MuJoCo's own frictionloss" in note for note in report.notes)
+    # what is left of the law alone is four times that: friction that is late by the lead
+    assert report.after_torque.held_out < 0.02 * LOSS
+
+
+@given(
+    numbers=st.tuples(
+        st.floats(0.05, 1.0), st.floats(-3.0, 0.0), st.floats(0.6, 2.5), st.floats(-4.0, -1.0)
+    ),
+    number=st.integers(0, 3),
+)
+def test_tangents_are_the_derivatives(numbers, number):
+    time = np.arange(400) * 5e-3
+    q = 0.4 * np.sin(3.0 * time) + 0.1 * np.cos(7.0 * time)
+    shape = ConstraintShape(start_of(StaticParameters).moved(np.array(numbers)))
+    H, _, tangents, _ = shape.tangents(time, q)
+    assert shape.hysteresis(time, q)[0] == pytest.approx(H)
+    h = 1e-6
+    ends = []
+    for sign in (1.0, -1.0):
+        x = np.array(numbers)
+        x[number] += sign * h
+        ends.append(shape.moved(x).hysteresis(time, q)[0])
+    # but where the saturation begins within the step
+    smooth = np.abs(ends[0] + ends[1] - 2.0 * H) < 1e-8
+    assert smooth.mean() > 0.9
+    slope = (ends[0] - ends[1]) / (2.0 * h)
+    assert tangents[number][smooth] == pytest.approx(slope[smooth], abs=1e-4)
+
+
+def test_a_change_of_the_motion_is_carried_along():
+    time = np.arange(400) * 5e-3
+    q, direction = np.sin(3.0 * time), np.cos(5.0 * time)[None]
+    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.3, -1.0, 1.5, 1.0])))
+    changes = np.vstack([np.zeros((4, len(time))), direction])
+    moved = shape.tangents(time, q, changes)[2]
+    assert moved[:4] == pytest.approx(shape.tangents(time, q)[2])
+    h = 1e-6
+    above, below = (shape.hysteresis(time, q + s * h * direction[0])[0] for s in (1.0, -1.0))
+    assert moved[4] == pytest.approx((above - below) / (2.0 * h), abs=1e-4)
+
+
+def test_friction_turns_a_lead_before_the_velocity():
+    time = 0.1 + 1e-4 * np.arange(2000)
+    q = np.cos(2.0 * np.pi * 2.5 * (time - 0.2))
+    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.0, 0.0, 1.0, -9.0])))
+    turn = np.flatnonzero(np.diff(np.sign(shape.hysteresis(time, q)[0])))
+    velocity = np.flatnonzero(np.diff(np.sign(np.gradient(q, time))))
+    assert time[velocity] - time[turn] == pytest.approx(LEAD, rel=0.02)
