@@ -319,11 +319,17 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
 
 
 def _other_law(state: State, laws: Laws) -> bool:
-    """Take another law where that is clearly better together with the effects found."""
+    """Take another law where that is clearly better together with the effects found.
+
+    What an effect stood in for may have been the former law's error: what is idle now goes.
+    """
     prepared, found = laws.better(state.prepared, state.fit)
-    changed = found is not state.fit
+    if found is state.fit:
+        return False
     state.prepared, state.fit = prepared, found
-    return changed
+    drop_idle(state)
+    state.forget_dropped()
+    return True
 
 
 def _total(tried: _Tried) -> float:
