@@ -6,7 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.refine.guard import kinds, of_logs, spread, without_each
+from frictionjoint.control.kernel import BLOCK, COUNT
+from frictionjoint.refine.guard import (
+    clearly_less,
+    kinds,
+    missing_width,
+    of_logs,
+    spread,
+    without_each,
+)
 from frictionjoint.refine.secant import Secant
 
 
@@ -77,6 +85,49 @@ def test_what_is_left_out_is_predicted_by_the_rest_alone():
     assert of_logs(left[:, mask], [log(n=int(mask.sum()))]) == pytest.approx([0.7], rel=1e-6)
     # the fit to all of them flatters itself
     assert np.mean(np.abs(line.errors(z)[mask])) < 0.5 * 0.7
+
+
+class Bent(Line):
+    """Errors of z + z^3 at each sample, whose derivative at one place says little of another."""
+
+    bounds = np.full(1, -np.inf), np.full(1, np.inf)
+
+    def __init__(self, y):
+        self.y = y
+
+    def errors(self, z):
+        return z[0] + z[0] ** 3 - self.y
+
+
+def test_numbers_without_a_kind_are_searched_however_far_away_they_are():
+    # nine samples say 2, of which the derivative at 0 knows nothing, and one says 0
+    mask = np.arange(10) == 9
+    bent = Bent(np.where(mask, 0.0, 10.0))
+    J = np.vstack([np.ones((10, 1)), [[1e-9]]])
+    moved, left = without_each(bent, np.zeros(1), J, [mask])
+    assert moved[0, 0] == pytest.approx(2.0, rel=0.02)
+    assert left[0, mask] == pytest.approx([10.0], rel=0.05)
+
+
+def test_a_refined_model_is_taken_where_logs_left_out_say_so_beyond_their_scatter():
+    before = np.array([1.0, 1.2, 0.8, 1.1])
+    assert clearly_less(0.8 * before, before)
+    assert not clearly_less(before + np.array([-0.5, 0.3, -0.3, 0.45]), before)
+    assert not clearly_less(before, before)
+
+
+def test_standard_errors_are_widened_until_bands_hold_what_was_left_out():
+    line = Line(np.linspace(0.0, 1.0, 2001), np.zeros(2001))
+    run = SimpleNamespace(block=np.zeros(BLOCK))
+    line.courses = [SimpleNamespace(position=np.zeros(2001), run=run)]
+    cov = np.diag([0.01**2, 1e-12])  # the line may be off by 0.01, everywhere alike
+    errors = np.random.default_rng(0).normal(0.0, 0.03, (1, 2001))
+    errors[0, :200] = np.nan  # not of this kind
+    assert missing_width(line, np.zeros(2), cov, errors) == pytest.approx(3.0, rel=0.05)
+    assert missing_width(line, np.zeros(2), cov, 0.1 * errors) == 1.0
+    # what a count of the encoder hides asks for nothing
+    run.block[COUNT] = 1.0
+    assert missing_width(line, np.zeros(2), cov, errors) == 1.0
 
 
 def test_steps_keep_derivatives_up_to_date_and_differences_mend_them():

@@ -9,6 +9,7 @@ to other kinds of logs.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.diagnose.state import SMALLEST_GAIN
 from frictionjoint.diagnose.trace import SIGNIFICANCE
-from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import EffectTerm
@@ -36,8 +37,8 @@ from frictionjoint.refine.secant import differences
 _STEP = 0.01
 # of the soft squares of the motion, that an effect must promise to be refined
 _PROMISE = 0.1
-# effects that are refined in a look, and looks
-_LEADERS, _MOST_LOOKS = 2, 3
+# effects that are refined in a look, their gain over the best one's, and looks
+_LEADERS, _NEAR_BEST, _MOST_LOOKS = 2, 0.7, 3
 
 
 def named_by_motion(
@@ -56,29 +57,48 @@ def named_by_motion(
         return found, now
     for _ in range(_MOST_LOOKS):
         progress("effects by motion")
-        for term in _promising(found.prepared, now, courses, armature):
-            fitted = refit(found.prepared, (*found.final.effects, term), found.final.shape)
+        best = None
+        for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
-            other = _refined(prepared, fitted, courses, lambda text: None)
+            begin = partial(_begin, now, coefficients)
+            other = _refined(prepared, fitted, courses, lambda text: None, begin)
             told = _told(other, now)
             (row,) = told.rows
             gain = told.gain(row)
-            progress(f"effects by motion: {term.name} gains {gain:.0%}, p {row.p_value:.3f}")
-            if _clearly(told):
-                break
-        else:
-            return found, now
-        own = Finding(fitted.effects[-1], told, row, gain, (), (), fitted)
-        findings = (*_moved(found.findings, fitted), own)
-        found = replace(found, prepared=prepared, final=fitted, findings=findings)
-        now = other
+            progress(f"effects by motion: {row.name} gains {gain:.0%}, p {row.p_value:.3f}")
+            if _clearly(told) and (best is None or gain > best[0].gain):
+                own = Finding(fitted.effects[-1], told, row, gain, (), (), fitted)
+                best = own, prepared, other
+        if best is None:
+            break
+        own, prepared, now = best
+        findings = (*_moved(found.findings, own.fit), own)
+        found = replace(found, prepared=prepared, final=own.fit, findings=findings)
     return found, now
 
 
 def _refined(
-    prepared: Prepared, fitted: Fit, courses: Sequence[Course], progress: Callable[[str], None]
+    prepared: Prepared,
+    fitted: Fit,
+    courses: Sequence[Course],
+    progress: Callable[[str], None],
+    begin: Callable[[Objective], Array] | None = None,
 ) -> Refined:
-    return refine(prepared, fitted, stated_covariance(prepared, fitted), courses, progress)
+    cov = stated_covariance(prepared, fitted)
+    return refine(prepared, fitted, cov, courses, progress, begin)
+
+
+def _begin(now: Refined, coefficients: Array, objective: Objective) -> Array:
+    """Where a model with one effect more begins: where the balance has it, or with refined numbers.
+
+    Args:
+        coefficients: of that effect beside the refined numbers, N m. objective: of whole logs.
+    """
+    vector = objective.vector
+    x = vector.carried(now.vector, now.values)
+    x[vector.layout.coefficients(len(vector.fitted.effects) - 1)] = coefficients
+    starts = [vector.start, np.clip(x, vector.low, vector.high)]
+    return min(starts, key=lambda x: float(np.sum(objective(objective.units(x)) ** 2)))
 
 
 def _told(other: Refined, now: Refined) -> Look:
@@ -98,33 +118,64 @@ def _clearly(told: Look) -> bool:
 
 
 def _promising(
-    prepared: Prepared, refined: Refined, courses: Sequence[Course], armature: float
-) -> list[EffectTerm]:
-    """Effects that would take most of the squares that the refined motion leaves, best first."""
-    vector, x = refined.vector, refined.values
-    fitted = vector.fit(x)
-    objective = Objective(vector, courses, WINDOW_S, x)
+    found: Trace, now: Refined, courses: Sequence[Course], armature: float
+) -> list[tuple[Fit, Array]]:
+    """Models of the balance with one effect more that move nearest, best first.
+
+    Of those effects that promise something to first order beside the refined numbers; with their
+    coefficients there, N m. That order alone would not do: numbers that have stood in for an effect
+    must first move out of its way, and with it the balance has them elsewhere.
+    """
+    prepared, final = found.prepared, found.final
+    objective = Objective(now.vector, courses, WINDOW_S, now.values)
+
+    def squares(fitted: Fit) -> float:
+        return float(np.sum(objective.soft(np.concatenate(objective.errors_of(fitted))) ** 2))
+
+    before = squares(final)
+    models = []
+    for term, coefficients in _beside(prepared, now, objective, armature):
+        fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
+        models.append((1.0 - squares(fitted) / before, fitted, coefficients))
+    models.sort(key=lambda model: -model[0])
+    least = _NEAR_BEST * models[0][0] if models else 0.0
+    return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
+
+
+def _beside(
+    prepared: Prepared, now: Refined, objective: Objective, armature: float
+) -> list[tuple[EffectTerm, Array]]:
+    """Effects that would take some of the squares which the refined motion leaves."""
+    x = now.values
+    fitted = now.vector.fit(x)
     z = objective.units(x)
     r = objective(z)
     J = differences(objective, objective.bounds, z, r)
     e, n = objective.errors(z), len(r) - len(z)
-    best: dict[str, tuple[float, EffectTerm]] = {}
-    for term, moved in _changed(prepared, fitted, armature):
+    law, _ = np.linalg.qr(J)
+    left = _without(law, r)
+    best: dict[str, tuple[float, EffectTerm, Array]] = {}
+    for term, moved, steps in _changed(prepared, fitted, armature):
         C = np.zeros((len(r), len(moved)))
         for column, other in zip(C.T, moved, strict=True):
             there = np.concatenate(objective.errors_of(other))
             column[:n] = objective.soft(there) - objective.soft(e)
-        gain = _gain(r, J, C, [low == 0.0 for low, _ in term.effect.bounds] or [False] * len(moved))
-        if gain > best.get(term.name, (_PROMISE, term))[0]:
-            best[term.name] = gain, term
-    order = sorted(best.values(), key=lambda pair: -pair[0])
-    return [term for _, term in order[:_LEADERS]]
+        gain, change = _gain(left, _without(law, C))
+        bounds = term.effect.bounds
+        if any(low == 0.0 and c < 0.0 for (low, _), c in zip(bounds, change, strict=bool(bounds))):
+            continue
+        if gain > best.get(term.name, (_PROMISE,))[0]:
+            best[term.name] = gain, term, change * steps
+    return [(term, coefficients) for _, term, coefficients in best.values()]
 
 
 def _changed(
     prepared: Prepared, fitted: Fit, armature: float
-) -> Iterator[tuple[EffectTerm, list[Fit]]]:
-    """Every effect on its grid that a simulation holds, with a fit for each coefficient moved."""
+) -> Iterator[tuple[EffectTerm, list[Fit], Array]]:
+    """Every effect on its grid that a simulation holds, with a fit for each coefficient moved.
+
+    And by how much each was, N m.
+    """
     signals = signals_of(prepared, fitted)
     for term in effect_terms(prepared, signals, fitted.terms):
         if not isinstance(term, EffectTerm):
@@ -134,10 +185,10 @@ def _changed(
         size = np.sqrt(np.mean(columns**2, axis=0))
         if not np.all(np.isfinite(size)) or np.any(size == 0.0):
             continue
-        steps = np.diag(_STEP * fitted.target_rms / size)
-        moved = [_with(prepared, fitted, term, step) for step in steps]
+        steps = _STEP * fitted.target_rms / size
+        moved = [_with(prepared, fitted, term, step) for step in np.diag(steps)]
         if all(simulated_whole(f, armature) for f in moved):
-            yield term, moved
+            yield term, moved, steps
 
 
 def _with(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
@@ -151,15 +202,15 @@ def _with(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array
     )
 
 
-def _gain(r: Array, J: Array, C: Array, positive: Sequence[bool]) -> float:
-    """Fraction of the squares r'r that columns C take besides J, to first order."""
-    Q, _ = np.linalg.qr(J)
-    left = r - Q @ (Q.T @ r)
-    own = C - Q @ (Q.T @ C)
-    change, *_ = np.linalg.lstsq(own, -left, rcond=1e-8)
-    if any(least and c < 0.0 for least, c in zip(positive, change, strict=True)):
-        return 0.0
-    return float(1.0 - np.sum((left + own @ change) ** 2) / np.sum(left**2))
+def _without(law: Array, X: Array) -> Array:
+    """Columns without what orthonormal ones of the model explain."""
+    return np.asarray(X - law @ (law.T @ X))
+
+
+def _gain(r: Array, C: Array) -> tuple[float, Array]:
+    """Fraction of the squares r'r that columns C take, to first order, by which changes."""
+    change = np.asarray(np.linalg.lstsq(C, -r, rcond=1e-8)[0])
+    return float(1.0 - np.sum((r + C @ change) ** 2) / np.sum(r**2)), change
 
 
 def _moved(findings: Sequence[Finding], fitted: Fit) -> tuple[Finding, ...]:

@@ -189,11 +189,16 @@ def explain(
     if scaled:
         friction_spec(spec, joint, best)
     spec.compile()
-    runs = [
-        (replay(fitted_on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
-        for f in (found.base, found.final)
-        if scaled
-    ]
+    closed = loops.errors((found.base, found.final)) if loops else None
+    if closed:  # the target drives the joint, as it will where the model is used
+        after_it = refined.loops if refined and refined.taken else closed[1]
+        runs = [loop.replays for loop in (closed[0], after_it)]
+    else:
+        runs = [
+            (replay(fitted_on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
+            for f in (found.base, found.final)
+            if scaled
+        ]
     before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
@@ -234,7 +239,7 @@ def explain(
         rankings=_rankings(found),
         proposals=(*open_questions, *computed),
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
-        closed_loops=loops.errors((found.base, found.final)) if loops else None,
+        closed_loops=closed,
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
         controller=found_controller(controller, best) if controller else None,
@@ -326,9 +331,10 @@ def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals
     for fit_run, held_run in runs:
         e = np.concatenate((held_run or fit_run).errors)
         known = np.isfinite(e)
-        if not known.any():
+        run = np.cumsum(~known)[known]
+        if not len(run) or run[0] == run[-1]:  # one run alone says nothing of their spread
             return None
-        pair.append(rms_interval(e[known], np.cumsum(~known)[known]))
+        pair.append(rms_interval(e[known], run))
     return pair[0], pair[1]
 
 

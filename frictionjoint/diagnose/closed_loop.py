@@ -14,7 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import held, held_over
-from frictionjoint.diagnose.replay import motor_of, simulated_effects
+from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
@@ -89,6 +89,12 @@ class ClosedLoop:
     def rms(self) -> float:
         """Root of the mean square over all samples."""
         return float(np.sqrt(np.mean(np.concatenate(self.errors) ** 2)))
+
+    @property
+    def replay(self) -> Replay:
+        """The logs as free runs, each from its first sample, where it is as measured."""
+        errors = tuple(np.concatenate([[np.nan], e[1:]]) for e in self.errors)
+        return Replay(errors, max(float(np.ptp(course.position)) for course in self.courses))
 
 
 def courses_of(

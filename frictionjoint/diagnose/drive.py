@@ -2,7 +2,7 @@
 
 A delay or a limit changes the drive itself, by far more than friction, and not in proportion to any
 number of it: no linear column predicts what it would leave. There are few such effects, so each is
-fitted from all of its starts, on thinned logs, and the best few on all samples.
+tried from all of its starts, on thinned logs, and the best few on all samples.
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,14 @@ from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.score import Scored, scored
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import ROUGH, Fit, Place, Search, refit, timed
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import DriveTerm
 from frictionjoint.threads import side_by_side
 
-# samples of the coarse fits, steps of each; effects that are fitted to all samples
-_COARSE, _STEPS, _LEADERS, _FINE_STEPS = 1500, 6, 3, 8
+# samples of the coarse fits, starts of each effect that ripen there and for how many steps; effects
+# that are fitted to all samples
+_COARSE, _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 1500, 2, 6, 3, 8
 _FLIPS, _HALVES = 999, 50
 # torque that an effect of the drive must move, over that of the whole drive: what is smaller is as
 # likely an error of the friction law, which a dead band resembles
@@ -60,11 +61,23 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     coarse = prepared.thinned(_COARSE)
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
 
-    def attempt(term: DriveTerm) -> Fit:
-        return refit(coarse, (*start.effects, term), start.shape, ROUGH, _STEPS)
+    def begun(term: DriveTerm) -> Place:
+        search = Search(coarse, timed(coarse, (*start.effects, term)), start.shape)
+        x = search.start
+        return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
+
+    def attempt(place: Place) -> Fit:
+        search = place.search
+        return search.result(search.run(place.x, _STEPS, ROUGH).x)
 
     with side_by_side() as each:
-        fits = list(each(attempt, terms))
+        places = sorted(zip(terms, each(begun, terms), strict=True), key=lambda pair: pair[1].cost)
+        starts = [
+            place
+            for i, (term, place) in enumerate(places)
+            if sum(other.name == term.name for other, _ in places[:i]) < _RIPENING
+        ]
+        fits = list(each(attempt, starts))
     best: dict[str, tuple[float, DriveTerm]] = {}
     for found in fits:
         term = found.effects[-1]

@@ -9,6 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.closed_loop import ClosedLoop, Course, closed_loop, courses_of
+from frictionjoint.diagnose.replay import Replay
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
@@ -33,6 +34,12 @@ class LoopErrors:
     def rms(self) -> Rms:
         """Roots of the mean square."""
         return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
+
+    @property
+    def replays(self) -> "tuple[Replay, Replay | None]":
+        """As free runs of the logs fitted and of those held out, each log one run."""
+        assert self.fit is not None
+        return self.fit.replay, self.held_out.replay if self.held_out else None
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,7 @@ class Balance:
         self.layout: Layout = layout_of(prepared, law, terms)
         self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
         self._kept: dict[object, Array] = {}
+        self._latest: dict[int, tuple[object, Segment]] = {}
         self._lock = Lock()
 
     def columns(
@@ -70,7 +71,7 @@ class Balance:
         delay = delay_of(terms)
         with side_by_side() as each:
             X = list(each(partial(self._log_columns, law, terms), range(len(self.prepared))))
-        y = [target(self._driven(terms, i), self.prepared, delay) for i in range(len(X))]
+        y = [self._target(terms, delay, i) for i in range(len(X))]
         whole = np.concatenate(X)
         if beta is not None:
             whole = saturated(whole, beta, self.layout)
@@ -106,6 +107,23 @@ class Balance:
                 parts.append(self._get(key, partial(self._term, term, law, i)))
         return np.column_stack(parts)
 
+    def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
+        """What the law and the terms that follow it add up to in a log, shape (n,)."""
+        at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
+        found = self._law(law, i) @ beta[at]
+        for k, term in enumerate(terms):
+            if term.follows_law:
+                found += self._term(term, law, i) @ beta[self.layout.coefficients(k)]
+        return np.asarray(found)
+
+    def _target(self, terms: tuple[Term, ...], delay: float, i: int) -> Array:
+        changes = tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+
+        def make() -> Array:
+            return target(self._driven(terms, i), self.prepared, delay)
+
+        return self._get(("target", i, delay, changes), make)
+
     def _law(self, law: Shape, i: int) -> Array:
         s = self.prepared.segments[i]
         track = self._track(law, i)
@@ -125,8 +143,16 @@ class Balance:
         return signals
 
     def _driven(self, terms: tuple[Term, ...], i: int) -> Segment:
-        """A log with the drive that these terms make of its commands."""
-        return changed_drive(self.prepared.segments[i], terms)
+        """A log with the drive that these terms make of its commands.
+
+        The latest one of each log is kept: what else moves leaves it as it is.
+        """
+        changes = tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+        known, found = self._latest.get(i, (None, None))
+        if found is None or known != changes:
+            found = changed_drive(self.prepared.segments[i], terms)
+            self._latest[i] = changes, found
+        return found
 
     def _track(self, law: Shape, i: int) -> Array:
         return self._get(("track", i, law), lambda: law_track(self.prepared.segments[i], law))
@@ -158,12 +184,11 @@ class Balance:
         """By number j of term k, an effect of the drive, shape (n,)."""
         x = terms[k].free_shape[j]
         h = _STEP * abs(x) or _STEP
-        pair = []
-        for d in (h, -h):
-            moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + d))
-            s = self._driven((*terms[:k], moved, *terms[k + 1 :]), i)
-            pair.append(s.balanced_drive(delay_of(terms))[s.kept])
-        return np.asarray((pair[1] - pair[0]) / (2.0 * h))
+        moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + h))
+        delay = delay_of(terms)
+        s = changed_drive(self.prepared.segments[i], (*terms[:k], moved, *terms[k + 1 :]))
+        there = target(s, self.prepared, delay)
+        return np.asarray((self._target(terms, delay, i) - there) / h)
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """By the numbers of the law, shape (n, number)."""

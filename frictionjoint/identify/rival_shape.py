@@ -14,6 +14,7 @@ from frictionjoint.identify.shape import (
     Shape,
     length_bounds,
     level_bounds,
+    unit_block,
 )
 from frictionjoint.law import bristle, maxwell_slip
 from frictionjoint.law.motion import drive_rival
@@ -145,14 +146,14 @@ class RivalShape:
     def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """See `Shape`."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_rival(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
+        drive_rival(unit_block(self), time, q, H, rate)
         return H, rate
 
     def tangents(
         self, time: Array, q: Array, q_t: Array | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
-        P = self.parameters(1.0, 0.0).pack()
+        P = unit_block(self)
         return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, q_t)
 
     def _block_tangents(self, P: Array) -> Array:

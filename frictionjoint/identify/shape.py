@@ -6,6 +6,7 @@ searched. `Shape` is what a search needs of a law; here is that of the integrate
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Protocol, Self, get_args
 
 import numpy as np
@@ -60,6 +61,12 @@ class Shape(Protocol):
             q_t: how the motion changes with each number of `vector`, and along further directions
                 if it has more rows; their derivatives follow as further rows. None: it is given.
         """
+
+
+@lru_cache(maxsize=64)
+def unit_block(shape: Shape) -> Array:
+    """The law's block at Coulomb level 1, to be read only: many logs ask for that of one shape."""
+    return shape.parameters(1.0, 0.0).pack()
 
 
 _LEAST_BEND = 0.02
@@ -191,14 +198,14 @@ class IntegratedShape:
     def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_integrated(self.parameters(1.0, 0.0).pack(), time, q, H, rate)
+        drive_integrated(unit_block(self), time, q, H, rate)
         return H, rate
 
     def tangents(
         self, time: Array, q: Array, q_t: Array | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
-        P = self.parameters(1.0, 0.0).pack()
+        P = unit_block(self)
         return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, q_t)
 
     def _block_tangents(self, P: Array) -> Array:

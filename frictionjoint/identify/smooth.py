@@ -9,7 +9,6 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numba import njit
-from sklearn.preprocessing import SplineTransformer
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
@@ -115,15 +114,32 @@ class SplineTerm(SmoothTerm):
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
         x = quantity(segment, signals, self.variable)
-        knots = np.linspace(self.low, self.high, self.pieces + 1)[:, None]
-        spline = SplineTransformer(3, knots=knots, extrapolation="constant", include_bias=False)
-        spline.fit(knots)
-        out: Array = spline.transform(np.clip(x, self.low, self.high)[:, None])
+        out = self._basis(x)
         if self.means:
             out = out - np.array(self.means)
         if self.slopes:
             out = out - x[:, None] * np.array(self.slopes)
         return out * signals[:, [H]] if self.odd else out
+
+    def _basis(self, x: Array) -> Array:
+        """Cubic B-splines of uniform knots at x, shape (n, pieces + 2).
+
+        All but the last, for together they are a constant.
+        """
+        at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
+        piece = np.minimum(at.astype(int), self.pieces - 1)
+        t = at - piece
+        weights = (
+            (1.0 - t) ** 3,
+            (3.0 * t - 6.0) * t * t + 4.0,
+            ((3.0 - 3.0 * t) * t + 3.0) * t + 1.0,
+            t**3,
+        )
+        out = np.zeros((len(x), self.pieces + 3))
+        rows = np.arange(len(x))
+        for k, weight in enumerate(weights):
+            out[rows, piece + k] = weight / 6.0
+        return out[:, :-1]
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
         """The same curve without its mean over what is kept of the logs, and in the load without

@@ -18,6 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.design import Balance, law_track, lengths, load_torque
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swing_columns, swings
 from frictionjoint.identify.terms import Term
@@ -71,9 +72,11 @@ def _start(one: Prepared, fitted: Fit) -> float:
     """Torque over Fc at the first sample of a log."""
     whole = _squares(_left(one, fitted))
     head = replace(one, segments=(_head(one.segments[0], fitted.shape),))
+    left, before = _left(head, fitted), _of_law(head, fitted)
 
     def squares(held: float) -> float:
-        return _squares(_left(_held(head, held), fitted))
+        # all but the law and what follows it stays as it is
+        return _squares(left - (_of_law(_held(head, held), fitted) - before))
 
     tried = [squares(held) for held in _TRIALS]
     best = _TRIALS[int(np.argmin(tried))]
@@ -131,6 +134,12 @@ def _left(one: Prepared, fitted: Fit) -> Array:
     return np.asarray(y - X @ fitted.beta)
 
 
+def _of_law(one: Prepared, fitted: Fit) -> Array:
+    """What depends on the law in a log, in units of the drive."""
+    balance = Balance(one, fitted.shape, fitted.terms)
+    return balance.of_law(fitted.shape, fitted.terms, fitted.beta, 0)
+
+
 def _squares(x: Array) -> float:
     return float(np.sum(x**2))
 
@@ -146,13 +155,14 @@ def _head(segment: Segment, shape: Shape) -> Segment:
     reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):
-        return segment
+        return replace(segment, driven_along=segment.path)
     mask = segment.mask[: end + reach].copy()
     mask[end:] = False  # the filter's edge
+    signals = segment.signals[: end + reach]
     return replace(
         segment,
-        signals=segment.signals[: end + reach],
-        driven_along=None,
+        signals=signals,
+        driven_along=path_of(signals, segment.noise.resolution),
         drive=segment.drive[: end + reach],
         driven=segment.driven[: end + reach],
         mask=mask,

@@ -15,7 +15,14 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.refine.guard import kinds, of_logs, spread, without_each
+from frictionjoint.refine.guard import (
+    clearly_less,
+    kinds,
+    missing_width,
+    of_logs,
+    spread,
+    without_each,
+)
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant
@@ -30,7 +37,7 @@ class Refined:
     """Outcome of a refinement.
 
     Attributes:
-        fit: refined, or the balance's own where that predicts unlike motion better.
+        fit: refined, or the balance's own where it does not clearly predict unlike motion better.
         taken: whether it is the refined one. names: of the numbers in `values`.
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
         left_out: mean absolute error of each log by what was fitted to other kinds of logs, before
@@ -57,16 +64,20 @@ def refine(
     cov: Array,
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
+    begin: Callable[[Objective], Array] | None = None,
 ) -> Refined:
     """Refine all numbers of a fitted model by the motion of its logs.
 
     Args:
         cov: of the fit's parameters, in the order of its jacobian. courses: of the logs it was
-            fitted to.
+            fitted to. begin: numbers to begin with on whole logs; None: the fit's own, by way of
+            windows.
     """
     vector = Vector(prepared, fitted, cov, courses[0].run.load.armature)
     x = vector.start
-    for window in (WINDOW_S, None):
+    if begin:
+        x = begin(Objective(vector, courses, None, x))
+    for window in (None,) if begin else (WINDOW_S, None):
         objective = Objective(vector, courses, window, x)
         what = "whole logs" if window is None else f"windows of {window:g} s"
         progress(f"refine: {what}, {1e3 * objective.size:.3g} mrad")
@@ -79,8 +90,9 @@ def refine(
     moved, errors = without_each(objective, z, J, masks)
     after = of_logs(errors, courses)
     uncertain = np.linalg.pinv(J.T @ J) + spread(z, moved, masks)
+    uncertain *= missing_width(objective, z, uncertain, errors) ** 2
     uncertain *= np.outer(vector.unit, vector.unit)
-    taken = bool(after.mean() < before.mean())
+    taken = clearly_less(after, before)
     refined = vector.fit(x) if taken else fitted
     return Refined(refined, taken, x, np.asarray(uncertain), (before, after), vector)
 

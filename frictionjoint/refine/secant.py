@@ -13,7 +13,7 @@ from frictionjoint.arrays import Array
 
 # units of the prior by which a number is moved for a difference
 _STEP = 0.02
-# of the change over a step, that the derivatives may leave unexplained
+# see `Secant`
 _OFF = 0.5
 
 
@@ -21,12 +21,19 @@ class Secant:
     """Jacobian for a search, called at each point that it goes on from.
 
     Args:
-        residual: of the search. bounds: within which a number is moved.
+        residual: of the search. bounds: within which a number is moved. last: a point with its
+            residual and derivatives, where they are known. off: of the change over a step, that the
+            derivatives may leave unexplained before differences are taken again.
     """
 
-    def __init__(self, residual: Callable[[Array], Array], bounds: tuple[Array, Array]) -> None:
-        self.residual, self.bounds = residual, bounds
-        self.last: tuple[Array, Array, Array] | None = None
+    def __init__(
+        self,
+        residual: Callable[[Array], Array],
+        bounds: tuple[Array, Array],
+        last: tuple[Array, Array, Array] | None = None,
+        off: float = _OFF,
+    ) -> None:
+        self.residual, self.bounds, self.last, self.off = residual, bounds, last, off
 
     def __call__(self, z: Array) -> Array:
         """Shape (n, p)."""
@@ -46,7 +53,7 @@ class Secant:
         missed = change - J0 @ step
         if not step.any():
             return J0
-        if np.linalg.norm(missed) > _OFF * np.linalg.norm(change):
+        if np.linalg.norm(missed) > self.off * np.linalg.norm(change):
             return None
         return np.asarray(J0 + np.outer(missed, step / (step @ step)))
 

@@ -1,5 +1,6 @@
 """The numbers of a fitted model as one vector: law, effects, controller, motor, inertia."""
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -96,6 +97,24 @@ class Vector:
                 low.append(max(least, _LEAST_SCALE * x) if least == 0.0 else least)
                 high.append(most)
         return np.array(low), np.array(high)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the numbers, shape (p,); those of a term by its name, which no place in a list is."""
+        count: Counter[str] = Counter()
+        places: dict[str, str] = {}
+        for i, term in enumerate(self.layout.terms):
+            places[str(i)] = f"{term.name} {count[term.name]}"
+            count[term.name] += 1
+        split = (name.partition(".") for name in self.layout.names)
+        return tuple(f"{places.get(first, first)}{dot}{rest}" for first, dot, rest in split)
+
+    def carried(self, other: "Vector", values: Array) -> Array:
+        """Numbers of another model's vector in this one, and its own where that has none."""
+        known = dict(zip(other.names, values, strict=True))
+        pairs = zip(self.names, self.start, strict=True)
+        found: Array = np.array([known.get(name, x) for name, x in pairs])
+        return np.clip(found, self.low, self.high)
 
     def covariance(self, cov: Array) -> Array:
         """That of a fit's own parameters in the order and units of this vector, shape (p, p).

@@ -20,11 +20,14 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import SimulatedEffect
-from frictionjoint.simulate.row import evaluate, row_size
+from frictionjoint.simulate.row import evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
 # positions at which a load is evaluated: three determine its mean and its first harmonic
 _TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
+# steps from one evaluation of the friction to the next along a measured motion, which is smooth; a
+# law is driven by displacement, and each step at one speed is exact
+_STRIDE = 4
 # rows of `Load.numbers`
 INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
 _ROWS = 10
@@ -171,7 +174,7 @@ def simulate(
     )
     X, S, position, drive = np.zeros(model.row), np.zeros(STATE), np.empty(n), np.empty(n)
     if motion is None:
-        _part(given, X, S, run.start[0], run.start[1], False, 0, n, position, drive)
+        _part(given, X, S, run.start[0], run.start[1], 0, n, position, drive)
     else:
         _windows(given, X, S, window or n, position, drive)
     return position
@@ -208,13 +211,12 @@ def _part(
     S: Array,
     q: float,
     v: float,
-    follow: bool,
     begin: int,
     end: int,
     position: Vector,
     drive: Vector,
 ) -> None:
-    """Steps from `begin` to `end`, free or along the measured motion."""
+    """Free steps from `begin` to `end`."""
     P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
     motor, on = given.motor, given.on
     gain, emf, extra, lag = motor[0], motor[1], motor[2], motor[3]
@@ -222,8 +224,6 @@ def _part(
     part = lag - late
     some = P[effects] > 0.0
     for k in range(begin, end):
-        if follow:
-            q, v = given.q[k], given.v[k]
         i = min(k, load.shape[1] - 1)
         c, s = math.cos(q), math.sin(q)
         # a negative error beyond the armature is not inertia, see `replay.friction_spec`
@@ -255,14 +255,37 @@ def _part(
 
 
 @compiled
+def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vector) -> None:
+    """Lead friction, effects and controller along the measured motion from `begin` to `end`."""
+    P, effects, load, body = given.P, given.effects, given.load, given.body
+    gain, emf, on = given.motor[0], given.motor[1], given.on
+    some = P[effects] > 0.0
+    for k in range(begin, end):
+        q, v, t = given.q[k], given.v[k], k * given.step
+        drive[k] = tick(given.B, S, t, given.target[k], q, v, given.supply[k]) if on[k] else 0.0
+        if (k - begin) % _STRIDE != 0:
+            continue
+        torque_now(P, 0, effects, X, 0, t, q, v, 0.0)
+        if some:
+            i = min(k, load.shape[1] - 1)
+            c, s = math.cos(q), math.sin(q)
+            bias = load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2])
+            gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
+            gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
+            asked = gain * drive[k] - emf * v if on[k] else 0.0
+            behind = load[INERTIA, i] - body[0]
+            effects_torque(P, 0, effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked)
+
+
+@compiled
 def _windows(
     given: _Given, X: Array, S: Array, window: int, position: Vector, drive: Vector
 ) -> None:
     """Steps free from the measured motion in windows; X and S follow that motion between them."""
     n = len(given.target)
-    along_motion = np.empty(n)
     for begin in range(0, n, window):
         end = min(begin + window, n)
         q, v = given.q[begin], given.v[begin]
-        _part(given, X.copy(), S.copy(), q, v, False, begin, end, position, drive)
-        _part(given, X, S, q, v, True, begin, end, along_motion, drive)
+        _part(given, X.copy(), S.copy(), q, v, begin, end, position, drive)
+        if end < n:
+            _along(given, X, S, begin, end, drive)
