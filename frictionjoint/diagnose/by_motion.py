@@ -32,6 +32,7 @@ from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import Refined, refine
 from frictionjoint.refine.secant import differences
+from frictionjoint.refine.vector import Vector
 
 # of the torque's rms, by which a coefficient moves it for a difference
 _STEP = 0.01
@@ -82,23 +83,21 @@ def _refined(
     fitted: Fit,
     courses: Sequence[Course],
     progress: Callable[[str], None],
-    begin: Callable[[Objective], Array] | None = None,
+    begin: Callable[[Vector], list[Array]] | None = None,
 ) -> Refined:
     cov = stated_covariance(prepared, fitted)
     return refine(prepared, fitted, cov, courses, progress, begin)
 
 
-def _begin(now: Refined, coefficients: Array, objective: Objective) -> Array:
-    """Where a model with one effect more begins: where the balance has it, or with refined numbers.
+def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
+    """Where a model with one effect more begins: where the balance has it, and refined numbers.
 
     Args:
-        coefficients: of that effect beside the refined numbers, N m. objective: of whole logs.
+        coefficients: of that effect beside the refined numbers, N m.
     """
-    vector = objective.vector
     x = vector.carried(now.vector, now.values)
     x[vector.layout.coefficients(len(vector.fitted.effects) - 1)] = coefficients
-    starts = [vector.start, np.clip(x, vector.low, vector.high)]
-    return min(starts, key=lambda x: float(np.sum(objective(objective.units(x)) ** 2)))
+    return [vector.start, np.clip(x, vector.low, vector.high)]
 
 
 def _told(other: Refined, now: Refined) -> Look:
@@ -138,7 +137,7 @@ def _promising(
         fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
         models.append((1.0 - squares(fitted) / before, fitted, coefficients))
     models.sort(key=lambda model: -model[0])
-    least = _NEAR_BEST * models[0][0] if models else 0.0
+    least = max(_PROMISE, _NEAR_BEST * models[0][0]) if models else 0.0
     return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
 
 

@@ -29,7 +29,9 @@ from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
 
 # steps of each round of a stage, rounds, and the fraction of the squares that one must take away
-_MOST, _ROUNDS, _ENOUGH = 10, 4, 5e-3
+_MOST, _ROUNDS, _ENOUGH = 10, 4, 2e-2
+# squares of a start over those of the nearest one, up to which it is searched from too
+_AS_NEAR = 1.25
 
 
 @dataclass(frozen=True)
@@ -64,24 +66,26 @@ def refine(
     cov: Array,
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
-    begin: Callable[[Objective], Array] | None = None,
+    begin: Callable[[Vector], list[Array]] | None = None,
 ) -> Refined:
     """Refine all numbers of a fitted model by the motion of its logs.
 
     Args:
         cov: of the fit's parameters, in the order of its jacobian. courses: of the logs it was
-            fitted to. begin: numbers to begin with on whole logs; None: the fit's own, by way of
-            windows.
+            fitted to. begin: numbers to begin with on whole logs, wherever they are near; None: the
+            fit's own, by way of windows.
     """
     vector = Vector(prepared, fitted, cov, courses[0].run.load.armature)
-    x = vector.start
-    if begin:
-        x = begin(Objective(vector, courses, None, x))
-    for window in (None,) if begin else (WINDOW_S, None):
-        objective = Objective(vector, courses, window, x)
-        what = "whole logs" if window is None else f"windows of {window:g} s"
-        progress(f"refine: {what}, {1e3 * objective.size:.3g} mrad")
-        x, J = _search(objective, x)
+    starts = begin(vector) if begin else [vector.start]
+    if not begin:
+        objective = Objective(vector, courses, WINDOW_S, vector.start)
+        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * objective.size:.3g} mrad")
+        starts = [_search(objective, vector.start)[0]]
+    objective = Objective(vector, courses, None, starts[0])
+    progress(f"refine: whole logs, {1e3 * objective.size:.3g} mrad")
+    costs = [_cost(objective, start) for start in starts]
+    near = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
+    x, J = min([_search(objective, x) for x in near], key=lambda end: _cost(objective, end[0]))
     progress("refine: guard")
     masks = kinds(courses)
     start = objective.errors(objective.units(vector.start))
@@ -95,6 +99,10 @@ def refine(
     taken = clearly_less(after, before)
     refined = vector.fit(x) if taken else fitted
     return Refined(refined, taken, x, np.asarray(uncertain), (before, after), vector)
+
+
+def _cost(objective: Objective, x: Array) -> float:
+    return float(np.sum(objective(objective.units(x)) ** 2))
 
 
 def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
