@@ -60,9 +60,11 @@ def test_the_covariance_is_one(case):
     _, found, _ = case
     assert found.cov.shape == (len(found.values), len(found.values))
     assert np.linalg.eigvalsh(found.cov).min() > -1e-12
-    # most numbers are determined better than by the balance; one on which kinds of logs disagree
-    # may be less sure than that
-    assert np.median(np.sqrt(np.diag(found.cov)) / found.vector.unit) < 0.9
+    # what moves the simulated joint most is determined better than by the balance; the rest may be
+    # less sure, for all are widened by what was left out
+    error = np.sqrt(np.diag(found.cov)) / found.vector.unit
+    assert np.quantile(error, 0.25) < 0.5
+    assert error.max() < 3.0
 
 
 def test_numbers_stay_in_their_range_where_a_search_rounds(case):
@@ -79,3 +81,19 @@ def test_numbers_stay_in_their_range_where_a_search_rounds(case):
     least[at] = vector.low[at]
     assert joint_model(vector.fit(least)).numbers.size
     assert np.isfinite(objective(np.maximum(objective.bounds[0], -1.0))).all()
+
+
+def test_numbers_are_carried_into_a_model_with_one_effect_more(case):
+    fitted, found, _ = case
+    small = found.vector
+    spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
+    body = RigidBody(PLANT.format(""), "j")
+    prepared = prepare([servo("sines 3", 3.0, sines, HIDDEN, 3.0)], body, controller=KNOWN)
+    more = refit(prepared, (*fitted.effects, spring), fitted.shape, ROUGH)
+    cov = np.diag(np.full(more.jacobian.shape[1], 1e-4))
+    large = Vector(prepared, more, cov, body.armature)
+    x = dict(zip(large.names, large.carried(small, found.values), strict=True))
+    for name, value in zip(small.names, found.values, strict=True):
+        assert x.pop(name) == pytest.approx(value)
+    own = dict(zip(large.names, large.start, strict=True))
+    assert x == {name: own[name] for name in ("spring 0.stiffness", "spring 0.preload")}
