@@ -9,9 +9,11 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.library import columns_of, effect_terms, periodic_terms, signals_of
+from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.replay import friction_spec, motor_of, replay, replayed_whole
+from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, refit

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from frictionjoint import FrictionParameters, attach
-from frictionjoint.diagnose.library import effect_terms, signals_of
+from frictionjoint.diagnose.columns import signals_of
+from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.effects import back_emf, load_dependent

@@ -15,10 +15,11 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
+from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.library import Candidate, effect_terms, signals_of
+from frictionjoint.diagnose.library import Candidate, effect_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.diagnose.state import SMALLEST_GAIN

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.library import columns_of, signals_of
+from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.motions import (
     Carried,
     Limits,

@@ -1,0 +1,40 @@
+"""Signals of logs under a fit, and the columns that a term has on their kept samples."""
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import MOTOR
+from frictionjoint.identify.design import full_signals, kept
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.terms import EffectTerm, Term
+
+
+def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
+    """Signals of each log under the fitted law; the torque of a motor under the whole model."""
+    found = [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
+    if not prepared.gain_unknown:
+        return found
+    for s, signals in zip(prepared.segments, found, strict=True):
+        # with all columns made first: a term may look at the torque of the law
+        signals[:, MOTOR] += sum(
+            [
+                term.columns(s, signals) @ fitted.term_coefficients(i)
+                for i, term in enumerate(fitted.terms)
+                if term.coefficients and not (isinstance(term, EffectTerm) and term.effect.on_motor)
+            ],
+            np.zeros(len(signals)),
+        )
+    return found
+
+
+def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
+    """A term's columns on the kept samples of all logs.
+
+    A delay, which moves the drive, has none; its first order is the rate of the drive.
+    """
+    if not term.coefficients:
+        parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
+        return np.concatenate(parts)[:, None]
+    parts = [kept(s, term.columns(s, x)) for s, x in zip(prepared.segments, signals, strict=True)]
+    return np.concatenate(parts)
