@@ -143,8 +143,9 @@ def _simplified(
     choices = now.choices[:i] + now.choices[i + 1 :]
     rest = _Now(replace(now.settled, found=found.without(i)), choices)
     trial = _without_idle(_with(rest, several, each, beside), each, beside)
+    # fewer numbers leave a joint a little more of the data they are fitted to
     pairs = zip(trial.joints, now.joints, strict=True)
-    as_near = max((a.fit.rms / b.fit.rms) ** 2 for a, b in pairs) < 1.0 + HARM
+    as_near = float(np.mean([(a.fit.rms / b.fit.rms) ** 2 for a, b in pairs])) < 1.0 + HARM
     return (trial, True) if as_near else (now, False)
 
 
