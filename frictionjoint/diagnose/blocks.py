@@ -5,7 +5,6 @@ tested on motion unlike that it was fitted to: on other logs where there are thr
 another kind of motion: blocks alike in speed, acceleration, position and direction.
 """
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,7 @@ from sklearn.cluster import KMeans
 from sklearn.preprocessing import StandardScaler
 
 from frictionjoint.arrays import Array
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import Prepared
@@ -60,15 +60,36 @@ class Blocks:
         """Number of pieces of blocks."""
         return _PIECES * self.count
 
-    def gram(self, U: Array, fine: bool = False) -> Array:
-        """U'U of each block, shape (B, m, m); fine: of the pieces of each, shape (5 B, m, m)."""
+    def gram(self, U: Array, at: Index, fine: bool = False) -> Array:
+        """Gram matrix of some columns of U in each block.
+
+        Args:
+            U: shape (n, c), each column of one piece in memory. at: of the columns, shape (m,).
+        Returns:
+            shape (B, m, m); fine: of the pieces of each block, shape (5 B, m, m).
+        """
         edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
         if fine:
             parts = np.arange(_PIECES) / _PIECES
             edges = np.append(
                 (edges[:-1, None] + parts * np.diff(edges)[:, None]).astype(int).ravel(), len(U)
             )
-        return np.stack([U[a:b].T @ U[a:b] for a, b in itertools.pairwise(edges)])
+        out = np.empty((len(edges) - 1, len(at), len(at)))
+        gram_matrices(U, at, edges, out)
+        return out
+
+
+@compiled
+def gram_matrices(U: Array, at: Index, edges: Index, out: Array) -> None:
+    """Fill `out` with the Gram matrices of columns `at` of U between successive edges."""
+    for j in range(len(at)):
+        for k in range(j + 1):
+            one, other = U[:, at[j]], U[:, at[k]]
+            for b in range(len(out)):
+                total = 0.0
+                for i in range(edges[b], edges[b + 1]):
+                    total += one[i] * other[i]
+                out[b, j, k] = out[b, k, j] = total
 
 
 def correlation_time(residual: Array) -> float:

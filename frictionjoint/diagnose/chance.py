@@ -13,6 +13,7 @@ from scipy.special import fdtrc
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.gram import Columns, Screen
+from frictionjoint.threads import side_by_side
 
 FLIPS = 999
 
@@ -39,12 +40,13 @@ def p_values(
     blocks = found.blocks.count
     signs = rng.choice([-1.0, 1.0], size=(FLIPS, blocks))
     fine = rng.choice([-1.0, 1.0], size=(FLIPS, found.blocks.pieces))
-    surprises = np.array(
-        [
-            np.maximum(_surprise(found, at, signs), _surprise(found, at, fine)) - np.log(lines)
-            for at, lines in zip(found.candidates, among, strict=True)
-        ]
-    )
+
+    def surprise(at: Columns, lines: float) -> Array:
+        larger = np.maximum(_surprise(found, at, signs), _surprise(found, at, fine))
+        return np.asarray(larger - np.log(lines))
+
+    with side_by_side() as each:
+        surprises = np.array(list(each(surprise, found.candidates, among)))
     null = surprises[:, 1:].max(axis=0)
     p = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
     return p, float(np.quantile(null, 0.95))

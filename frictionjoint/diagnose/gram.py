@@ -70,10 +70,11 @@ class Screen:
         folds = self._folds(A)
         total = grams.sum(axis=0)
         at = at[~self.begun[at]]
-        for fold in np.unique(folds):
+        names = np.unique(folds)
+        rest = np.stack([total - grams[folds == fold].sum(axis=0) for fold in names])
+        betas = _least_squares(rest[:, :-1, :-1], rest[:, :-1, -1], self.low[at], self.high[at])
+        for fold, G, beta in zip(names, rest, betas, strict=True):
             inside = folds == fold
-            G = total - grams[inside].sum(axis=0)
-            beta = _least_squares(G[:-1, :-1], G[:-1, -1], self.low[at], self.high[at])
             trained[inside] = G[-1, -1] + (G[:-1, :-1] @ beta - 2.0 * G[:-1, -1]) @ beta
             squares[inside] += (A[inside] @ beta - 2.0 * b[inside]) @ beta
         return squares, trained
@@ -92,7 +93,7 @@ class Screen:
 
         Less what the logs held when they began, which has no row of its own.
         """
-        grams = self.blocks.gram(columns[:, [*at, -1]], fine)
+        grams = self.blocks.gram(columns, np.append(at, columns.shape[1] - 1), fine)
         begun = np.append(self.begun[at], False)
         if not begun.any():
             return grams
@@ -119,12 +120,11 @@ class Screen:
         pieces = len(A) // self.blocks.count
         whole = A.reshape(self.blocks.count, pieces, *A.shape[1:]).sum(axis=1)
         folds = np.repeat(self._folds(whole), pieces)
-        beta = np.empty_like(b)
-        for fold in np.unique(folds):
-            inside = folds == fold
-            rest = A[~inside].sum(axis=0)
-            beta[inside] = np.linalg.pinv(rest, rcond=_RCOND, hermitian=True) @ b[~inside].sum(0)
-        return beta
+        names, place = np.unique(folds, return_inverse=True)
+        rest = np.stack([A[folds != fold].sum(axis=0) for fold in names])
+        sums = np.stack([b[folds != fold].sum(axis=0) for fold in names])
+        inverse = np.linalg.pinv(rest, rcond=_RCOND, hermitian=True)
+        return np.asarray(np.einsum("fij,fj->fi", inverse, sums)[place])
 
     def halves(self, rng: np.random.Generator) -> Array:
         """Complementary halves of the blocks, 1 or 0, shape (halves, B)."""
@@ -152,23 +152,27 @@ class Screen:
 
 
 def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
-    """Coefficients within their range, from a Gram matrix and the products with the target."""
-    if not len(b):
-        return b
-    scale = np.sqrt(np.maximum(np.diag(A), 1e-300))
-    inside = A / np.outer(scale, scale)
-    beta = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True) @ (b / scale) / scale
-    if np.all(beta >= low) and np.all(beta <= high):
-        return np.asarray(beta)
-    values, vectors = np.linalg.eigh(inside)
+    """Coefficients within their range, shape (f, k).
+
+    Args:
+        A: Gram matrices of the columns, shape (f, k, k). b: their products with the target, (f, k).
+        low, high: shape (k,).
+    """
+    scale = np.sqrt(np.maximum(np.diagonal(A, axis1=1, axis2=2), 1e-300))
+    inside = A / (scale[:, :, None] * scale[:, None, :])
+    inverse = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True)
+    beta = np.einsum("fij,fj->fi", inverse, b / scale) / scale
+    for f in np.flatnonzero(np.any((beta < low) | (beta > high), axis=1)):
+        beta[f] = _bounded(inside[f], b[f] / scale[f], low * scale[f], high * scale[f]) / scale[f]
+    return np.asarray(beta)
+
+
+def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
+    """Coefficients within their range where the free ones are not."""
+    values, vectors = np.linalg.eigh(A)
     roots = np.sqrt(np.maximum(values, _RCOND * values.max()))
-    found = lsq_linear(
-        roots[:, None] * vectors.T,
-        vectors.T @ (b / scale) / roots,
-        (low * scale, high * scale),
-        method="bvls",
-    )
-    return np.asarray(found.x / scale)
+    rows, target = roots[:, None] * vectors.T, vectors.T @ b / roots
+    return np.asarray(lsq_linear(rows, target, (low, high), method="bvls").x)
 
 
 def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) -> Screen:
@@ -219,9 +223,9 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,
-        columns=columns,
-        tested=tested,
-        white=white,
+        columns=np.asfortranarray(columns),
+        tested=np.asfortranarray(tested),
+        white=np.asfortranarray(white),
         low=low,
         high=high,
         begun=np.concatenate([*begun, []]).astype(bool),

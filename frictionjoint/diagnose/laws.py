@@ -12,6 +12,7 @@ from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.laws import LAWS
 from frictionjoint.rivals import StaticParameters
+from frictionjoint.threads import side_by_side
 
 # of the error: what chance or a few more parameters do not make
 _CLEARLY = 0.95
@@ -57,12 +58,15 @@ class Laws:
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """A fit of the same effects with another law where that is clearly better."""
         self.shapes[fitted.shape.variables] = fitted.shape
-        best = fitted
-        for variables, shape in self.shapes.items():
-            if variables != fitted.shape.variables:
-                other = refit(prepared, fitted.effects, shape, ROUGH)
-                self.shapes[variables] = other.shape
-                best = min(best, other, key=lambda f: f.drive_rms)
+
+        def refitted(shape: Shape) -> Fit:
+            return refit(prepared, fitted.effects, shape, ROUGH)
+
+        own = fitted.shape.variables
+        with side_by_side() as each:
+            others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
+        self.shapes |= {other.shape.variables: other.shape for other in others}
+        best = min([fitted, *others], key=lambda f: f.drive_rms)
         if best is fitted or best.drive_rms >= _CLEARLY * fitted.drive_rms:
             return prepared, fitted
         return reweighed(prepared, best)

@@ -13,6 +13,7 @@ from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import Term
+from frictionjoint.threads import side_by_side
 
 # of each sort of move, how many are refitted
 _ADDED, _UNNAMED, _PAIRS, _EXCHANGED = 4, 2, 1, 2
@@ -95,9 +96,15 @@ def look(
         kinds.setdefault(candidate.kind, []).append(i)
     found_p, chance = p_values(found, [c.among for c in candidates], rng)
     frequencies = _frequencies(found, list(kinds.values()), rng)
+
+    def held_out(i: int) -> tuple[Array, Array]:
+        return found.held_out([*found.terms, found.candidates[i]])
+
+    with side_by_side() as each:
+        tests = list(each(held_out, range(len(candidates))))
     rows = []
     for members, frequency in zip(kinds.values(), frequencies, strict=True):
-        tried = [found.held_out([*found.terms, found.candidates[i]]) for i in members]
+        tried = [tests[i] for i in members]
         squares = np.array([s for s, _ in tried])
         chosen = np.argmin(np.array([t for _, t in tried]), axis=0)
         best = members[int(np.argmin(squares.sum(axis=1)))]

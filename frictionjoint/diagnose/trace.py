@@ -256,10 +256,10 @@ def _looked_at_again(
         own, found = settled(prepared, min(fits, key=lambda f: f.drive_rms))
         return own, scored(found, blocks)
 
+    models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
     with side_by_side() as each:
-        changes = list(each(begun, [t.score.fit.effects for t in leaders]))
-    again = [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
-    return begun(state.fit.effects)[1], again
+        (_, before), *changes = list(each(begun, models))
+    return before, [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
 
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:

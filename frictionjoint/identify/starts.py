@@ -58,14 +58,17 @@ def ripened(
     """The best places of a coarse look, best first; costs are those of the coarse look."""
     terms = timed(prepared, terms)
     coarse = prepared.thinned(_COARSE)
-    places: list[Place] = []
-    for i, form in enumerate(forms):
-        progress(f"fit: form {i + 1} of {len(forms)}")
+
+    def tried(form: Shape) -> list[Place]:
         search = Search(coarse, terms, form)
-        for law in form.grid(search.vmax, search.balance.span):
-            x = search.vector(law)
-            places.append(Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x))
-    places.sort(key=lambda place: place.cost)
+        starts = [search.vector(law) for law in form.grid(search.vmax, search.balance.span)]
+        return [Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x) for x in starts]
+
+    places: list[Place] = []
     with side_by_side() as each:
+        for i, found in enumerate(each(tried, forms)):
+            progress(f"fit: form {i + 1} of {len(forms)}")
+            places += found
+        places.sort(key=lambda place: place.cost)
         ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places[:_RIPENING]))
     return sorted(ripe, key=lambda place: place.cost)

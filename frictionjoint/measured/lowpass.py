@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from frictionjoint.arrays import Array
+from frictionjoint.compiled import compiled
 
 Spectrum = NDArray[np.complex128]
 
@@ -54,16 +55,10 @@ class LowPass:
         about its ends, which keeps its value and its slope.
         """
         ends = np.array([x[0], x[-1]])
-        pad, n = self._pad, self.n
-        tail = min(self._length - pad - n, pad)
-        whole = np.zeros((self._length, *x.shape[1:]))
-        rest = whole[pad : pad + n]
-        np.multiply(self._parts.reshape(-1, *(1,) * (x.ndim - 1)), ends[0] - ends[1], out=rest)
-        rest += x
-        rest -= ends[0]
-        fade = self._fade.reshape(-1, *(1,) * (x.ndim - 1))
-        np.multiply(rest[pad:0:-1], -fade, out=whole[:pad])
-        np.multiply(rest[-2 : -tail - 2 : -1], -fade[::-1][:tail], out=whole[pad + n :][:tail])
+        columns = np.ascontiguousarray(x, dtype=np.float64).reshape(self.n, -1)
+        whole = np.zeros((self._length, columns.shape[1]))
+        continued(columns, self._fade, self._tail, whole)
+        whole = whole.reshape(-1, *x.shape[1:])
         return np.asarray(rfft(whole, axis=0, overwrite_x=True)), ends
 
     def back(
@@ -71,12 +66,14 @@ class LowPass:
     ) -> Array:
         """The filtered signal of a spectrum, differentiated, `delay` seconds late."""
         values, ends = spectrum
-        response = self._response * (1j * self._omega) ** derivative
-        if delay:
-            response = response * np.exp(-1j * self._omega * delay)
         m = self._length * self.up // self.step
         k = min(m, self._length) // 2 + 1
-        kept = values[:k] * response[:k].reshape(-1, *(1,) * (values.ndim - 1))
+        response = self._response[:k]
+        if derivative:
+            response = response * (1j * self._omega[:k]) ** derivative
+        if delay:
+            response = response * np.exp(-1j * delay * self._omega[:k])
+        kept = values[:k] * response.reshape(-1, *(1,) * (values.ndim - 1))
         out = irfft(kept, m, axis=0, overwrite_x=True)
         out *= self.up / self.step
         count = len(self._time)
@@ -89,10 +86,6 @@ class LowPass:
         elif derivative == 1:
             found += slope
         return np.asarray(found)
-
-    @cached_property
-    def _parts(self) -> Array:
-        return np.arange(self.n) / (self.n - 1.0)
 
     @cached_property
     def _time(self) -> Array:
@@ -109,6 +102,11 @@ class LowPass:
         wanted = min(self.n - 1, max(8, int(_CONTINUED / (self.corner_hz * self.dt))))
         return max(1, wanted // self.step) * self.step if wanted >= self.step else 0
 
+    @property
+    def _tail(self) -> int:
+        """Samples by which a signal is continued at its end."""
+        return min(self._length - self._pad - self.n, self._pad)
+
     @cached_property
     def _length(self) -> int:
         return self.step * int(next_fast_len(-(-(self.n + 2 * self._pad) // self.step), real=True))
@@ -122,3 +120,22 @@ class LowPass:
     def _response(self) -> Array:
         ratio = self._omega / (2.0 * np.pi * self.corner_hz)
         return np.asarray(1.0 / (1.0 + ratio**self.order))
+
+
+@compiled
+def continued(x: Array, fade: Array, tail: int, whole: Array) -> None:
+    """Fill `whole` with columns without their chords, turned about both ends and faded out.
+
+    Args:
+        x: shape (n, k). fade: shape (pad,), from 0 at the end of a continuation to 1 at the signal.
+        tail: samples of the continuation behind the signal. whole: zeros, shape (m, k).
+    """
+    n, pad = len(x), len(fade)
+    for k in range(x.shape[1]):
+        first, slope = x[0, k], (x[-1, k] - x[0, k]) / (n - 1)
+        for i in range(n):
+            whole[pad + i, k] = x[i, k] - first - slope * i
+        for i in range(pad):
+            whole[pad - 1 - i, k] = -fade[pad - 1 - i] * whole[pad + 1 + i, k]
+        for i in range(tail):
+            whole[pad + n + i, k] = -fade[pad - 1 - i] * whole[pad + n - 2 - i, k]
