@@ -64,10 +64,14 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
     """Whether a model predicts better than another, and by more than the law's own error.
 
     Args:
-        first: what it has besides comes first: it is known to be there, and only its size is not.
+        first: what it has besides comes first: it is known to be there, and only its size is not,
+            so that to predict better at all is enough.
     """
-    enough = (first or now.gain(other) >= SMALLEST_GAIN) and now.better(other)
-    return enough and now.moved(other) >= DISCREPANCY
+    if now.moved(other) < DISCREPANCY:
+        return False
+    if first:
+        return now.better(other, 0.0)
+    return now.gain(other) >= SMALLEST_GAIN and now.better(other)
 
 
 def numbers_of(term: Term) -> int:

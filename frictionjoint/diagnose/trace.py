@@ -33,11 +33,12 @@ from frictionjoint.diagnose.state import (
     needed,
     numbers_of,
 )
-from frictionjoint.identify.fit import ROUGH, Fit
+from frictionjoint.identify.fit import ROUGH, Fit, nearer
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.swing import swings
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
@@ -45,8 +46,8 @@ from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
 SIGNIFICANCE = 0.05
-# part of what is left from which on an effect may have bent the laws, which are then fitted from
-# everywhere
+# part of the error that an effect takes, from which on it may have bent the laws: all are then
+# fitted from everywhere
 _BENT = 0.3
 # of a pair over its better half: what one of two effects must explain besides the other
 _PAIR = 0.3
@@ -209,7 +210,7 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
 def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored) -> State:
     """The model after a change, without what it then no longer needs."""
     taken, seen = choice.taken, state.look
-    prepared, fitted = reweighed(taken.prepared, taken.score.fit)
+    prepared, fitted = settled(*reweighed(taken.prepared, taken.score.fit))
     gain = taken.score.gain(now)
     found = [
         Finding(
@@ -242,18 +243,18 @@ def _looked_at_again(
     What was wrong before may have bent the law, and so the weights and what the logs are thought
     to have held when they began: what is left then depends on which change was tried first.
     """
-    gain = best.score.gain(now)
-    leaders = [t for t in tried if t is best or t.score.gain(now) >= _LEADERS * gain]
+    least = _LEADERS * best.score.gain(now)
+    leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
-    if gain > _BENT or any(c.comes_first for c in best.move.added):
-        anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
-        prepared, first = reweighed(prepared, min(first, anew, key=lambda f: f.drive_rms), ROUGH)
+    anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
+    first = min(first, anew, key=lambda f: f.drive_rms)
+    prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = make_blocks(prepared, first)
-    starts = (first.shape, state.fit.shape)
 
     def begun(terms: tuple[Term, ...]) -> tuple[Prepared, Scored]:
-        fits = [compared(prepared, terms, law) for law in starts]
-        own, found = settled(prepared, min(fits, key=lambda f: f.drive_rms))
+        found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
+        swung = any(swings(term) for term in terms)
+        own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
 
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]

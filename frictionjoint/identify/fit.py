@@ -4,6 +4,7 @@ Everything is linear but the shapes, so the shapes are searched and the rest is 
 point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -178,6 +179,14 @@ def refit(
     """
     search = Search(prepared, timed(prepared, terms), start)
     return search.result(search.run(search.start, steps, closeness).x)
+
+
+def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:
+    """Of some shapes of a law the one that leaves least beside some terms as they are."""
+    whole = timed(prepared, terms)
+    searches = [Search(prepared, whole, law) for law in laws]
+    left = [float(np.sum(search.residual(search.start) ** 2)) for search in searches]
+    return laws[int(np.argmin(left))]
 
 
 class Solution(NamedTuple):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, timed
+from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, nearer, timed
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term
@@ -40,8 +40,7 @@ def fit(
     for i, place in enumerate(finalists):
         progress(f"fit: all samples, start {i + 1} of {len(finalists)}")
         shape, moved = place.search.split(place.x)
-        searches = [Search(prepared, moved, choice) for choice in shape.last_choices()]
-        search = min(searches, key=lambda s: float(np.sum(s.residual(s.start) ** 2)))
+        search = Search(prepared, moved, nearer(prepared, moved, shape.last_choices()))
         final.append(search.run(search.start, _FEW, ROUGH))
     best = min(final, key=lambda place: place.cost)
     found = best.search.run(best.x, _STEPS, CLOSE)
