@@ -9,6 +9,8 @@ import subprocess
 import cancel_stick_slip as example
 import numpy as np
 import pytest
+from acting import acting
+from acting import name as effect_name
 from c_header import COMPILER, Header, compile_c
 from numba import njit
 
@@ -126,13 +128,8 @@ def test_effects_are_the_same(tmp_path):
     rng = np.random.default_rng(1)
     friction = {}
     for effect in CATALOGUE:
-        # of a size that makes every effect felt; shape numbers must be positive
-        shape = tuple(rng.uniform(0.02, 0.2, len(effect.shape)))
-        made = SimulatedEffect(
-            effect, shape, tuple(rng.uniform(0.1, 0.5, len(effect.coefficients)))
-        )
-        friction[f"{effect.name} {effect.effect_id}"] = JointFriction(INTEGRATED[8], (made,))
-    friction["two"] = JointFriction(RIVALS[6], friction["backlash 19"].effects * 2)
+        friction[effect_name(effect)] = JointFriction(INTEGRATED[8], (acting(effect),))
+    friction["two"] = JointFriction(RIVALS[6], (acting(CATALOGUE[-1]), acting(CATALOGUE[0])))
     around = rng.normal(size=(4000, 6)) * (1.0, 0.1, 0.1, 9.81, 9.81, 1.0)
     worst = compared(friction, tmp_path, around)
     assert max(worst.values()) < 1e-12, worst
@@ -143,10 +140,7 @@ def test_the_c_library_gives_exp_log_and_pow_alone(tmp_path):
     if shutil.which("nm") is None:
         pytest.skip("no nm to list the symbols")
     everything = {name(p): JointFriction(p) for p in (*INTEGRATED, *RIVALS)}
-    effects = tuple(
-        SimulatedEffect(e, (1.0,) * len(e.shape), (1.0,) * len(e.coefficients)) for e in CATALOGUE
-    )
-    everything["effects"] = JointFriction(INTEGRATED[0], effects)
+    everything["effects"] = JointFriction(INTEGRATED[0], tuple(map(acting, CATALOGUE)))
     Header(header(everything, "friction.h"), tmp_path)
     object_ = compile_c(tmp_path, (tmp_path / "driver.c").read_text(), "-c", name="object")
     listed = subprocess.run(["nm", "-u", object_], capture_output=True, text=True, check=True)

@@ -5,6 +5,7 @@ import sys
 import mujoco
 import numpy as np
 import pytest
+from acting import acting
 
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -180,10 +181,7 @@ def test_warp_computes_what_numba_computes(in_warp, parameters, h):
 def test_warp_computes_every_effect_as_numba_does():
     rng = np.random.default_rng(2)
     law = friction().pack()
-    carried = [
-        SimulatedEffect(e, tuple(rng.uniform(0.2, 0.8, len(e.shape))), (0.3,) * len(e.coefficients))
-        for e in CATALOGUE
-    ]
+    carried = [acting(e) for e in CATALOGUE]
     P = np.concatenate([law, [float(len(carried))], *(e.pack() for e in carried)])
     size = row_size(int(law_row_size(P, 0)), len(carried))
     name, made = "simulate_with_effects_effects_torque", [evaluate, effects_torque]

@@ -8,10 +8,11 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from acting import ARM, LAW, STEP, acting, arm, ctrl, name, natively, torques
 
 import frictionjoint as fj
-from frictionjoint.effects import backlash, heating, joint_elasticity, measurement_delay
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects import backlash, joint_elasticity, measurement_delay
+from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, read_friction
@@ -21,7 +22,6 @@ wp = pytest.importorskip("warp")
 from frictionjoint.simulate.warp import attach_warp  # noqa: E402
 from frictionjoint.simulate.warp_kernel import PULL  # noqa: E402
 
-STEP = 1e-3
 EPS = 2.0**-24  # half a unit in the last place of a single float, relative
 POSTURE = np.linspace(0.0, 0.6, 7)
 FS = 10.0
@@ -37,50 +37,8 @@ SEVEN = (
     '<body pos="1 0 0"><joint name="alone" axis="0 1 0"/><geom size="0.05" mass="2"/></body>'
     "</worldbody></mujoco>"
 )
-TWO = f"""<mujoco><option timestep="{STEP}" integrator="implicitfast"/><worldbody>
-<body><joint name="a" axis="0 1 0" armature=".02"/>
-<geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03"/>
-<body pos="0 0 -.4"><joint name="b" axis="0 1 0" armature=".02"/>
-<geom type="capsule" fromto="0 0 0 0 0 -.3" size=".03"/></body></body></worldbody>
-<actuator><motor joint="a" gear="2" ctrllimited="true" ctrlrange="-1.4 1.4"/><motor joint="b"/>
-</actuator></mujoco>"""
-LAW = fj.FrictionParameters.symmetric(
-    Fs=1.5,
-    Fc=1.0,
-    Vs=0.05,
-    sigma1=0.5,
-    sigma2=0.4,
-    n=2.0,
-    knots=((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2)),
-)
-# of each effect, by its number: what makes it act on the arm of two
-NUMBERS = {
-    1: ((), (0.2,)),
-    2: ((), (0.3, 0.2)),
-    3: ((), (0.02,)),
-    4: ((), (2.0, 0.1)),
-    5: ((), (0.1, 0.1)),
-    6: ((0.5,), (0.2,)),
-    7: ((1e-4,), (0.1,)),
-    9: ((2.0,), (-0.3, -0.1)),
-    10: ((), (0.3,)),
-    11: ((7.0,), (0.2, 0.1)),
-    12: ((7.0, 1e-3), (0.2, 0.1)),
-    13: ((), (0.1,)),
-    16: ((0.05,), (20.0,)),
-    17: ((0.02, 0.1, 1e-3), (0.3,)),
-    18: ((0.2, 1e-3, 1e-2), (0.5,)),
-    21: ((2.0, 0.1), (-0.3, -0.1)),
-    22: ((1e-4,), (0.1,)),
-    23: ((1e-3,), (0.1, 0.1)),
-    24: ((-0.02,), (20.0,)),
-    25: ((1e-4, 0.1), (0.1, 0.1)),
-    26: ((), (0.03,)),
-    27: ((20.0, 20.0), (0.5, 0.2)),
-    28: ((20.0, 50.0, 0.5), ()),
-    29: ((20.0, 20.0, 30.0), (0.5, 0.2)),
-}
-ACTING = [e for e in (heating.EFFECT, *CATALOGUE) if e.effect_id not in (14, 19, 20)]
+# what adds a torque
+COLUMNS = [e for e in torques() if e.coefficients]
 
 
 def stiff(ratio: float, J: float) -> fj.FrictionParameters:
@@ -183,44 +141,27 @@ def test_one_world_of_an_arm_forgets(held):
     np.testing.assert_array_equal(here[:350, 3], here[:350, 2])
 
 
-def carrying(acting: int | None) -> JointFriction:
+def carrying(one: Effect | None) -> JointFriction:
     """All effects, of which one acts: the others' coefficients are zero."""
-    made = []
-    for effect in ACTING:
-        shape, coefficients = NUMBERS[effect.effect_id]
-        on = effect.effect_id == acting
-        made.append(SimulatedEffect(effect, shape, tuple(c * on for c in coefficients)))
-    return JointFriction(LAW, tuple(made))
+    made = (acting(effect) for effect in torques())
+    return JointFriction(
+        LAW,
+        tuple(
+            m if m.effect is one else replace(m, coefficients=(0.0,) * len(m.coefficients))
+            for m in made
+        ),
+    )
 
 
 def two(friction: JointFriction) -> mujoco.MjModel:
-    spec = mujoco.MjSpec.from_string(TWO)
-    fj.install(spec, {"a": friction.parameters, "b": LAW}, {"a": friction.effects})
-    return spec.compile()
-
-
-def ctrl(k: int) -> np.ndarray:
-    """Presliding loops, and motion of both joints, beyond the control's range too."""
-    t = STEP * k
-    pull = 1.3 * np.sin(9 * t) + 0.5 * np.sin(41 * t)
-    return np.float32([pull, 0.9 * np.sin(23 * t)])
-
-
-def natively(model: mujoco.MjModel, steps: int) -> np.ndarray:
-    data, out = mujoco.MjData(model), []
-    with fj.attach(model):
-        for k in range(steps):
-            data.ctrl[:] = ctrl(k)
-            mujoco.mj_step(model, data)
-            out.append([*data.qpos, *data.qvel])
-    return np.array(out)
+    return arm(*friction.effects, law=friction.parameters)
 
 
 @pytest.fixture(scope="module")
 def every_effect():
     """A world an effect, then one without: here, natively, shape (steps, worlds, 4)."""
-    which = [e.effect_id for e in ACTING if e.coefficients] + [None]
-    each = [carrying(acting) for acting in which]
+    which = [*COLUMNS, None]
+    each = [carrying(one) for one in which]
     model = two(each[0])
     m, d = mjw.put_model(model), mjw.make_data(model, nworld=len(which))
     here = []
@@ -234,17 +175,15 @@ def every_effect():
     return dict(zip(which, np.moveaxis(np.array([here, there]), 2, 0), strict=True))
 
 
-@pytest.mark.parametrize(
-    "effect", [e for e in ACTING if e.coefficients], ids=lambda e: f"{e.name}-{e.effect_id}"
-)
+@pytest.mark.parametrize("effect", COLUMNS, ids=name)
 def test_every_effect_moves_an_arm_as_natively(every_effect, effect):
-    here, there = every_effect[effect.effect_id]
+    here, there = every_effect[effect]
     assert np.abs(there - every_effect[None][1])[:, :2].max() > 1e-3
     assert np.abs(here - there)[:, :2].max() < 1e-6
 
 
 def test_parameters_drawn_from_a_posterior_serve_a_world_each():
-    spring = next(e for e in ACTING if e.name == "spring")
+    spring = next(e for e in COLUMNS if e.name == "spring")
     mean = np.array([0.0, 2.0])
 
     def made(x):
@@ -270,7 +209,7 @@ def test_parameters_drawn_from_a_posterior_serve_a_world_each():
 
 
 def test_elasticity_backlash_and_late_sensors_are_mujoco_s_own_and_act_here_too():
-    spec = mujoco.MjSpec.from_string(TWO)
+    spec = mujoco.MjSpec.from_string(ARM)
     elastic = SimulatedEffect(joint_elasticity.EFFECT, (12.0, 0.03), (0.03,))
     late = SimulatedEffect(measurement_delay.EFFECT, (0.004,), ())
     gap = SimulatedEffect(backlash.EFFECT, (2e-4, 20.0, 0.1), (0.5,))
