@@ -4,9 +4,9 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late
+from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.kernel import MEMORY, total_torque
-from frictionjoint.effects.load_dependent import FORMS
 from frictionjoint.effects.signals import (
     ASKED,
     DT,
@@ -23,7 +23,6 @@ from frictionjoint.effects.signals import (
     Q,
     V,
 )
-from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
@@ -36,7 +35,11 @@ from frictionjoint.simulate.row import (
 )
 
 _HEATING = float(HEATING.effect_id)
-_LOADED = tuple(float(effect.effect_id) for effect in (*FORMS, TORQUE_GAIN))
+_LOADED = tuple(
+    float(effect.effect_id)
+    for effect in SIMULATED
+    if effect.acts == "torque" and {LOAD, GEAR} & {*effect.needs}
+)
 
 
 @compiled
