@@ -30,9 +30,7 @@ from frictionjoint.law.stribeck import FC
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
 
 _start_integrated = integrated.start
-_step_integrated = late(
-    integrated.step, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, WHOLE, REAL, REAL, REAL)
-)
+_step_integrated = integrated.step
 _step_static = static.step
 _step_armstrong = armstrong.step
 _step_dahl = dahl.step
@@ -117,9 +115,7 @@ def link_law(P: Vector, p: int) -> None:
     """Compile or load what a step of this block's law needs now, not at its first step."""
     if P[p] != INTEGRATED:
         link(_late_rival)
-        return
-    link(_step_integrated)
-    if P[p + 1 + integrated.EXPONENT] not in (1.0, 2.0) or P[p + 1 + integrated.LAMPAERT] == 1.0:
+    elif P[p + 1 + integrated.EXPONENT] not in (1.0, 2.0) or P[p + 1 + integrated.LAMPAERT] == 1.0:
         link(late_advance)
         link(late_distance)
 
