@@ -206,5 +206,7 @@ def test_the_list_names_them():
 def test_a_motor_is_written_as_it_is_read():
     motor = get_motor("ur10_j3")
     assert f'[friction]\nlaw = "{motor.friction.parameters.law}"' in motor_text(motor)
-    with pytest.raises(ParameterError, match="no motor 'x': there are"):
+    with pytest.raises(
+        ParameterError, match="no motor 'x': `frictionjoint motors list` names them"
+    ):
         get_motor("x")

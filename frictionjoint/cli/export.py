@@ -19,7 +19,7 @@ def export(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF that carries friction, see `install`.")
     ],
-    to: Annotated[_Target, typer.Option("--to", help="What to write.", show_default=False)],
+    to: Annotated[_Target, typer.Option("--to", metavar="TARGET", help="One of those above.")],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
     ],
@@ -82,17 +82,14 @@ def export(
     for lost in done.lost:
         typer.echo(f"Lost: {lost}")
     if done.losses:
-        table = Table("joint", "friction, rms", "lost, rms", "loop error", "exported", "apart")
+        table = Table("joint", "friction", "lost", "loop error, ours", "exported", "apart")
         for x in done.losses:
             share = f" ({x.torque_lost / x.torque:.0%})" if x.torque else ""
             torques = (f"{x.torque:.3g} {x.unit}", f"{x.torque_lost:.3g} {x.unit}{share}")
-            table.add_row(x.joint, *torques, *map(_milli, (x.error, x.error_exported, x.apart)))
+            errors = (f"{1e3 * e:.3g} m{x.unit_of_position}" for e in x.errors)
+            table.add_row(x.joint, *torques, *errors)
         console().print(table)
-        typer.echo(f"Along: {'; '.join(sorted({x.motion for x in done.losses}))}.")
-
-
-def _milli(error: float) -> str:
-    return f"{1e3 * error:.3g}e-3"
+        typer.echo(f"All rms, along {'; '.join(sorted({x.motion for x in done.losses}))}.")
 
 
 def _range(text: str | None) -> tuple[float, float] | None:

@@ -100,7 +100,11 @@ def check(
 ) -> None:
     """Say what friction an MJCF carries and whether its time step suits it.
 
-    Examples: `frictionjoint check arm_friction.xml`, `frictionjoint check report/model.xml --json`
+    Examples:
+
+    `frictionjoint check arm_friction.xml`
+
+    `frictionjoint check report/model.xml --json`
     """
     from frictionjoint.simulate.carrier import load_model
     from frictionjoint.simulate.check import check_model
@@ -109,12 +113,12 @@ def check(
     if as_json:
         typer.echo(json.dumps(findings, indent=2))
         return
-    table = Table("joint", "law", "stiffness", "h sqrt(K/J)", "effects", "remark")
+    table = Table("joint", "law", "stiffness K", "h sqrt(K/J)", "effects", "remark")
     for row in findings:
         table.add_row(
             row["joint"],
             row["law"],
-            f"{row['stiffness']:.4g}",
+            f"{row['stiffness']:.4g} {row['unit']}",
             f"{row['step_ratio']:.3g}",
             ", ".join(row["effects"]) or "none",
             row["remark"],

@@ -15,8 +15,8 @@ motors = typer.Typer(
     rich_markup_mode="markdown",
     help=(
         "Motors and joints identified from public logs, and parameter files of BAM.\n\n"
-        "Examples: `frictionjoint motors list`, "
-        "`frictionjoint motors get ur10_j1 --out j1.toml`, then `frictionjoint install`"
+        "Examples:\n\n`frictionjoint motors list`\n\n"
+        "`frictionjoint motors get ur10_j1 --out j1.toml`, for `frictionjoint install`"
     ),
 )
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
@@ -62,13 +62,14 @@ def list_command(as_json: Json = False) -> None:
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "law", "effects", "held out, rms", "licence")
+    table = Table("name", "what", "law", "effects", "torque left", "licence")
     for x in found:
         effects = ", ".join(e.effect.name for e in x.friction.effects) or "none"
         ends = (x.fit.get(f"torque_held_out{when}") for when in ("_before", ""))
         shown = " to ".join("?" if end is None else f"{end:.3g}" for end in ends) + f" {x.unit}"
         table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
     console().print(table)
+    typer.echo("Torque left: rms on data held out, of the law alone and with the effects found.")
 
 
 @motors.command("get")

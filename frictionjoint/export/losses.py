@@ -48,6 +48,16 @@ class Loss:
     error_exported: float
     apart: float
 
+    @property
+    def unit_of_position(self) -> str:
+        """rad, or m of a slide."""
+        return "m" if self.unit == "N" else "rad"
+
+    @property
+    def errors(self) -> tuple[float, float, float]:
+        """Errors of the two runs and their distance, rad (m)."""
+        return self.error, self.error_exported, self.apart
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values by name."""
         return asdict(self)

@@ -48,7 +48,9 @@ class Motion:
         return np.asarray(speed[speed > _MOVING * speed.max()])
 
 
-def stated_motion(parameters: Friction, start: float, speeds: tuple[float, float] | None) -> Motion:
+def stated_motion(
+    parameters: Friction, start: float, speeds: tuple[float, float] | None, unit: str = "rad"
+) -> Motion:
     """One sine within presliding, sines of sliding, and a travel there and back at one speed.
 
     The sines have peak speeds in even ratios from the lowest to the highest, the travel the mean of
@@ -57,6 +59,7 @@ def stated_motion(parameters: Friction, start: float, speeds: tuple[float, float
     Args:
         start: rad, where the motion begins and ends.
         speeds: lowest and highest peak speed, rad/s; None: 0.1 to 20 Stribeck velocities.
+        unit: of the position, for the motion's name.
     """
     Fs, _, Vs, *_ = levels(parameters)["pos"]
     lowest, highest = speeds or (_SLOWEST * Vs, _FASTEST * Vs)
@@ -71,7 +74,7 @@ def stated_motion(parameters: Friction, start: float, speeds: tuple[float, float
     one_way = float(np.sqrt(lowest * highest)) * edge * edge[::-1]
     v = np.concatenate([*velocity, one_way, -one_way])
     q: Array = start + _STEP * np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1])))
-    name = f"sines and travel, {lowest:.3g} to {highest:.3g} a second"
+    name = f"sines and travel, peak speeds {lowest:.3g} to {highest:.3g} {unit}/s"
     a: Array = np.gradient(v, _STEP)
     t = _STEP * np.arange(len(q), dtype=np.float64)
     return Motion(name, t, q, v, a)

@@ -131,13 +131,13 @@ def _motions(
 ) -> dict[str, Motion]:
     if log is not None:
         return log_motions(log, list(task.friction), columns)
-    model = load_model(task.path)
-    return {
-        name: stated_motion(
-            carried.parameters, float(model.qpos0[model.jnt_qposadr[model.joint(name).id]]), speeds
-        )
-        for name, carried in task.friction.items()
-    }
+    model, found = load_model(task.path), {}
+    for name, carried in task.friction.items():
+        joint = model.joint(name).id
+        start = float(model.qpos0[model.jnt_qposadr[joint]])
+        unit = "m" if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
+        found[name] = stated_motion(carried.parameters, start, speeds, unit)
+    return found
 
 
 def _whole(task: _Task) -> Exported:

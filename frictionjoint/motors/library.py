@@ -73,7 +73,7 @@ def get_motor(name: str) -> Motor:
     """
     known = {motor.name: motor for motor in list_motors()}
     if name not in known:
-        raise ParameterError(f"no motor {name!r}: there are {', '.join(known) or 'none'}")
+        raise ParameterError(f"no motor {name!r}: `frictionjoint motors list` names them")
     return known[name]
 
 

@@ -16,7 +16,7 @@ _LARGEST_STEP_RATIO = 1.0
 
 
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
-    """One row a joint: law, presliding stiffness K, h sqrt(K/J) at qpos0, effects, remark.
+    """One row a joint: law, presliding stiffness K and its unit, h sqrt(K/J) at qpos0, effects.
 
     "acts" is how each effect acts in a simulation, a sentence each.
     "native" is what of MuJoCo's own friction the joint has too, None without any.
@@ -30,7 +30,9 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     carried_by = read_friction(model)
     native = native_friction(model, carried_by)
     for name, carried in carried_by.items():
-        dof = int(model.jnt_dofadr[model.joint(name).id])
+        joint = model.joint(name).id
+        dof = int(model.jnt_dofadr[joint])
+        slide = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
         stiffness = carried.parameters.stiffness
         ratio = model.opt.timestep * float(np.sqrt(stiffness * inverse[dof, dof]))
         remark = "suits the time step"
@@ -44,6 +46,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "joint": name,
                 "law": carried.parameters.law,
                 "stiffness": stiffness,
+                "unit": "N/m" if slide else "N m/rad",
                 "step_ratio": ratio,
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
