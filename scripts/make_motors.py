@@ -11,10 +11,12 @@ the table of the whole library, is written again each time.
 import argparse
 import hashlib
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -26,19 +28,33 @@ LIBRARY = ROOT / "frictionjoint/motors"
 PAGE = ROOT / "docs/motors.md"
 HEAD = """# Library of motors
 
-Written by `python scripts/make_motors.py --data DIR --out DIR`: motors and joints identified from
-public logs by `frictionjoint close-loop`, one command a machine. `frictionjoint motors get NAME`
-writes the parameter file; `frictionjoint motors list --json` has also the command, the commit, the
-digest of the logs, standard errors, and the numbers of effects that are the drive's or the load's.
+Motors and joints identified from public logs, each machine by one `frictionjoint close-loop`.
 
-Torque is the rms of what is left of the drive on held-out data, from the law alone to the law with
-the effects found; replay the rms position error of free runs of half a second; loop the mean
-absolute error of whole logs simulated from their target, where there is one. Of a robot the second
-number is of the model whose bodies are corrected as the remark says, not of the MJCF as it is.
-Where the controller is known, `--refine` is given; without it, tried first, the loop's error is
-0.0296 rad for the STS3215 and 0.0398 rad for the XL330, and that of EMPS, not taken, is the same.
+```
+frictionjoint motors list
+frictionjoint motors get ur10_j1 --out j1.toml
+frictionjoint install ur10.xml --joint shoulder_pan=j1.toml --out ur10_with_friction.xml
+```
+
+What is left on data held out from the fit, from the law alone to the law with the effects found:
+
+* **torque**: of the drive, rms;
+* **replay**: free runs of half a second, rms position error;
+* **loop**: whole logs simulated from their target, mean absolute position error.
+
+Of a robot the second number is of the MJCF whose bodies are corrected as the remarks say.
+`frictionjoint motors list --json` has also each motor's command, commit, digest of the logs,
+standard errors, and the numbers of effects that are the drive's or the load's.
 
 """
+TAIL = (
+    "## How they were made",
+    "",
+    "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. Where",
+    "the controller is known, `--refine` is given; without it the loop's error is 0.0296 rad for",
+    "the STS3215 and 0.0398 rad for the XL330, and that of EMPS is the same.",
+    "",
+)
 # a number whose standard error is more than this part of it is called loose
 LOOSE = 0.5
 
@@ -309,12 +325,27 @@ def page(library: Sequence[Motor]) -> str:
             shown = " to ".join(f"{x:.3g}" for x in ends if x is not None)
             cells.append(f"{shown} {unit}" if shown else "")
         lines.append(f"| {' | '.join([*cells, motor.licence])} |")
-    lines += ["", "## Remarks", ""]
-    lines += [
-        f"* `{motor.name}`: {motor.title} ([logs]({motor.source})). {motor.remark}".rstrip()
-        for motor in library
-    ]
-    return HEAD + "\n".join(lines) + "\n"
+    return HEAD + "\n".join([*lines, "", *_remarks(library), *TAIL])
+
+
+def _remarks(library: Sequence[Motor]) -> list[str]:
+    """What to know, machine by machine: of all its joints, then of single ones."""
+    lines = ["## Remarks", ""]
+    for title, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
+        joints = {motor.name: _sentences(motor.remark) for motor in group}
+        of_all = [x for x in next(iter(joints.values())) if all(x in y for y in joints.values())]
+        source = next(motor.source for motor in library if motor.name in joints)
+        lines += [f"### {title}", "", f"{' '.join([f'[Logs]({source}).', *of_all])}", ""]
+        own = {name: [x for x in said if x not in of_all] for name, said in joints.items()}
+        told = [f"* `{name}`: {' '.join(said)}" for name, said in own.items() if said]
+        lines += [*told, ""] if told else []
+    return lines
+
+
+def _sentences(remark: str) -> list[str]:
+    """Each with its full stop; what is loose in both directions is named once."""
+    short = re.sub(r"(\w+)_pos, \1_neg", r"\1", remark)
+    return re.findall(r".+?\.(?=\s|$)", short.replace(". ", ".\n"))
 
 
 def main() -> None:

@@ -128,6 +128,7 @@ def test_the_loss_warms_the_joint():
     with fj.attach(model):
         with pytest.raises(ModelError, match="'j' has no temperature yet"):
             fj.temperature(model, data)
+        assert fj.torque(model, data)["j"].temperature == ambient
         expected = ambient
         for _ in range(3000):
             before = fj.torque(model, data)["j"] if data.time else None
@@ -138,6 +139,7 @@ def test_the_loss_warms_the_joint():
         found = fj.temperature(model, data)["j"]
         assert found > 35.0
         assert found == pytest.approx(expected, abs=0.2)
+        assert fj.torque(model, data)["j"].temperature == found
         part = fj.torque(model, data)["j"].effects["temperature-dependent"]
         assert part == pytest.approx(0.5 * math.expm1(-(found - 25.0) / 40.0), rel=1e-3)
         fj.set_temperature(model, data, "j", 60.0)

@@ -131,6 +131,7 @@ def test_before_the_first_step_nothing_acts():
     read = fj.torque(m, mujoco.MjData(m))["j"]
     assert (read.total, dict(read.effects), read.sticks) == (0.0, {"torque-bias": 0.0}, True)
     assert np.isnan(read.time)
+    assert read.temperature is None
     with pytest.raises(dataclasses.FrozenInstanceError):
         read.total = 1.0
 

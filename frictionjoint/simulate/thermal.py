@@ -77,6 +77,15 @@ def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, cels
     _write(model, data, _TEMPERATURES, "temperature", joint, celsius)
 
 
+def temperature_of(P: Array, block: int, X: Array) -> float | None:
+    """Temperature, deg C, of the joint whose block is at P[block:]; None where it has none."""
+    found = _of_block(P, block, _TEMPERATURES)
+    if not found:
+        return None
+    kind, numbers, _, evaluated = found[0]
+    return kind.read(P[numbers:], float(X[evaluated]), math.nan)  # it depends on no time
+
+
 def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
     """How warm each joint with `warm-up-drift` is: 0 cold, 1 when nothing changes any more.
 
@@ -105,16 +114,8 @@ def _places(
     require_data(data, what)
     P, found = model.numeric_data, {}
     for name, block in resolve(model).items():
-        at = block + int(P[block + EFFECTS])
-        n, row = int(P[at]), int(P[block + ROW])
-        memory = row + FRONT + int(law_row_size(P, block + HEAD))
-        at, places = at + 1, []
-        for i in range(n):
-            if P[at] in kinds:
-                committed = memory + MEMORY * i
-                places.append((kinds[P[at]], at + 2, committed, committed + MEMORY * n))
-            at += 2 + int(P[at + 1])
-        if places and data.userdata[row + STARTED] == 0.0:
+        places = _of_block(P, block, kinds)
+        if places and data.userdata[int(P[block + ROW]) + STARTED] == 0.0:
             raise ModelError(
                 f"joint {name!r} has no {what} yet: attach the model and call mj_forward first"
             )
@@ -123,6 +124,20 @@ def _places(
     if not found:
         raise ModelError(f"no joint of the model has an effect with a {what}")
     return found
+
+
+def _of_block(P: Array, block: int, kinds: dict[float, _Kind]) -> list[tuple[_Kind, int, int, int]]:
+    """Kind, address of the numbers, of the committed and of the evaluated memory, of one block."""
+    at = block + int(P[block + EFFECTS])
+    n = int(P[at])
+    memory = int(P[block + ROW]) + FRONT + int(law_row_size(P, block + HEAD))
+    at, places = at + 1, []
+    for i in range(n):
+        if P[at] in kinds:
+            committed = memory + MEMORY * i
+            places.append((kinds[P[at]], at + 2, committed, committed + MEMORY * n))
+        at += 2 + int(P[at + 1])
+    return places
 
 
 def _read(

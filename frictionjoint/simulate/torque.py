@@ -16,6 +16,7 @@ from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
 from frictionjoint.simulate.row import FRONT, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
+from frictionjoint.simulate.thermal import temperature_of
 
 # A joint slower than this fraction of its Stribeck velocity counts as resting.
 _RESTING = 0.01
@@ -35,6 +36,7 @@ class FrictionTorque:
         implicit: what the implicit step of a joint too stiff for the time step adds; else 0.
         effects: torque of each effect by name; a second one of a name is "name_2".
         sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
+        temperature: deg C, of a joint with `heating` or `temperature-dependent`; else None.
         time: s, of the evaluation; NaN before the first one.
     """
 
@@ -45,6 +47,7 @@ class FrictionTorque:
     implicit: float
     effects: dict[str, float]
     sticks: bool
+    temperature: float | None
     time: float
 
 
@@ -79,8 +82,8 @@ def sticks(velocity: float, rate: float, stribeck: float) -> bool:
 
 def _of_joint(P: Array, block: int, X: Array, x: int) -> FrictionTorque:
     if X[x + STARTED] == 0.0:
-        nothing = dict.fromkeys(_effects(P, block, X, x), 0.0)
-        return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, float("nan"))
+        nothing, cold = dict.fromkeys(_effects(P, block, X, x), 0.0), temperature_of(P, block, X)
+        return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, cold, float("nan"))
     p, law, v = block + HEAD, x + FRONT, float(X[x + V_EVALUATED])
     layout = integrated if P[p] == INTEGRATED else bristle
     place = RATE if P[p] == INTEGRATED else bristle.RATE
@@ -101,6 +104,7 @@ def _of_joint(P: Array, block: int, X: Array, x: int) -> FrictionTorque:
         implicit=implicit,
         effects=effects,
         sticks=sticks(v, rate, slow),
+        temperature=temperature_of(P, block, X),
         time=float(X[x + T_EVALUATED]),
     )
 
