@@ -1,4 +1,4 @@
-"""What each export loses, as the table of docs/export.md.
+"""What each export loses, as the table of docs/notes/export.md.
 
     python scripts/export_losses.py MODEL[=LOG]...
 
