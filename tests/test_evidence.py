@@ -32,7 +32,8 @@ TERMS = [
 def blocks():
     of_sample = np.arange(N) // LENGTH
     block = np.arange(BLOCKS)
-    return Blocks(of_sample, block % FOLDS, (block // FOLDS) % 2, np.zeros(BLOCKS, dtype=int))
+    log = np.zeros(BLOCKS, dtype=int)
+    return Blocks(of_sample, block % FOLDS, (block // FOLDS) % 2, log, np.zeros(1))
 
 
 def fitted(y, X, weight=None):

@@ -18,7 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
 
 Index = NDArray[np.int64]
 
@@ -42,12 +42,14 @@ class Blocks:
         of_sample: shape (n,). fold: logs or kinds of motion, shape (B,).
         halves: first and second half of each log, for what acts in one fold alone, shape (B,).
         log: shape (B,). noise: variance of white noise of the torque instrument's density, N m^2.
+        floor: square that the instruments' noise leaves of a sample of each log, N m^2, shape (k,).
     """
 
     of_sample: Index
     fold: Index
     halves: Index
     log: Index
+    floor: Array
     noise: float = 0.0
 
     @property
@@ -161,7 +163,9 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         fold = _kinds(prepared, log_index)[np.array(log)]
     variance = [s.noise.torque / (2.0 * s.dt * s.step) for s in prepared.segments]
     noise = float(np.mean(variance)) * fitted.gain**2
-    return Blocks(of_sample, fold, np.array(halves), np.array(log), noise)
+    left = [sum(s.noise.left(s.bandwidth_hz, BALANCE_ORDER)) for s in prepared.segments]
+    floor = np.array(left) * fitted.gain**2
+    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise)
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:

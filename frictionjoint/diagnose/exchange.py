@@ -9,8 +9,18 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, is_unnamed, library, other_forms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, apart, as_much, compared, numbers_of
+from frictionjoint.diagnose.state import (
+    DISCREPANCY,
+    State,
+    apart,
+    as_much,
+    compared,
+    needed,
+    numbers_of,
+)
+from frictionjoint.diagnose.unbent import MOST, bends, unbent
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
@@ -40,13 +50,7 @@ def weigh_others(state: State) -> None:
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
-        looks = [f.look for f in state.findings if f.term.name == own[i].name]
-        others = [
-            c
-            for c in library(state.prepared, state.fit, blocks)
-            if not c.unnamed and numbers_of(c.term) <= numbers_of(own[i])
-            if all(look.holds(c) for look in looks)
-        ]
+        others = _no_richer(state, blocks, own[i])
         if not others or is_unnamed(own[i]):
             continue
         best, other = _in_place_of(state, blocks, i, others)
@@ -56,6 +60,42 @@ def weigh_others(state: State) -> None:
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):
             state.findings = [_tied(f, own[i], best) for f in state.findings]
+
+
+def exchange_bent(state: State) -> bool:
+    """Exchange an effect on the friction level for another one, with the law fitted anew.
+
+    The law was fitted beside the one that was found first, and may have bent for the other.
+
+    Returns:
+        whether one explains so much more.
+    """
+    own = state.fit.effects
+    for i, term in enumerate(own):
+        if is_unnamed(term) or not term.follows_law:
+            continue
+        blocks = make_blocks(state.prepared, state.fit)
+        now = scored(state.fit, blocks)
+        if now.above_noise < DISCREPANCY:
+            return False
+        others = [c for c in _no_richer(state, blocks, term) if bends(c)]
+        best: dict[tuple[str, str], Candidate] = {}
+        for candidate in _most_first(state, blocks, i, others):
+            best.setdefault(candidate.kind, candidate)
+        for candidate in list(best.values())[:MOST]:
+            terms = (*own[:i], candidate.term, *own[i + 1 :])
+            other = unbent(state.prepared, terms, state.fit)
+            if now.better(scored(other, blocks)):
+                continue
+            # weights that one model gives the logs favour it: the other one must do well there too
+            prepared, other = reweighed(*settled(state.prepared, other))
+            after = make_blocks(prepared, other)
+            same = scored(compared(prepared, own, state.fit.shape), after)
+            if needed(scored(other, after), same):
+                state.findings = [_instead(f, term, candidate) for f in state.findings]
+                state.prepared, state.fit = prepared, other
+                return True
+    return False
 
 
 def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
@@ -78,10 +118,26 @@ def _in_place_of(
     state: State, blocks: Blocks, i: int, others: list[Candidate]
 ) -> tuple[Candidate, Fit]:
     """The candidate that promises most in place of the i-th effect, and the model with it."""
-    seen = screen(state.fit, blocks, others)
-    rest = [at for k, at in enumerate(seen.terms) if k != i]
-    left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
-    best = others[int(np.argmin(left))]
+    best = _most_first(state, blocks, i, others)[0]
     own = state.fit.effects
     terms: tuple[Term, ...] = (*own[:i], best.term, *own[i + 1 :])
     return best, compared(state.prepared, terms, state.fit.shape)
+
+
+def _most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
+    """Candidates for the place of the i-th effect, those that promise most first."""
+    seen = screen(state.fit, blocks, others)
+    rest = [at for k, at in enumerate(seen.terms) if k != i]
+    left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
+    return [others[k] for k in np.argsort(left)]
+
+
+def _no_richer(state: State, blocks: Blocks, term: Term) -> list[Candidate]:
+    """Candidates with a name and no more numbers than an effect of the model."""
+    looks = [f.look for f in state.findings if f.term.name == term.name]
+    return [
+        c
+        for c in library(state.prepared, state.fit, blocks)
+        if not c.unnamed and numbers_of(c.term) <= numbers_of(term)
+        if all(look.holds(c) for look in looks)
+    ]

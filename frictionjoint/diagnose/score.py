@@ -12,10 +12,15 @@ from frictionjoint.identify.fit import Fit
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with its squares of each block, predicted by effects fitted to other folds, (B,)."""
+    """A fit with its squares of each block, predicted by effects fitted to other folds, (B,).
+
+    Attributes:
+        noise: of all squares, those that the instruments' noise leaves to a perfect model.
+    """
 
     fit: Fit
     squares: Array = field(repr=False)
+    noise: float = 0.0
 
     @property
     def total(self) -> float:
@@ -26,11 +31,24 @@ class Scored:
         """Fraction of another model's squares that this one does not leave."""
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
+    def explains(self, other: "Scored") -> float:
+        """Fraction that this model does not leave of what another one leaves above the noise."""
+        above = other.total - other.noise
+        return (other.total - self.total) / above if above > 0.0 else 0.0
+
+    @property
+    def above_noise(self) -> float:
+        """rms of the torque left above the noise, over the friction's."""
+        return self._over_friction(self.total - self.noise)
+
     def moved(self, other: "Scored") -> float:
         """rms of the torque by which this model is nearer than another, over the friction's."""
+        return self._over_friction(other.total - self.total)
+
+    def _over_friction(self, squares: float) -> float:
         f = self.fit
         friction = float(np.sum((f.friction * f.weight) ** 2)) / f.scale**2
-        return float(np.sqrt(max(0.0, other.total - self.total) / friction)) if friction else 0.0
+        return float(np.sqrt(max(0.0, squares) / friction)) if friction else 0.0
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
         """Whether it predicts better by more than some paired standard errors over blocks."""
@@ -44,4 +62,5 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     found = screen(fitted, blocks)
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
-    return Scored(fitted, squares / fitted.scale**2)
+    noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
+    return Scored(fitted, squares / fitted.scale**2, noise / fitted.scale**2)

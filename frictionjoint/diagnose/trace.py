@@ -16,7 +16,7 @@ import numpy as np
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import best_forms, weigh_others
+from frictionjoint.diagnose.exchange import best_forms, exchange_bent, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
 from frictionjoint.diagnose.library import Candidate, library
@@ -33,6 +33,7 @@ from frictionjoint.diagnose.state import (
     needed,
     numbers_of,
 )
+from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
 from frictionjoint.identify.fit import ROUGH, Fit, nearer
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
@@ -105,7 +106,7 @@ def trace(
             progress(f"step {change}: {', '.join(taken)}")
         if state.fit.drive_rms < (1.0 - _BENT) * left:
             laws.ripen(state.prepared, state.fit.effects)
-        if not (_other_law(state, laws) or taken):
+        if not (_other_law(state, laws) or taken or exchange_bent(state)):
             break
     return told(state, base, laws, replayed, law_by_motion)
 
@@ -180,6 +181,8 @@ def _taken(
     if choice:
         now, tried = _looked_at_again(state, now, tried, choice.taken)
         choice = _chosen(now, tried)
+    else:
+        choice = _chosen(now, _unbent(state, now, blocks))
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
@@ -195,6 +198,13 @@ def _taken(
         tried = [t for t in tried if t is not choice.taken]
         choice = _chosen(now, tried)
     return []
+
+
+def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
+    """Effects for want of which the law may have bent, with the law fitted from everywhere."""
+    moves = worth_unbending(now, state.look, SIGNIFICANCE)
+    found = [settled(state.prepared, unbent(state.prepared, m.terms, state.fit)) for m in moves]
+    return [_Tried(m, own, scored(f, blocks)) for m, (own, f) in zip(moves, found, strict=True)]
 
 
 def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, Fit]:
@@ -251,15 +261,19 @@ def _looked_at_again(
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = make_blocks(prepared, first)
 
-    def begun(terms: tuple[Term, ...]) -> tuple[Prepared, Scored]:
+    def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
         found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
+        if anew:
+            found = min(found, unbent(prepared, terms, first), key=lambda f: f.drive_rms)
         swung = any(swings(term) for term in terms)
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
 
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
     with side_by_side() as each:
-        (_, before), *changes = list(each(begun, models))
+        several = len(leaders) > 1
+        bent = [several and all(bends(c) for c in t.move.added) for t in leaders]
+        (_, before), *changes = list(each(begun, models, [False, *bent]))
     return before, [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
 
 

@@ -10,6 +10,10 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
+# where a search starts: s, and the slip that renews a contact, some asperities to some hundredths
+# of the travel, over that travel; over it, the length over which the level is reached
+_TAUS, _SLIPS, _REACH = (0.2, 1.0), (1e-4, 5e-4, 2e-3, 8e-3), 0.1
+
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -33,7 +37,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 def _shapes(signals: Array) -> list[Shape]:
     span = float(np.ptp(signals[:, Q]))
-    return [(tau, part * span, 0.1 * part * span) for tau in (0.2, 1.0) for part in (2e-3, 8e-3)]
+    return [(tau, x * span, _REACH * x * span) for tau in _TAUS for x in _SLIPS]
 
 
 EFFECT = Effect(

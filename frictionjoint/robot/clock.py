@@ -46,7 +46,9 @@ class Clock:
 
     def blocks(self, joint: FittedJoint) -> Blocks:
         """Of one joint's samples."""
-        return Blocks(self.of_sample(joint), self.fold, self.log, self.log)
+        return Blocks(
+            self.of_sample(joint), self.fold, self.log, self.log, np.zeros(self.log.max() + 1)
+        )
 
     def of_sample(self, joint: FittedJoint) -> Index:
         """Block of each kept sample of a joint's logs, shape (n,)."""
