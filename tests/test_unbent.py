@@ -1,0 +1,52 @@
+"""A law that bent for want of an effect: together with that it is fitted from everywhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_logs import PENDULUM, prepared_logs
+
+from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.score import Scored
+from frictionjoint.diagnose.state import compared
+from frictionjoint.diagnose.unbent import bends, unbent
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm
+from tests.plants.spec import Effect, Motion
+
+EFFECTS = {effect.name: effect for effect in CATALOGUE}
+LAG = EffectTerm(EFFECTS["frictional-lag"], (0.03, 0.15, 1e-3))
+FRICTION = replace(PENDULUM.friction, Fs=1.6 * PENDULUM.friction.Fc, Vs=0.12)
+
+
+def test_a_law_that_bent_is_left(tmp_path):
+    hidden = Effect("frictional-lag", {"tau": 0.04})
+    motions = tuple(
+        Motion(kind, seed, 0.8, 0.8, 12.0) for kind, seed in (("sines", 1), ("multisine", 2))
+    )
+    plant = replace(PENDULUM, friction=FRICTION, effects=(hidden,), motions=motions)
+    prepared = prepared_logs(plant, tmp_path)
+    alone = fit(prepared)
+    bent = replace(alone.shape, Vs=0.01, delta=3.0, length=0.02, excess=0.02)
+    stuck = compared(prepared, (LAG,), bent)
+    free = unbent(prepared, (LAG,), replace(alone, shape=bent))
+    assert free.drive_rms < 0.95 * stuck.drive_rms
+    assert free.drive_rms < 0.7 * alone.drive_rms
+    (term,) = free.effects
+    assert term.shape[0] == pytest.approx(0.04, rel=0.1)
+
+
+def test_only_what_acts_on_the_friction_level_bends_a_law():
+    column = np.ones((3, 1))
+    assert bends(Candidate(LAG, column))
+    assert not bends(Candidate(EffectTerm(EFFECTS["torque-bias"]), column))
+
+
+def test_what_an_effect_explains_is_counted_above_the_noise(tmp_path):
+    before = Scored(None, np.array([6.0, 4.0]), noise=8.0)
+    after = Scored(None, np.array([5.0, 4.0]), noise=8.0)
+    assert after.gain(before) == pytest.approx(0.1)
+    assert after.explains(before) == pytest.approx(0.5)
+    at_the_noise = Scored(None, np.array([4.0, 4.0]), noise=8.0)
+    assert after.explains(at_the_noise) == 0.0
