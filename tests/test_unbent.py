@@ -7,7 +7,6 @@ import pytest
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.library import Candidate
-from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -41,12 +40,3 @@ def test_only_what_acts_on_the_friction_level_bends_a_law():
     column = np.ones((3, 1))
     assert bends(Candidate(LAG, column))
     assert not bends(Candidate(EffectTerm(EFFECTS["torque-bias"]), column))
-
-
-def test_what_an_effect_explains_is_counted_above_the_noise(tmp_path):
-    before = Scored(None, np.array([6.0, 4.0]), noise=8.0)
-    after = Scored(None, np.array([5.0, 4.0]), noise=8.0)
-    assert after.gain(before) == pytest.approx(0.1)
-    assert after.explains(before) == pytest.approx(0.5)
-    at_the_noise = Scored(None, np.array([4.0, 4.0]), noise=8.0)
-    assert after.explains(at_the_noise) == 0.0

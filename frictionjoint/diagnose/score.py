@@ -31,11 +31,6 @@ class Scored:
         """Fraction of another model's squares that this one does not leave."""
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
-    def explains(self, other: "Scored") -> float:
-        """Fraction that this model does not leave of what another one leaves above the noise."""
-        above = other.total - other.noise
-        return (other.total - self.total) / above if above > 0.0 else 0.0
-
     @property
     def above_noise(self) -> float:
         """rms of the torque left above the noise, over the friction's."""

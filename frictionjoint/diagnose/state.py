@@ -10,9 +10,9 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 
-# fraction of the squares left above the noise that a change must take away: an effect is believed
-# that is about as large as all that remains unexplained beside it, for no law is exact, and what is
-# left of one has some likeness to many an effect
+# fraction of the squares left that a change must take away: an effect is believed that is about as
+# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
+# some likeness to many an effect
 SMALLEST_GAIN = 0.33
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
@@ -71,7 +71,7 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
         return False
     if first:
         return now.better(other, 0.0)
-    return now.explains(other) >= SMALLEST_GAIN and now.better(other)
+    return now.gain(other) >= SMALLEST_GAIN and now.better(other)
 
 
 def numbers_of(term: Term) -> int:
