@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from frictionjoint.robot.shared import Shared, shared_causes
-from tests.arms.arm import Arm, hide_mass, hide_payload, hide_rotor, hide_tilt, random_arm
+from tests.arms.arm import (
+    Arm,
+    hide_load_dependence,
+    hide_mass,
+    hide_payload,
+    hide_rotor,
+    hide_tilt,
+    hide_warming,
+    random_arm,
+)
 from tests.arms.fitted import fitted_joints
 
 SECONDS = 8.0
@@ -61,6 +70,26 @@ def test_a_leaning_base_is_told_from_wrong_masses():
     assert found["angle"] == pytest.approx(0.06, rel=0.1)
 
 
+def test_a_payload_is_found_where_its_mass_shows_in_its_inertia_alone():
+    """The second joint's origin is on the first one's axis: no torque is linear in the mass."""
+    arm = random_arm(60, 2)
+    hide_payload(arm, 2.0, [0.03, 0.02, 0.02])
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("payload", {"body": "link2"})
+    assert found["mass"] == pytest.approx(2.0, rel=0.05)
+    measured = [found[f"centre_{axis}"] for axis in "xyz"]
+    assert np.linalg.norm(measured - arm.hidden["payload"][2]) < 0.01
+
+
+def test_a_rotor_has_its_size_beside_friction_that_depends_on_the_load():
+    arm = random_arm(63, 2)
+    hide_rotor(arm, "j1")
+    hide_load_dependence(arm, "j1", 0.15)
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("rotor-inertia", {"joint": "j1"})
+    assert found["added"] == pytest.approx(arm.hidden["rotor-inertia"]["j1"], rel=0.05)
+
+
 def test_two_simple_causes_are_not_one_rich_one():
     arm = random_arm(26, 3)
     hide_mass(arm, "link3", 1.5)
@@ -72,3 +101,27 @@ def test_two_simple_causes_are_not_one_rich_one():
     assert link["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.1)
     rotor = arm.hidden["rotor-inertia"]["j1"]
     assert found["rotor-inertia"][1]["added"] == pytest.approx(rotor, rel=0.1)
+
+
+def test_friction_of_all_joints_that_falls_with_the_temperature_is_one_cause():
+    arm = random_arm(27, 3)
+    hide_warming(arm, arm.joints, 0.015, 20.0, 6.0)
+    found = found_in(arm)
+    assert not found.choices
+    ((common, _),) = found.common
+    assert (common.term.name, common.joints) == ("temperature-dependent", ("j1", "j2", "j3"))
+    # level and viscosity fall alike over the span of the logs, relative to those at T0
+    T0, scale = common.term.shape
+    warmest = 25.0 + 20.0 * (1.0 - np.exp(-SECONDS / 6.0))
+    span = np.exp(-(warmest - T0) / scale) - np.exp(-(25.0 - T0) / scale)
+    fall = -0.015 * (warmest - 25.0) / (1.0 - 0.015 * (T0 - 25.0))
+    for name in ("level", "viscous"):
+        assert common.parameters[name].value * span == pytest.approx(fall, rel=0.2)
+
+
+def test_friction_of_one_joint_that_falls_is_none_of_all():
+    arm = random_arm(27, 3)
+    hide_warming(arm, ["j2"], 0.015, 20.0, 6.0)
+    found = found_in(arm)
+    assert not found.common
+    assert not found.choices

@@ -13,6 +13,7 @@ from frictionjoint.identify.design import lengths
 from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.common import common_columns
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
@@ -22,14 +23,16 @@ _LITTLE = 0.02
 _DEPENDENT = 1e-6
 # norm of a column over the largest one's, below which it is the rounding of a difference
 _NOTHING = 1e-8
+# how often the end of a ray is solved again, and part of the squares by which it must leave less
+_MOST_TURNS, _SAME = 5, 0.01
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A shared cause, or an effect of one joint that explains the same residual.
+    """A shared cause, or an effect of one joint or of all that explains the same residual.
 
     Attributes:
-        cause: None for an effect of one joint. effect, joint: names of that.
+        cause: None for an effect. effect: name of that. common: of all joints alike.
         at: columns of the stack, from `first` on. joints: where it acts.
         room: how far each number of a cause may move either way, shape (k, 2).
     """
@@ -38,8 +41,14 @@ class Candidate:
     joints: tuple[str, ...]
     cause: Cause | None = None
     effect: str = ""
+    common: EffectTerm | None = None
     first: int = 0
     room: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    @property
+    def shared(self) -> bool:
+        """Whether it is a cause of the robot, not of one joint."""
+        return self.cause is not None or self.common is not None
 
     @property
     def order(self) -> int:
@@ -55,7 +64,7 @@ class Candidate:
     def label(self) -> str:
         """What it is and where."""
         if self.cause is None:
-            return f"{self.effect} of {self.joints[0]}"
+            return f"{self.effect} of {', '.join(self.joints)}"
         place = ", ".join(self.cause.place.values())
         return f"{self.cause.name} of {place}" if place else self.cause.name
 
@@ -127,14 +136,16 @@ def screen(
     found: Found,
     causes: Sequence[Cause],
     own: Callable[[str], bool] = lambda label: True,
+    common: Sequence[EffectTerm] = (),
 ) -> Screened:
     """Columns of all causes and of the joints' own effects.
 
     Args:
         found: causes in the model. causes: those that may come.
-        own: which of the joints' own effects compete, by label.
+        own: which of the joints' own effects compete, by label. common: effects of all alike.
     """
-    return _screen(joints, clock, found, causes, _starts(joints, clock, found, causes), own)
+    starts = _starts(joints, clock, found, causes)
+    return _screen(joints, clock, found, causes, starts, own, common)
 
 
 def _screen(
@@ -144,6 +155,7 @@ def _screen(
     causes: Sequence[Cause],
     starts: Sequence[Array],
     own: Callable[[str], bool],
+    common: Sequence[EffectTerm] = (),
 ) -> Screened:
     models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
     pairs = [found.pairs(i) for i in range(len(found.causes))]
@@ -152,9 +164,11 @@ def _screen(
     shared = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     size = int(edges[-1])
     parts = []
-    effects: list[Candidate] = []
+    effects = _of_all(joints, common, size)
+    size += sum(len(c.at) for c in effects)
     for joint in joints:
         columns = joint.columns([pair for several in pairs for pair in several])
+        columns = np.column_stack([columns, *common_columns(joint, common)])
         for candidate, x in own_effects(joint, clock, own):
             at = size + np.arange(x.shape[1])
             effects.append(replace(candidate, at=at, first=int(at[0])))
@@ -185,20 +199,46 @@ def _screen(
     return Screened(stack, tuple(sets[:n]), (*candidates, *effects))
 
 
+def _of_all(
+    joints: Sequence[FittedJoint], terms: Sequence[EffectTerm], first: int
+) -> list[Candidate]:
+    """Effects of all joints alike, their columns one after the other from a number on."""
+    names, found = tuple(j.name for j in joints), []
+    for term in terms:
+        at = first + np.arange(len(term.coefficients))
+        found.append(Candidate(at, names, effect=term.name, common=term, first=first))
+        first += len(at)
+    return found
+
+
 def _starts(
     joints: Sequence[FittedJoint], clock: Clock, found: Found, causes: Sequence[Cause]
 ) -> list[Array]:
-    """Numbers where each cause's columns are taken.
+    """Numbers where each cause's columns are taken: where it is nothing, or what is better.
 
-    Those of a cause that is homogeneous in its numbers are exact along a ray from where it is
-    nothing: they are taken at the end of it that a first solution points to.
+    Columns of a homogeneous cause are exact along a ray from where it is nothing.
     """
-    rays = [c for c in causes if c.homogeneous]
-    if not rays:
-        return [c.start for c in causes]
-    first = _screen(joints, clock, found, rays, [c.start for c in rays], lambda label: False)
-    ends = {id(c.cause): first.stack.solution(c.at) for c in first.candidates}
-    return [ends.get(id(c), c.start) for c in causes]
+    return [_end(joints, clock, found, c) if c.homogeneous else c.start for c in causes]
+
+
+def _end(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cause) -> Array:
+    """End of a ray: a first solution, and what may lie behind it, solved again from there."""
+    end, starts, least = cause.start, [cause.start], np.inf
+    for _ in range(_MOST_TURNS):
+        seen = _screen(joints, clock, found, [cause] * len(starts), starts, lambda label: False)
+        known = np.arange(sum(len(c.at) for c in seen.taken))
+        tried = []
+        for start, candidate in zip(starts, seen.candidates, strict=False):
+            at = np.concatenate([known, candidate.at])
+            left = float(seen.stack.held_out(at).sum())
+            tried.append((left, start, seen.stack.solution(at)[len(known) :]))
+        left, start, x = min(tried, key=lambda one: one[0], default=(np.inf, end, end))
+        if left > (1.0 - _SAME) * least:
+            break
+        # where a cause is nothing, what grows with the square of its numbers is left out
+        starts, least = ([x], left) if np.any(start) else (cause.rays(x), np.inf)
+        end = start
+    return end
 
 
 def _beside(columns: Array, more: Array, size: int) -> Array:
