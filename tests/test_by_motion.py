@@ -4,7 +4,7 @@ import numpy as np
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Looked
@@ -14,6 +14,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.refine.vector import with_term
 
 MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
 
@@ -53,3 +54,15 @@ def test_a_spring_that_the_balance_left_out_is_named():
 def test_nothing_is_named_where_nothing_is_there():
     findings, _ = named('frictionloss="0.06" damping="0.03"')
     assert not [f.term.name for f in findings]
+
+
+def test_a_motor_is_screened_where_the_balance_has_named_none():
+    """With it comes the law's damping, which has a number of its own."""
+    logs = [servo("sines 3", 3.0, sines, {}, 3.0)]
+    prepared = prepare(logs, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    assert "sigma1" not in fitted.names
+    found = with_term(prepared, fitted, MOTOR[0], np.array([0.2]))
+    assert "sigma1" in found.names
+    assert joint_model(found).back_emf == 0.2
+    assert found.levels == fitted.levels

@@ -25,15 +25,14 @@ from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.diagnose.state import SMALLEST_GAIN
 from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.prepare import Prepared
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import Refined, refine
 from frictionjoint.refine.secant import differences
-from frictionjoint.refine.vector import Vector
+from frictionjoint.refine.vector import Vector, with_term
 
 # of the torque's rms, by which a coefficient moves it for a difference
 _STEP = 0.01
@@ -62,14 +61,15 @@ def named_by_motion(
         best = None
         for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
-            begin = partial(_begin, now, coefficients)
+            term = fitted.effects[-1]
+            begin = partial(_begin, now, term.name, coefficients)
             other = _refined(prepared, fitted, courses, lambda text: None, begin)
-            told = _told(other, now)
+            told = _told(term, other, now)
             (row,) = told.rows
             gain = told.gain(row)
             progress(f"effects by motion: {row.name} gains {gain:.0%}, p {row.p_value:.3f}")
             if _clearly(told) and (best is None or gain > best[0].gain):
-                own = Finding(fitted.effects[-1], told, row, gain, (), (), fitted)
+                own = Finding(term, told, row, gain, (), (), fitted)
                 best = own, prepared, other
         if best is None:
             break
@@ -90,20 +90,20 @@ def _refined(
     return refine(prepared, fitted, cov, courses, progress, begin)
 
 
-def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
+def _begin(now: Refined, name: str, coefficients: Array, vector: Vector) -> list[Array]:
     """Where a model with one effect more begins: where the balance has it, and refined numbers.
 
     Args:
-        coefficients: of that effect beside the refined numbers, N m.
+        name, coefficients: of that effect, beside the refined numbers, N m.
     """
     x = vector.carried(now.vector, now.values)
-    x[vector.layout.coefficients(len(vector.fitted.effects) - 1)] = coefficients
+    (at,) = (i for i, term in enumerate(vector.layout.terms) if term.name == name)
+    x[vector.layout.coefficients(at)] = coefficients
     return [vector.start, np.clip(x, vector.low, vector.high)]
 
 
-def _told(other: Refined, now: Refined) -> Look:
-    """What logs of kinds left out say of the effect that came last, a block a log."""
-    term = other.fit.effects[-1]
+def _told(term: Term, other: Refined, now: Refined) -> Look:
+    """What logs of kinds left out say of an effect, a block a log."""
     own, without = other.left_out[1], now.left_out[1]
     p_value = sign_flips(without - own, np.random.default_rng(0))
     better = float(np.mean(own < without))
@@ -186,20 +186,9 @@ def _changed(
         if not np.all(np.isfinite(size)) or np.any(size == 0.0):
             continue
         steps = _STEP * fitted.target_rms / size
-        moved = [_with(prepared, fitted, term, step) for step in np.diag(steps)]
-        if all(simulated_whole(f, armature) for f in moved):
+        moved = [with_term(prepared, fitted, term, step) for step in np.diag(steps)]
+        if all(simulated_whole(f, armature, thermometer=True) for f in moved):
             yield term, moved, steps
-
-
-def _with(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
-    """A fit with one effect more, of given coefficients, N m."""
-    terms = (*fitted.terms, term)
-    return replace(
-        fitted,
-        terms=terms,
-        layout=layout_of(prepared, fitted.shape, terms),
-        beta=np.concatenate([fitted.beta, coefficients / fitted.gain]),
-    )
 
 
 def _without(law: Array, X: Array) -> Array:

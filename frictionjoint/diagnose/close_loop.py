@@ -166,7 +166,8 @@ def explain(
             return None
         if loops is None:
             return replayed_whole(fitted_on, mine, fitted)
-        return window_squares(loops.fit, fitted) if simulated_whole(fitted, body.armature) else None
+        whole = simulated_whole(fitted, body.armature, thermometer=True)
+        return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
     scaled = load_shows(found.base) and scale_is_determined(found.prepared, found.final)

@@ -146,6 +146,9 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
             start=start,
             load=load_of(body, velocity, others),
             block=block_of(controller, log),
+            temperature=(
+                None if log.temperature is None else np.interp(time, log.time, log.temperature)
+            ),
         ),
         motion=(np.interp(time, smooth.time, smooth.position), velocity),
         delay=delay,

@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.motor_torque import follows_motor
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -102,7 +102,7 @@ def motor_of(fitted: Fit) -> Motor | None:
     for i, term in enumerate(fitted.terms):
         if term.opposes_voltage:
             emf = float(fitted.term_coefficients(i)[0])
-        elif follows_motor(term):
+        elif isinstance(term, EffectTerm) and term.effect is SATURATION:
             saturation = float(fitted.term_coefficients(i)[0])
     return Motor(fitted.gain, emf, fitted.drive, saturation)
 
@@ -140,20 +140,21 @@ def replayed_whole(
     return replay(prepared, body, fitted).runs
 
 
-def simulated_whole(fitted: Fit, armature: float) -> bool:
+def simulated_whole(fitted: Fit, armature: float, thermometer: bool = False) -> bool:
     """Whether a simulation started from measured motion holds all that a fit says.
 
-    Not so a log's thermometer; no log holds where a link behind a spring or a gap is when a run
-    begins; and an armature is never below nothing.
+    No log holds where a link behind a spring or a gap is when a run begins; and an armature is
+    never below nothing.
 
     Args:
-        armature: of the MJCF.
+        armature: of the MJCF. thermometer: whether runs are given the temperature of their logs.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
         less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
-        if less or TEMP in term.effect.needs or term.effect.acts == "mechanism":
+        warmer = TEMP in term.effect.needs and not thermometer
+        if less or warmer or term.effect.acts == "mechanism":
             return False
     return True
 

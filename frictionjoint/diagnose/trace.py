@@ -131,10 +131,32 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     first = [c for c in candidates if c.comes_first] if not effects else []
     return (
         (_taken(state, blocks, first, rng) if first else [])
-        or (_of_drive(state, rng) if not effects else [])
+        or (_beside_first(state, first, rng) if not effects else [])
         or _taken(state, blocks, candidates, rng)
         or (_of_drive(state, rng) if not early else [])
     )
+
+
+def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
+    """The best effect of the drive beside what comes first, if one is justified.
+
+    A drive that is far off hides what is known to be there, and without that the drive itself is
+    mistaken: a protection without the motor's back-EMF looks like a limit.
+    """
+    if not first:
+        return _of_drive(state, rng)
+    seen = state.look
+    fitted = compared(state.prepared, tuple(c.term for c in first), state.fit.shape)
+    findings = [
+        Finding(term, seen, seen.find(c), seen.gain(seen.find(c)), (), (), fitted)
+        for term, c in zip(fitted.effects, first, strict=True)
+    ]
+    own = State(*reweighed(state.prepared, fitted), findings, seen)
+    taken = _of_drive(own, rng)
+    if taken:
+        state.prepared, state.fit, state.look = own.prepared, own.fit, own.look
+        state.findings = own.findings
+    return taken
 
 
 def _of_drive(state: State, rng: np.random.Generator) -> list[str]:

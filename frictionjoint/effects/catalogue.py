@@ -25,6 +25,7 @@ from frictionjoint.effects import (
     load_dependent,
     measurement_delay,
     motor_saturation,
+    motor_temperature,
     nonlinear_viscous,
     position_periodic,
     spring,
@@ -60,6 +61,7 @@ CATALOGUE: tuple[Effect, ...] = (
     end_stop.LOWER,
     back_emf.EFFECT,
     motor_saturation.EFFECT,
+    motor_temperature.EFFECT,
 )
 
 SIMULATED: tuple[Effect, ...] = (*CATALOGUE, heating.EFFECT)

@@ -24,6 +24,7 @@ from frictionjoint.effects import (
     load_dependent,
     measurement_delay,
     motor_saturation,
+    motor_temperature,
     nonlinear_viscous,
     position_periodic,
     spring,
@@ -60,6 +61,7 @@ _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
 _saturation = motor_saturation.torque
+_motor_temperature = motor_temperature.torque
 _motor_side = joint_elasticity.torque
 _heating = heating.torque
 
@@ -124,6 +126,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _heating(P, e, sig, X, x)
     if effect_id == 29:
         return _temperature_apart(P, e, sig, X, x)
+    if effect_id == 30:
+        return _motor_temperature(P, e, sig, X, x)
     return np.nan
 
 
@@ -220,6 +224,8 @@ def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: 
         _along(_temperature, numbers, n_shape, signals, out)
     elif effect_id == 29:
         _along(_temperature_apart, numbers, n_shape, signals, out)
+    elif effect_id == 30:
+        _along(_motor_temperature, numbers, n_shape, signals, out)
 
 
 def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:

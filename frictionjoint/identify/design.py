@@ -17,7 +17,7 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
 from frictionjoint.identify.layout import Layout, layout_of
-from frictionjoint.identify.motor_torque import saturated
+from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import SmoothTerm
@@ -74,7 +74,7 @@ class Balance:
         y = [self._target(terms, delay, i) for i in range(len(X))]
         whole = np.concatenate(X)
         if beta is not None:
-            whole = saturated(whole, beta, self.layout)
+            whole = with_motor(whole, beta, self.layout, self.prepared.segments)
         return whole, np.concatenate(y)
 
     def moves(

@@ -1,12 +1,17 @@
 """The torque a motor gives, as a fit of its voltage or current sees it.
 
 It is what the rest of the balance takes, so it follows from the coefficients that are solved for:
-the column of a saturation and those coefficients are found in turn.
+the columns of what follows that torque and those coefficients are found in turn.
 """
+
+from collections.abc import Sequence
+
+import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.layout import Layout
+from frictionjoint.identify.prepare import Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
 # solutions after the first, which knows no torque: torque and coefficients change each other little
@@ -14,7 +19,7 @@ _MORE = 3
 
 
 def follows_motor(term: Term) -> bool:
-    """Whether its column is the cube of the motor's torque."""
+    """Whether its column is made of the motor's torque."""
     return isinstance(term, EffectTerm) and MOTOR in term.effect.needs
 
 
@@ -23,8 +28,8 @@ def solutions(terms: tuple[Term, ...]) -> int:
     return 1 + _MORE * any(follows_motor(term) for term in terms)
 
 
-def saturated(X: Array, beta: Array, layout: Layout) -> Array:
-    """The columns with that of a saturation, if there is one, filled in.
+def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:
+    """The columns with those that follow the motor's torque, if there are any, filled in.
 
     The torque is all of the balance but what acts on the motor. It is taken behind the filter: the
     motion is known no finer, and there the edges of friction would stand alone.
@@ -32,14 +37,22 @@ def saturated(X: Array, beta: Array, layout: Layout) -> Array:
     Args:
         X: columns in the order of the layout, shape (n, k), the first that of the load.
         beta: coefficients in units of the drive, shape (k,).
+        segments: the logs whose kept samples are the rows.
     """
-    at = [layout.coefficients(i).start for i, t in enumerate(layout.terms) if follows_motor(t)]
+    at = [i for i, term in enumerate(layout.terms) if follows_motor(term)]
     if not at:
         return X
     taken = beta.copy()
     for i, term in enumerate(layout.terms):
         if isinstance(term, EffectTerm) and term.effect.on_motor:
             taken[layout.coefficients(i)] = 0.0
-    filled = X.copy()
-    filled[:, at[0]] = (X @ taken / beta[0]) ** 3
-    return filled
+    torque = X @ taken / beta[0]
+    filled, begin = X.copy(), 0
+    for segment in segments:
+        signals = segment.signals[:: segment.step][segment.kept]
+        end = begin + len(signals)
+        signals[:, MOTOR] = torque[begin:end]
+        for i in at:
+            filled[begin:end, layout.coefficients(i)] = layout.terms[i].columns(segment, signals)
+        begin = end
+    return np.asarray(filled)

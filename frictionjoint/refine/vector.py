@@ -8,6 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, shape_limits
+from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
 
@@ -22,6 +23,20 @@ _LEVEL = 0.05
 _LOWEST = 1e-6
 # of a length, a speed or a frequency, over the balance's: none of them is nothing
 _LEAST_SCALE = 1e-3
+
+
+def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
+    """A fit with one effect more, of given coefficients, N m.
+
+    A damping of the law that comes with the effect begins at nothing, see `layout_of`.
+    """
+    terms = (*fitted.terms, term)
+    layout = layout_of(prepared, fitted.shape, terms)
+    known = dict(zip(fitted.names, fitted.beta, strict=True))
+    names = layout.names[layout.linear]
+    beta = np.array([known.get(name, 0.0) for name in names])
+    beta[layout.coefficients(len(terms) - 1)] = coefficients / fitted.gain
+    return replace(fitted, terms=terms, layout=layout, beta=beta)
 
 
 class Vector:

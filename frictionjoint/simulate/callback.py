@@ -28,7 +28,7 @@ from frictionjoint.simulate.carrier import (
 )
 from frictionjoint.simulate.first_sight import make_ready, make_ready_in_c
 from frictionjoint.simulate.layout import offsets
-from frictionjoint.simulate.motor_demand import asked_torque, saturates
+from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.pointers import (
     array,
     field,
@@ -113,7 +113,7 @@ def build_native() -> Any:
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
                 asked = 0.0
-                if saturates(P, effects):
+                if gives_less(P, effects):
                     asked = asked_torque(
                         joint,
                         q,
@@ -236,7 +236,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
         if P[effects] > 0.0:
             asked = 0.0
-            if saturates(P, effects):
+            if gives_less(P, effects):
                 asked = asked_torque(
                     joint,
                     q,

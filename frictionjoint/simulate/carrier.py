@@ -35,7 +35,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.instruments import delay_sensors
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
-from frictionjoint.simulate.motor_demand import check_motors, saturates
+from frictionjoint.simulate.motor_demand import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
     clear_native_friction,
     counts_twice,
@@ -231,7 +231,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         in_userdata: whether the state is to live there.
     Raises:
         ModelError: a block without its joint, of another version or damaged, too little
-            ``userdata``, or a motor that saturates and cannot be followed.
+            ``userdata``, or a motor that gives less than asked and cannot be followed.
     """
     found = blocks(model)
     ids = {name: i for i, name in enumerate(names_of(model, "jnt")) if name}
@@ -261,7 +261,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
     row = model.nuserdata - need
     for name, at in found.items():
         joint = ids[name]
-        if saturates(model.numeric_data, at + int(model.numeric_data[at + EFFECTS])):
+        if gives_less(model.numeric_data, at + int(model.numeric_data[at + EFFECTS])):
             check_motors(model, name, joint)
         model.numeric_data[at + QPOS] = model.jnt_qposadr[joint]
         model.numeric_data[at + DOF] = model.jnt_dofadr[joint]

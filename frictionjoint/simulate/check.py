@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arguments import require_model
-from frictionjoint.effects import heating, temperature_dependent
+from frictionjoint.effects import heating, motor_temperature, temperature_dependent
 from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
 from frictionjoint.simulate.mechanism import DEFLECTION
 from frictionjoint.simulate.native_friction import native_friction
@@ -67,6 +67,6 @@ def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
         return f"the joint's sensors of {late} are late; control loops of the model are not"
     if effect is heating.EFFECT:
         return "the friction's loss warms the joint"
-    if effect in temperature_dependent.FORMS:
+    if effect in (*temperature_dependent.FORMS, motor_temperature.EFFECT):
         return "a torque, at the temperature of heating, or that of set_temperature"
     return "a torque"

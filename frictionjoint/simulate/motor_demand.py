@@ -1,4 +1,4 @@
-"""Torque commanded of a joint's motors, for the effect `motor-saturation`.
+"""Torque commanded of a joint's motors, for effects by which they give less than that.
 
 MuJoCo works out the forces of actuators after the passive ones, so the callback reads ``ctrl``
 itself. It takes actuators that a motor is made of: a gain and an affine bias, nothing that
@@ -9,11 +9,13 @@ import mujoco
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects.motor_saturation import EFFECT
+from frictionjoint.effects import motor_saturation, motor_temperature
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.model_view import ModelView, names_of
 
-_ID = float(EFFECT.effect_id)
+_IDS = tuple(
+    float(effect.effect_id) for effect in (motor_saturation.EFFECT, motor_temperature.EFFECT)
+)
 _JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 _NO_ACTUATION = int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
 _NO_CLAMP = int(mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL)
@@ -24,12 +26,13 @@ _GEAR, _GAIN, _BIAS = 6, mujoco.mjNGAIN, mujoco.mjNBIAS
 
 
 @compiled
-def saturates(P: Vector, effects: int) -> bool:
-    """Whether the effects' block at P[effects] holds `motor-saturation`."""
+def gives_less(P: Vector, effects: int) -> bool:
+    """Whether the block at P[effects] holds `motor-saturation` or `motor-temperature`."""
     at = effects + 1
     for _ in range(int(P[effects])):
-        if P[at] == _ID:
-            return True
+        for known in _IDS:
+            if P[at] == known:
+                return True
         at += 2 + int(P[at + 1])
     return False
 
@@ -88,7 +91,7 @@ def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
 
 
 def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
-    """See to it that the motors of a joint that saturates are such as `asked_torque` knows.
+    """See to it that motors that give less than asked are such as `asked_torque` knows.
 
     Raises:
         ModelError: an actuator of another kind on the joint, or none.
@@ -96,8 +99,8 @@ def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> No
     found = motors_of(model, joint)
     if not found:
         raise ModelError(
-            f"joint {name!r} has a motor that saturates, but no actuator: put one on it, see "
-            "add_motor"
+            f"joint {name!r} has a motor that gives less than asked, but no actuator: put one on "
+            "it, see add_motor"
         )
     for i in found:
         if (
@@ -108,6 +111,6 @@ def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> No
         ):
             actuator = names_of(model, "actuator")[i] or i
             raise ModelError(
-                f"joint {name!r} has a motor that saturates: its actuator {actuator!r} must "
-                "have a fixed gain, no dynamics and no forcerange"
+                f"joint {name!r} has a motor that gives less than asked: its actuator {actuator!r} "
+                "must have a fixed gain, no dynamics and no forcerange"
             )

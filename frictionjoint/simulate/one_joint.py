@@ -7,20 +7,22 @@ measured motion. Limits and contacts are left out.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.control.kernel import STATE, tick
+from frictionjoint.effects.kernel import MEMORY
+from frictionjoint.effects.signals import TEMP
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import SimulatedEffect
-from frictionjoint.simulate.row import evaluate, row_size, torque_now
+from frictionjoint.simulate.row import FRONT, evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
 # positions at which a load is evaluated: three determine its mean and its first harmonic
@@ -95,6 +97,8 @@ class JointModel:
         numbers: block of the law, then of the effects. effects: where those begin.
         gain: N m per unit of the drive. back_emf: N m s/rad, while the drive is on.
         inertia: kg m^2 beyond that of the MJCF. lag: s from a tick to its torque.
+        thermal: place in the row and reference, deg C, of each temperature that an effect
+            remembers, shape (k, 2).
     """
 
     numbers: Array
@@ -103,6 +107,7 @@ class JointModel:
     back_emf: float = 0.0
     inertia: float = 0.0
     lag: float = 0.0
+    thermal: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     @classmethod
     def of(
@@ -117,7 +122,14 @@ class JointModel:
         """From a law and effects."""
         packed = law.pack()
         numbers = np.concatenate([packed, [float(len(effects))], *(e.pack() for e in effects)])
-        return cls(numbers, len(packed), gain, back_emf, inertia, lag)
+        memory = FRONT + int(law_row_size(numbers, 0))
+        thermal = [
+            (float(memory + MEMORY * i), e.shape[0])
+            for i, e in enumerate(effects)
+            if TEMP in e.effect.needs
+        ]
+        places = np.array(thermal).reshape(-1, 2)
+        return cls(numbers, len(packed), gain, back_emf, inertia, lag, places)
 
     @property
     def row(self) -> int:
@@ -132,6 +144,7 @@ class Run:
     Attributes:
         step: s. target: that the controller knows, rad. supply: over that of the block.
         on: whether the drive is on. start: position and velocity at the first step.
+        temperature: as measured, deg C, shape (n,); None: effects of it rest at their references.
     """
 
     step: float
@@ -141,6 +154,7 @@ class Run:
     start: tuple[float, float]
     load: Load
     block: Array
+    temperature: Array | None = None
 
 
 def simulate(
@@ -171,6 +185,8 @@ def simulate(
         on=run.on,
         q=q,
         v=v,
+        temperature=np.zeros(0) if run.temperature is None else run.temperature,
+        thermal=model.thermal if run.temperature is not None else model.thermal[:0],
     )
     X, S, position, drive = np.zeros(model.row), np.zeros(STATE), np.empty(n), np.empty(n)
     if motion is None:
@@ -188,6 +204,7 @@ class _Given(NamedTuple):
         B: block of the controller. motor: gain, back-EMF, inertia and lag, in steps.
         load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
         step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
+        temperature, thermal: see `Run` and `JointModel`; nothing where it was not measured.
     """
 
     P: Array
@@ -202,6 +219,15 @@ class _Given(NamedTuple):
     on: NDArray[np.bool_]
     q: Array
     v: Array
+    temperature: Array
+    thermal: Array
+
+
+@in_line
+def _warm(given: _Given, X: Array, k: int) -> None:
+    """Put the temperature of step k where effects remember it."""
+    for i in range(len(given.thermal)):
+        X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
 
 
 @compiled
@@ -243,6 +269,7 @@ def _part(
             gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
             asked = torque - brake * v
             behind = load[INERTIA, i] - body[0]
+            _warm(given, X, k)
             F += effects_torque(
                 P, 0, effects, X, 0, k * h, q, v, bias, behind, body[0], gx, gy, asked
             )
@@ -274,6 +301,7 @@ def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vecto
             gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
             asked = gain * drive[k] - emf * v if on[k] else 0.0
             behind = load[INERTIA, i] - body[0]
+            _warm(given, X, k)
             effects_torque(P, 0, effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked)
 
 

@@ -1,8 +1,8 @@
 """The thermal state of joints whose friction depends on it: to read, and to set.
 
-`temperature-dependent` rests at its reference until `set_temperature` moves it, or follows
-`heating`, the friction's own loss. `warm-up-drift` knows no temperature: its state is how much of
-the change that warming brings has happened.
+`temperature-dependent` and `motor-temperature` rest at their references until `set_temperature`
+moves them, or follow `heating`, the friction's own loss. `warm-up-drift` knows no temperature: its
+state is how much of the change that warming brings has happened.
 """
 
 import math
@@ -13,7 +13,12 @@ import mujoco
 
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
-from frictionjoint.effects import heating, temperature_dependent, warm_up_drift
+from frictionjoint.effects import (
+    heating,
+    motor_temperature,
+    temperature_dependent,
+    warm_up_drift,
+)
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
@@ -43,7 +48,7 @@ def _less(P: Array, celsius: float, t: float) -> float:
 
 _TEMPERATURES = {
     float(effect.effect_id): _Kind(_above, _less)
-    for effect in (heating.EFFECT, *temperature_dependent.FORMS)
+    for effect in (heating.EFFECT, motor_temperature.EFFECT, *temperature_dependent.FORMS)
 }
 _WARMTHS = {
     float(warm_up_drift.EFFECT.effect_id): _Kind(
@@ -57,7 +62,7 @@ _WARMTHS = {
 
 
 def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
-    """Temperature, deg C, of each joint that has `heating` or `temperature-dependent`.
+    """Temperature, deg C, of each joint that has `heating` or an effect of it.
 
     Args:
         model: carries friction. data: of that model, evaluated at least once.

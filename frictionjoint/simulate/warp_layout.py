@@ -22,7 +22,7 @@ from frictionjoint.simulate.carrier import (
     rows_of_block,
     write_parameters,
 )
-from frictionjoint.simulate.motor_demand import motors_of, saturates
+from frictionjoint.simulate.motor_demand import gives_less, motors_of
 from frictionjoint.simulate.with_effects import asks_for_load
 
 Whole = NDArray[np.int32]
@@ -89,7 +89,7 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
     lengths = HEAD + _whole(numbers[addresses + COUNT])
     joints = _whole(numbers[addresses + JOINT])
     motors = [
-        motors_of(model, int(joint)) if saturates(numbers, int(at)) else []
+        motors_of(model, int(joint)) if gives_less(numbers, int(at)) else []
         for joint, at in zip(joints, effects, strict=True)
     ]
     trees = model.dof_treeid[_whole(numbers[addresses + DOF])]

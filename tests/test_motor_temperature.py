@@ -1,0 +1,139 @@
+"""A motor that gives less as it warms: found in logs that hold a temperature, followed after."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from test_one_joint import JOINT, LAW, MODEL, STEP, N, block
+
+from frictionjoint.control import kernel as k
+from frictionjoint.diagnose.replay import motor_of, simulated_whole
+from frictionjoint.diagnose.trace import trace
+from frictionjoint.effects import motor_temperature
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.motor import Motor, add_motor
+from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+from frictionjoint.simulate.thermal import set_temperature, temperature
+
+T0, A = 30.0, 0.02
+GAIN, EMF = 0.1, 0.05
+EFFECT = SimulatedEffect(motor_temperature.EFFECT, (T0,), (A,))
+TARGET = 0.8 * np.sin(6.0 * STEP * np.arange(N))
+CONTROL = block(KP=12.0, KD=0.1, SUPPLY=1.0, LIMIT=7.0)
+
+
+def run_at(celsius):
+    return Run(
+        step=STEP,
+        target=TARGET,
+        supply=np.ones(N),
+        on=np.ones(N, dtype=bool),
+        start=(0.3, -0.5),
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=CONTROL,
+        temperature=None if celsius is None else np.broadcast_to(float(celsius), N).copy(),
+    )
+
+
+def in_mujoco(celsius):
+    spec = mujoco.MjSpec.from_file(str(MODEL))
+    add_motor(spec, JOINT, Motor(GAIN, EMF))
+    install(spec, {JOINT: LAW}, {JOINT: [EFFECT]})
+    model = spec.compile()
+    model.opt.timestep = STEP
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = 0.3, -0.5
+    S, found = np.zeros(k.STATE), np.empty(N)
+    with attach(model):
+        mujoco.mj_forward(model, data)
+        set_temperature(model, data, JOINT, celsius)
+        assert temperature(model, data) == {JOINT: pytest.approx(celsius)}
+        for i in range(N):
+            found[i] = data.qpos[0]
+            data.ctrl[0] = k.one_tick(CONTROL, S, i * STEP, TARGET[i], data.qpos[0], data.qvel[0])
+            mujoco.mj_step(model, data)
+    return found
+
+
+def test_a_run_at_the_temperature_of_its_log_is_mujocos():
+    model = JointModel.of(LAW, [EFFECT], GAIN, EMF)
+    hot = simulate(model, run_at(T0 + 25.0))
+    np.testing.assert_allclose(hot, in_mujoco(T0 + 25.0), atol=1e-9)
+    assert np.abs(hot - simulate(model, run_at(None))).max() > 0.01
+
+
+def test_what_is_asked_for_is_over_one_and_the_change():
+    """To the motor's brake, of which the effect's part is no part of the implicit step."""
+    hot = simulate(JointModel.of(LAW, [EFFECT], GAIN, EMF), run_at(T0 + 25.0))
+    weaker = JointModel.of(LAW, [], GAIN / 1.5, EMF / 1.5)
+    np.testing.assert_allclose(hot, simulate(weaker, run_at(None)), atol=1e-3)
+
+
+def test_a_temperature_that_changes_is_followed_and_an_unknown_one_rests():
+    model = JointModel.of(LAW, [EFFECT], GAIN, EMF)
+    cold, hot = (simulate(model, run_at(T0 + d)) for d in (0.0, 25.0))
+    np.testing.assert_array_equal(cold, simulate(model, run_at(None)))
+    warming = replace(run_at(T0), temperature=np.where(np.arange(N) < N // 2, T0, T0 + 25.0))
+    found = simulate(model, warming)
+    np.testing.assert_array_equal(found[: N // 2 + 1], cold[: N // 2 + 1])
+    assert np.abs(found - cold)[-1000:].max() > 0.01
+    np.testing.assert_allclose(found[-500:], hot[-500:], atol=2e-3)
+
+
+# identification
+
+PENDULUM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/>
+<worldbody><body><joint name="arm" axis="0 -1 0" armature="0.002" {}/>
+<inertial pos="0 0 -0.1" mass="0.5" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody></mujoco>"""
+
+
+def log(celsius, seed, n=3000):
+    """Of a plant of MuJoCo's own with its own friction, at 500 Hz and one temperature."""
+    rng = np.random.default_rng(seed)
+    model = mujoco.MjModel.from_xml_string(PENDULUM.format('frictionloss="0.03" damping="0.01"'))
+    data = mujoco.MjData(model)
+    time = 2e-3 * np.arange(n)
+    volts = sum(
+        size * np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 6.28))
+        for size, f in ((3.5, 0.43), (2.5, 1.1), (2.0, 1.9))
+    )
+    closed, position = time % 4.0 < 3.0, np.empty(n)
+    over = 1.0 + A * (celsius - T0)
+    for i in range(n):
+        position[i] = data.qpos[0]
+        for _ in range(4):
+            torque = (GAIN * volts[i] - EMF * data.qvel[0]) / over
+            data.qfrc_applied[0] = torque if closed[i] else 0.0
+            mujoco.mj_step(model, data)
+    return JointLog(
+        name=f"{celsius} deg C, {seed}",
+        joint="arm",
+        time=time,
+        position=2e-4 * np.round(position / 2e-4),
+        voltage=volts + rng.normal(0.0, 0.05, n),
+        torque_enabled=closed,
+        temperature=np.full(n, celsius) + np.linspace(0.0, 0.5, n),
+    )
+
+
+def test_the_loop_names_it_with_its_size():
+    body = RigidBody(PENDULUM.format(""), "arm")
+    logs = [log(t, i) for i, t in enumerate((24.0, 30.0, 36.0, 42.0))]
+    found = trace(prepare(logs, body), 0)
+    assert {"back-emf", "motor-temperature"} <= {step.term.name for step in found.findings}
+    at = [term.name for term in found.final.terms].index("motor-temperature")
+    term = found.final.terms[at]
+    a = float(found.final.term_coefficients(at)[0])
+    # both are relative to the gain at the reference
+    there = 1.0 + A * (term.shape[0] - T0)
+    assert a * there == pytest.approx(A, rel=0.1)
+    motor = motor_of(found.final)
+    assert motor.gain * there == pytest.approx(GAIN, rel=0.05)
+    assert motor.saturation == 0.0
+    assert not simulated_whole(found.final, body.armature)
+    assert simulated_whole(found.final, body.armature, thermometer=True)
