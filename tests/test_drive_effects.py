@@ -6,7 +6,8 @@ from servo_plant import KNOWN, PLANT, logs
 
 from frictionjoint.control.block import block_of
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
-from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
+from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
+from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import ROUGH, refit
 from frictionjoint.identify.prepare import prepare
@@ -45,7 +46,7 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     assert term.name == name
     assert term.shape[number] == pytest.approx(value, rel=0.1)
     assert found.look.rows[0].p_value < 0.05
-    assert of_drive(score, found.now) > LEAST_OF_DRIVE
+    assert of_drive(score, found.now) > DRIVE_DISCREPANCY
     # whole logs, simulated from the target alone, come nearer
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
@@ -56,7 +57,7 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
     _, _, _, _, found = looked({})
     assert found is not None
     _, score = found.tried[0]
-    assert of_drive(score, found.now) < LEAST_OF_DRIVE
+    assert of_drive(score, found.now) < DRIVE_DISCREPANCY
 
 
 def test_a_number_that_ended_at_zero_is_fitted_on():

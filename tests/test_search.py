@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import notes
-from frictionjoint.diagnose.state import SMALLEST_GAIN
-from frictionjoint.diagnose.trace import SIGNIFICANCE, trace
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.result import law_parameters, term_estimates

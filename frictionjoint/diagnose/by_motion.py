@@ -16,14 +16,13 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.diagnose.columns import signals_of
+from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import Candidate, effect_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.replay import simulated_whole
-from frictionjoint.diagnose.state import SMALLEST_GAIN
-from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -36,10 +35,8 @@ from frictionjoint.refine.vector import Vector, with_term
 
 # of the torque's rms, by which a coefficient moves it for a difference
 _STEP = 0.01
-# of the soft squares of the motion, that an effect must promise to be refined
-_PROMISE = 0.1
-# effects that are refined in a look, their gain over the best one's, and looks
-_LEADERS, _NEAR_BEST, _MOST_LOOKS = 2, 0.7, 3
+# effects that are refined in a look, and looks
+_LEADERS, _MOST_LOOKS = 2, 3
 
 
 def named_by_motion(
@@ -138,7 +135,7 @@ def _promising(
         fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
         models.append((1.0 - squares(fitted) / before, fitted, coefficients))
     models.sort(key=lambda model: -model[0])
-    least = max(_PROMISE, _NEAR_BEST * models[0][0]) if models else 0.0
+    least = max(PROMISING, (1.0 - SMALLEST_GAIN) * models[0][0]) if models else 0.0
     return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
 
 
@@ -164,7 +161,7 @@ def _beside(
         bounds = term.effect.bounds
         if any(low == 0.0 and c < 0.0 for (low, _), c in zip(bounds, change, strict=bool(bounds))):
             continue
-        if gain > best.get(term.name, (_PROMISE,))[0]:
+        if gain > best.get(term.name, (PROMISING,))[0]:
             best[term.name] = gain, term, change * steps
     return [(term, coefficients) for _, term, coefficients in best.values()]
 

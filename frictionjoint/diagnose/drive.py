@@ -24,9 +24,6 @@ from frictionjoint.threads import side_by_side
 # that are fitted to all samples
 _COARSE, _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 1500, 2, 6, 3, 8
 _FLIPS, _HALVES = 999, 50
-# torque that an effect of the drive must move, over that of the whole drive: what is smaller is as
-# likely an error of the friction law, which a dead band resembles
-LEAST_OF_DRIVE = 0.02
 
 
 class Driven(NamedTuple):

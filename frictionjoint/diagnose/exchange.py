@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
+from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, is_unnamed, library, other_forms
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
-    DISCREPANCY,
     State,
     apart,
     as_much,

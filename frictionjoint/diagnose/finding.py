@@ -6,14 +6,11 @@ import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.diagnose.blocks import correlation_time
+from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import Term
-
-# fraction of a residual's squares that only these logs' largest effect could take: beyond it they
-# are too short
-_TOO_MUCH = 0.5
 
 
 @dataclass(frozen=True)
@@ -117,7 +114,7 @@ def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
     needed = float(chdtri(1, np.exp(-look.chance))) if look.chance > 0.0 else 0.0
     fraction = needed / (needed + blocks)
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
-    enough = needed * (1.0 - _TOO_MUCH) / _TOO_MUCH
+    enough = needed * (1.0 - APART) / APART
     return Sight(
         float(np.sqrt(fraction)) * fitted.drive_rms * fitted.scale,
         duration,

@@ -16,6 +16,7 @@ from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whitened
+from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
@@ -26,8 +27,6 @@ Columns = NDArray[np.int64]
 _HALVES = 50
 # directions of a set of columns below this fraction of the largest count as dependent
 _RCOND = 1e-8
-# part of what determines a coefficient that may lie in one fold: beyond it that fold is halved
-_CONCENTRATED = 0.9
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ class Screen:
         fold = self.blocks.fold
         squares = np.einsum("bii->bi", grams)
         by_fold = np.stack([squares[fold == k].sum(axis=0) for k in np.unique(fold)])
-        if np.any(by_fold.max(axis=0) > _CONCENTRATED * by_fold.sum(axis=0)):
+        if np.any(by_fold.max(axis=0) > CONCENTRATED * by_fold.sum(axis=0)):
             return np.asarray(2 * fold + self.blocks.halves)
         return fold
 

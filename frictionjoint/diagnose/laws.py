@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
@@ -14,8 +15,6 @@ from frictionjoint.laws import LAWS
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.threads import side_by_side
 
-# of the error: what chance or a few more parameters do not make
-_CLEARLY = 0.95
 # laws that take the integrated one's place where the residual of one is clearly smaller.
 # Maxwell-slip must follow its sliding level promptly: its lag would hide an effect of that name.
 _CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
@@ -67,7 +66,7 @@ class Laws:
             others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
         self.shapes |= {other.shape.variables: other.shape for other in others}
         best = min([fitted, *others], key=lambda f: f.drive_rms)
-        if best is fitted or best.drive_rms >= _CLEARLY * fitted.drive_rms:
+        if best is fitted or best.drive_rms >= (1.0 - CLEARLY) * fitted.drive_rms:
             return prepared, fitted
         return reweighed(prepared, best)
 
@@ -78,7 +77,7 @@ class Laws:
         """
         self._progress("fit: laws that leave as much")
         places = [p for f in self._forms for p in ripened(prepared, fitted.effects, f)]
-        most = min(place.cost for place in places) / _CLEARLY**2
+        most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
     def unchosen(self, prepared: Prepared, final: Fit, base: Fit) -> Fit | None:

@@ -8,6 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.decisions import LEAST_WARMING
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
@@ -37,8 +38,6 @@ _EXCEEDED = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
 _ORDERS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 # of a candidate's columns, what may be left by others that hold the same
 _SAME = 1e-3
-# a temperature that changes by less, K, holds nothing but its sensor's flicker
-_LEAST_WARMING = 1.0
 
 
 @dataclass(frozen=True)
@@ -180,7 +179,7 @@ def testable(prepared: Prepared, effect: Effect, signals: Array) -> bool:
     """Whether the logs can test an effect."""
     if prepared.drive not in effect.drives:
         return False
-    return all(_varies(signals[:, c], _LEAST_WARMING * (c == TEMP)) for c in effect.needs)
+    return all(_varies(signals[:, c], LEAST_WARMING * (c == TEMP)) for c in effect.needs)
 
 
 def _in_band(prepared: Prepared, effect: Effect, shape: tuple[float, ...]) -> bool:
@@ -210,7 +209,7 @@ def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
             )
         except KeyError:
             continue  # another joint that only some logs have
-        if not _varies(x, _LEAST_WARMING * (VARIABLES.get(variable) == TEMP)):
+        if not _varies(x, LEAST_WARMING * (VARIABLES.get(variable) == TEMP)):
             continue
         low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
         pair = [SplineTerm(variable, low, high, odd) for odd in (False, True)]

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.fit import ROUGH, Fit, refit
@@ -13,8 +14,6 @@ from frictionjoint.identify.weights import reweighed
 
 # mean square error of each run simulated with a fit, rad^2 (m^2), or None
 Replayed = Callable[[Fit], Array | None]
-# of the replay's error, that another model must take away
-_NEARER = 0.05
 
 
 def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
@@ -37,7 +36,7 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
 def _nearer(errors: Array, now: Array) -> bool:
     """Whether runs come nearer: by a part of the rms, and by a paired standard error."""
     gained = now - errors
-    enough = errors.sum() < (1.0 - _NEARER) ** 2 * now.sum()
+    enough = errors.sum() < (1.0 - CLEARLY) ** 2 * now.sum()
     return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 

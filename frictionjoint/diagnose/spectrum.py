@@ -6,6 +6,7 @@ from scipy.optimize import minimize_scalar
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of
+from frictionjoint.diagnose.decisions import APART, FEWEST_WAVES
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import TIME, H, Q, V
 from frictionjoint.identify.design import kept
@@ -16,12 +17,6 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 # cells of the travel that a spectrum in position is made of
 _POSITION_BINS = 4096
-# periods that the usual range must hold
-_FEWEST_PERIODS = 1.5
-# waves in time that the longest log must hold
-_FEWEST_WAVES = 2.0
-# of what a wave in time explains, that one in position may explain
-_AS_IN_TIME = 0.5
 # strongest lines of a spectrum that are tried
 _PEAKS = 2
 # length over which a change of the friction level is reached, over the travel: where a fit starts
@@ -38,7 +33,7 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     longest = max(float(np.ptp(t)) for t in times)
     rate = min(1.0 / (s.dt * s.step) for s in prepared.segments)
     cells = int(longest * rate) + 1
-    first = int(_FEWEST_WAVES * 2)
+    first = int(FEWEST_WAVES * 2)
     power = np.zeros(max(0, cells // 4 - first))
     e = fitted.residual * fitted.weight
     for i, t in enumerate(times):
@@ -55,7 +50,7 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     frequency = float(found.x)
     # at a constant speed a wave in position is one in time
     turned = [_at_mean_speed(s) for s in prepared.segments]
-    if _of_wave(fitted, turned, frequency) >= _AS_IN_TIME * -float(found.fun):
+    if _of_wave(fitted, turned, frequency) >= APART * -float(found.fun):
         return [], 1.0
     wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments))
     return [wave], max(1.0, len(power) / 2.0)
@@ -103,7 +98,7 @@ def periodic_terms(
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
     # wave out of a smooth curve
     usual = float(np.subtract(*np.quantile(q, (0.95, 0.05))))
-    first, last = int(2 * _FEWEST_PERIODS * span / usual), _POSITION_BINS // 4
+    first, last = int(2 * FEWEST_WAVES * span / usual), _POSITION_BINS // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
     for effect in (f for f in CATALOGUE if f.proposed_by == "spectrum"):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
@@ -10,16 +11,6 @@ from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 
-# fraction of the squares left that a change must take away: an effect is believed that is about as
-# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
-# some likeness to many an effect
-SMALLEST_GAIN = 0.33
-# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
-# as likely the law's own error as an effect
-DISCREPANCY = 0.004
-# models within this fraction of the best one's gain explain as much; they are apart where one
-# leaves half of what the other leaves
-TIE, _APART = 0.1, 0.5
 # of a search that only compares models
 _TRIED_STEPS = 8
 
@@ -52,7 +43,7 @@ def without(state: State, term: Term) -> Fit:
 
 def apart(one: Scored, other: Scored) -> bool:
     """Whether the logs distinguish a model from one that leaves more."""
-    return one.better(other) and one.gain(other) >= _APART
+    return one.better(other) and one.gain(other) >= APART
 
 
 def as_much(one: Scored, other: Scored) -> bool:

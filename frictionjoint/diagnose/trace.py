@@ -14,7 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
-from frictionjoint.diagnose.drive import LEAST_OF_DRIVE, look_at_drive, of_drive
+from frictionjoint.diagnose.decisions import (
+    APART,
+    DRIVE_DISCREPANCY,
+    SIGNIFICANCE,
+    SMALLEST_GAIN,
+    TIE,
+)
+from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
@@ -25,8 +32,6 @@ from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.outcome import told
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
-    SMALLEST_GAIN,
-    TIE,
     State,
     apart,
     compared,
@@ -46,14 +51,6 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
-SIGNIFICANCE = 0.05
-# part of the error that an effect takes, from which on it may have bent the laws: all are then
-# fitted from everywhere
-_BENT = 0.3
-# of a pair over its better half: what one of two effects must explain besides the other
-_PAIR = 0.3
-# leaders that are compared once more, by their gain over the best one's
-_LEADERS = 0.7
 _MOST_CHANGES = 12
 
 
@@ -104,7 +101,8 @@ def trace(
         taken = _step(state, rng)
         if taken:
             progress(f"step {change}: {', '.join(taken)}")
-        if state.fit.drive_rms < (1.0 - _BENT) * left:
+        if state.fit.drive_rms**2 < (1.0 - APART) * left**2:
+            # what is named now may have bent the laws
             laws.ripen(state.prepared, state.fit.effects)
         if not (_other_law(state, laws) or taken or exchange_bent(state)):
             break
@@ -168,7 +166,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     gain = score.gain(found.now)
     row = found.look.rows[0]
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
-    if not enough or of_drive(score, found.now) < LEAST_OF_DRIVE:
+    if not enough or of_drive(score, found.now) < DRIVE_DISCREPANCY:
         return []
     near = [
         other.name
@@ -275,7 +273,7 @@ def _looked_at_again(
     What was wrong before may have bent the law, and so the weights and what the logs are thought
     to have held when they began: what is left then depends on which change was tried first.
     """
-    least = _LEADERS * best.score.gain(now)
+    least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
     anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
@@ -306,7 +304,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     singles = [t for t in named if len(t.move.added) == 1]
     best = min(singles, key=_total, default=None)
     pair = min((t for t in named if len(t.move.added) > 1), key=_total, default=None)
-    if pair and (not best or _clearly(pair, best, _PAIR)):
+    if pair and (not best or _clearly(pair, best)):
         best = pair
     unnamed = min((t for t in good if t.move.unnamed), key=_total, default=None)
     # a curve, which bends with the data, takes an effect's place as it would come in beside it
@@ -340,8 +338,9 @@ def _beyond_chance(move: Move, seen: Look) -> bool:
     return min(asked, default=0.0) <= SIGNIFICANCE
 
 
-def _clearly(one: _Tried, other: _Tried, least: float) -> bool:
-    return one.score.better(other.score) and one.score.gain(other.score) > least
+def _clearly(one: _Tried, other: _Tried) -> bool:
+    """Whether one of two effects explains besides the other what an effect must explain."""
+    return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
 
 
 def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:

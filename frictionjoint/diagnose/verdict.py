@@ -3,17 +3,13 @@
 import numpy as np
 
 from frictionjoint.diagnose.blocks import correlation_time
+from frictionjoint.diagnose.decisions import AS_WHITE, AT_THE_FLOOR
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_data import Verdict
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
 from frictionjoint.identify.start import IN_MOTION
-
-# a residual up to this multiple of the instrument noise counts as noise
-_AT_THE_FLOOR = 1.5
-# times the correlation of filtered white noise up to which a residual is as white
-_WHITE = 3.0
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
@@ -41,7 +37,7 @@ def verdict(
         return "partly-explained"
     moving = found.final.weight**2 > IN_MOTION
     left = float(np.sqrt(np.mean(found.final.residual[moving] ** 2)))
-    at_floor = left <= _AT_THE_FLOOR * noise_floor(found.prepared, found.final.gain)
+    at_floor = left <= AT_THE_FLOOR * noise_floor(found.prepared, found.final.gain)
     white = at_floor or _is_white(found.final, found.prepared)
     return "explained" if white else "partly-explained"
 
@@ -57,6 +53,6 @@ def _is_white(fitted: Fit, prepared: Prepared) -> bool:
     e = fitted.residual * fitted.weight
     for i, s in enumerate(prepared.segments):
         filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))
-        if correlation_time(e[fitted.log_index == i]) > _WHITE * filtered_noise:
+        if correlation_time(e[fitted.log_index == i]) > AS_WHITE * filtered_noise:
             return False
     return True

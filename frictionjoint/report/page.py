@@ -7,9 +7,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.report_data import Looked, Report
-from frictionjoint.diagnose.state import SMALLEST_GAIN
-from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.report import plots, presliding, wording
 from frictionjoint.report.figure import svg
 from frictionjoint.report.html import fill

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.trace import SIGNIFICANCE
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
 from frictionjoint.robot.screen import Candidate, Screened
@@ -21,8 +21,6 @@ _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# models within this fraction of the best one's gain are a tie
-_TIE = 0.1
 # a richer form of a body's parameters must explain more than this fraction of what a simpler one
 # leaves: its columns are taken where the laws are still distorted
 _FORMS = 0.3
@@ -168,7 +166,7 @@ def _next(
         r
         for r in good
         if r is best
-        or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
+        or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - TIE) * gain)
         or (
             r.candidate.changed == best.candidate.changed and best.total >= (1.0 - _FORMS) * r.total
         )

@@ -6,7 +6,7 @@ Squares are by joint and block of time, shape (J, B), in units of what each join
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.state import DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.diagnose.decisions import DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.robot.stack import Stack
 
 # part of a joint's squares that a cause may add to them: a cause that is there harms no joint

@@ -1,0 +1,35 @@
+"""The numbers that decide what is named.
+
+All other numbers of a search say how finely it looks or when it stops. The error of a friction law,
+by which samples at rest are weighted, stands in `identify/weights.py`.
+"""
+
+# rate of false alarms over the whole family of candidates
+SIGNIFICANCE = 0.05
+# fraction of the squares left that a change must take away: an effect is believed that is about as
+# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
+# some likeness to many an effect. Changes that differ by less are compared once more.
+SMALLEST_GAIN = 0.33
+# torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
+# as likely the law's own error as an effect
+DISCREPANCY = 0.004
+# the same of an effect of the drive, over the drive's rms: a dead band resembles friction
+DRIVE_DISCREPANCY = 0.02
+# models within this fraction of the best one's gain explain as much; they are apart where one
+# leaves half of what the other leaves
+TIE, APART = 0.1, 0.5
+# part of an error that another law, or the motion without an effect, must take away: what chance or
+# a few more parameters do not make
+CLEARLY = 0.05
+# part of the squares of simulated motion that an effect must promise to first order: less is often
+# lost when all other numbers are fitted anew
+PROMISING = 0.1
+# part of a coefficient's columns that may lie in one fold: beyond it that fold is halved
+CONCENTRATED = 0.9
+# K: a temperature that changes by less holds nothing but its sensor's flicker
+LEAST_WARMING = 1.0
+# waves that the usual range of positions, or the longest log, must hold: fewer are any curve
+FEWEST_WAVES = 1.5
+# what counts as explained: a residual up to this multiple of the instruments' noise, or one that is
+# correlated for no longer than this multiple of filtered white noise
+AT_THE_FLOOR, AS_WHITE = 1.5, 3.0
