@@ -28,8 +28,9 @@ Written by `python scripts/real_robots.py --data DIR --out DIR --docs`: for each
 cent of the rms of the joint's torque, on the last 30% of each log, which served neither the fit nor
 the choice, in motion: at rest friction is known only where the fitted logs held presliding. Replay
 is the rms position error of free runs of half a second on the same data. Before
-is the integrated law alone under the model as it is. A joint marked *worse* has more of one of them
-after than before: a failure of the loop.
+is the integrated law alone under the model as it is. Where one is larger after than before, the
+last column has by how much, as a 95% interval: of the same samples, paired, over blocks of time; of
+replay over its runs. *Worse* is a joint whose interval is all above zero: a failure of the loop.
 
 """
 
@@ -138,15 +139,20 @@ def _row(joint: str, r: dict[str, Any]) -> str:
     size = r["measured_rms"]
     torque = [r[key]["torque_rms"]["held_out"] for key in ("before", "after")]
     place = [r[key]["replay_rms"]["held_out"] for key in ("before", "after")]
-    worse = [
-        name
-        for name, (a, b) in (("torque", torque), ("replay", place))
-        if None not in (a, b) and b > a
-    ]
     effects = ", ".join(x["effect"] for x in r["added"]) or "none"
     cells = [f"{100 * x / size:.1f}%" for x in torque] + [_number(x) for x in place]
-    said = f"*worse in {' and '.join(worse)}*" if worse else ""
+    said = ", ".join(_increase(name, x, size) for name, x in r["increase"].items())
     return f"| {joint} | {effects} | {' | '.join(cells)} | {said} |"
+
+
+def _increase(name: str, interval: list[float | None], size: float) -> str:
+    """Of an error that is larger after than before."""
+    what = name.removesuffix("_rms")
+    if None in interval:
+        return f"{what}: too short to tell"
+    low, high = (f"{100 * x / size:+.1f}%" if what == "torque" else f"{x:+.2g}" for x in interval)
+    said = f"{what} {low} to {high}"
+    return f"*worse: {said}*" if interval[0] > 0.0 else said
 
 
 def _number(x: float | None) -> str:

@@ -42,8 +42,12 @@ def robot(demo_report) -> RobotReport:
         r, verdict="partly-explained", after_torque=Rms(r.after_torque.fit, 2.0 * before.held_out)
     )
     joints = {
-        name: JointResult(report, r.base, "integrated", before, r.before_replay)
-        for name, report in {"elbow": r, "wrist": worse}.items()
+        name: JointResult(report, r.base, "integrated", before, r.before_replay, increase)
+        for name, report, increase in (
+            ("elbow", r, {}),
+            ("wrist", worse, {"torque_rms": (0.8, 1.2)}),
+            ("thumb", worse, {"torque_rms": (-0.1, 2.1)}),
+        )
     }
     payload = SharedCause(
         "payload",
@@ -74,6 +78,10 @@ def page(robot) -> str:
 @pytest.mark.parametrize("part", PARTS)
 def test_each_part_is_there(page, part):
     assert PARTS[part] in page
+
+
+def test_a_larger_error_within_its_interval_is_not_called_worse(page):
+    assert page.count("worse on held-out data") == 1
 
 
 def test_no_cell_is_empty(page):

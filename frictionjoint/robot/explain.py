@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
@@ -24,6 +25,7 @@ from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, 
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Shaft
+from frictionjoint.robot.paired import Interval, replay_increase, torque_increase
 from frictionjoint.robot.report_data import JointResult
 from frictionjoint.robot.torsion import torsion
 
@@ -118,12 +120,18 @@ def _explained(task: Task) -> Explained:
         base = before.fit
         torque, place = _torque(before, trace), _replay(before, task)
     cov = stated_covariance(before.prepared, base)
+    increase = {}
+    if report.after_torque.worse_than(torque):
+        increase["torque_rms"] = _torque_increase(before, after)
+    if report.after_replay.worse_than(place):
+        increase["replay_rms"] = _replay_increase(before, after, task)
     result = JointResult(
         report=report,
         base=law_estimates(base, cov, body.slide),
         law=law_parameters(base).law,
         before_torque=torque,
         before_replay=place,
+        increase=increase,
         torsion=torsion(task.logs, trace.prepared),
     )
     without = {
@@ -163,9 +171,31 @@ def _torque(fitted: Fitted, trace: Trace) -> Rms:
     return Rms(rms(fitted.prepared), held)
 
 
+def _torque_increase(before: Fitted, after: Fitted) -> Interval:
+    """Of the error held out, on the samples that are in motion under both models."""
+    assert before.kept_back
+    assert after.kept_back
+    one, other = predict(before.kept_back, before.fit), predict(after.kept_back, after.fit)
+    both = one.in_motion & other.in_motion
+    log_index = np.repeat(np.arange(len(one.weight)), [len(w) for w in one.weight])
+    gain = after.fit.gain / before.fit.gain
+    return torque_increase(one.error[both] * gain, other.error[both], log_index[both])
+
+
 def _replay(fitted: Fitted, task: Task) -> Rms:
     if fitted.fit.in_drive_units:
         return Rms(None, None)
     body = task.user.body(task.joint, task.fixed)
     held = replay(fitted.kept_back, body, fitted.fit).stated if fitted.kept_back else None
     return Rms(replay(fitted.prepared, body, fitted.fit).stated, held)
+
+
+def _replay_increase(before: Fitted, after: Fitted, task: Task) -> Interval:
+    """Of the free runs held out, run by run."""
+    assert task.corrected
+    return replay_increase(_runs(before, task.user, task), _runs(after, task.corrected, task))
+
+
+def _runs(fitted: Fitted, state: State, task: Task) -> Array:
+    assert fitted.kept_back
+    return replay(fitted.kept_back, state.body(task.joint, task.fixed), fitted.fit).runs

@@ -10,6 +10,7 @@ from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Verdi
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.robot.excitation import Excitation
+from frictionjoint.robot.paired import Interval
 from frictionjoint.robot.torsion import Torsion
 
 SCHEMA = "frictionjoint/report-2"
@@ -23,6 +24,8 @@ class JointResult:
         report: of the loop under the corrected model.
         base, law: the law alone under the user's model, and its name.
         before_torque, before_replay: its errors. measured_rms: of the torque, as the report's.
+        increase: 95% interval, paired, of each held-out error that is larger after, by how much:
+            "torque_rms", "replay_rms".
         torsion: between motor and link, where both have an encoder.
     """
 
@@ -31,14 +34,13 @@ class JointResult:
     law: str
     before_torque: Rms
     before_replay: Rms
+    increase: Mapping[str, Interval] = field(default_factory=dict)
     torsion: Torsion | None = None
 
     @property
     def worse(self) -> bool:
-        """Whether held-out logs have more torque or position error after than before."""
-        r = self.report
-        pairs = ((r.after_torque, self.before_torque), (r.after_replay, self.before_replay))
-        return any(after.worse_than(before) for after, before in pairs)
+        """Whether held-out logs have more torque or position error after, beyond its interval."""
+        return any(low > 0.0 for low, _ in self.increase.values())
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json: report-1 without what belongs to the robot."""
@@ -54,6 +56,10 @@ class JointResult:
             "replay_rms": self.before_replay.to_dict(),
         }
         found["measured_rms"] = self.report.measured_rms
+        found["increase"] = {
+            name: [x if np.isfinite(x) else None for x in interval]
+            for name, interval in self.increase.items()
+        }
         if self.torsion:
             found["torsion"] = self.torsion.to_dict()
         return found

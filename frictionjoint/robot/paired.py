@@ -1,0 +1,67 @@
+"""Whether an error is larger after than before, or only seems so: the same samples, paired.
+
+What two models leave of the same motion is alike but for their difference, so the interval of that
+difference is far narrower than that of either error.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import correlation_time
+
+Interval = tuple[float, float]
+
+_CORRELATION_TIMES = 5.0
+# 0.975: of both sides together 5% is left out
+_QUANTILE = 0.975
+
+
+def torque_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
+    """95% interval of the rms of one error less another's, over blocks of time.
+
+    Blocks span several correlation times of what the squares differ by, as far as a log is long.
+
+    Args:
+        before, after: errors on the same samples, shape (n,). log_index: log of each.
+    """
+    difference = after**2 - before**2
+    sums, counts = [], []
+    for log in np.unique(log_index):
+        own = difference[log_index == log]
+        length = _CORRELATION_TIMES * correlation_time(own)
+        for part in np.array_split(own, max(1, round(len(own) / length))):
+            sums.append(float(part.sum()))
+            counts.append(len(part))
+    return _interval(np.array(sums), np.array(counts), _rms(before) + _rms(after))
+
+
+def replay_increase(before: Array, after: Array) -> Interval:
+    """95% interval of the rms of free runs less that of others from the same states.
+
+    Args:
+        before, after: mean square error of each run, shape (k,).
+    """
+    both = float(np.sqrt(before.mean()) + np.sqrt(after.mean()))
+    return _interval(after - before, np.ones(len(after)), both)
+
+
+def _interval(sums: Array, counts: Array, both: float) -> Interval:
+    """Of the difference of two rms values, from sums of the squares' difference over blocks.
+
+    Args:
+        both: sum of the two rms values: a^2 - b^2 = (a - b) (a + b).
+    """
+    blocks, n = len(sums), float(counts.sum())
+    mean = float(sums.sum()) / n
+    if blocks < 2 or not both:
+        return -np.inf, np.inf
+    spread = sums - mean * counts
+    error = float(np.sqrt(blocks / (blocks - 1) * (spread @ spread))) / n
+    half = float(student.ppf(_QUANTILE, blocks - 1)) * error
+    return (mean - half) / both, (mean + half) / both
+
+
+def _rms(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2)))
