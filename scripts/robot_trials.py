@@ -73,9 +73,9 @@ def searched(arm: Arm, number: int) -> Shared:
 
 
 def said(found: Shared) -> list[dict[str, Any]]:
-    """Name, place and values of each cause."""
+    """Name, place and values of each cause, and of effects that all joints are said to have."""
     settled = found.settled.found
-    return [
+    causes = [
         {
             "cause": c.name,
             "place": list(c.place.values()),
@@ -83,6 +83,15 @@ def said(found: Shared) -> list[dict[str, Any]]:
             "ties": list(choice.ties),
         }
         for c, x, choice in zip(settled.causes, settled.numbers, found.choices, strict=True)
+    ]
+    return causes + [
+        {
+            "cause": common.term.name,
+            "place": list(common.joints),
+            "values": {n: x.value for n, x in common.parameters.items()},
+            "ties": list(choice.ties),
+        }
+        for common, choice in found.common
     ]
 
 

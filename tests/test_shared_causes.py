@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from frictionjoint.robot.shared import Shared, shared_causes
-from tests.arms.arm import Arm, hide_mass, hide_payload, hide_rotor, hide_tilt, random_arm
+from tests.arms.arm import (
+    Arm,
+    hide_mass,
+    hide_payload,
+    hide_rotor,
+    hide_tilt,
+    hide_warming,
+    random_arm,
+)
 from tests.arms.fitted import fitted_joints
 
 SECONDS = 8.0
@@ -72,3 +80,27 @@ def test_two_simple_causes_are_not_one_rich_one():
     assert link["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.1)
     rotor = arm.hidden["rotor-inertia"]["j1"]
     assert found["rotor-inertia"][1]["added"] == pytest.approx(rotor, rel=0.1)
+
+
+def test_friction_of_all_joints_that_falls_with_the_temperature_is_one_cause():
+    arm = random_arm(27, 3)
+    hide_warming(arm, arm.joints, 0.015, 20.0, 6.0)
+    found = found_in(arm)
+    assert not found.choices
+    ((common, _),) = found.common
+    assert (common.term.name, common.joints) == ("temperature-dependent", ("j1", "j2", "j3"))
+    # level and viscosity fall alike over the span of the logs, relative to those at T0
+    T0, scale = common.term.shape
+    warmest = 25.0 + 20.0 * (1.0 - np.exp(-SECONDS / 6.0))
+    span = np.exp(-(warmest - T0) / scale) - np.exp(-(25.0 - T0) / scale)
+    fall = -0.015 * (warmest - 25.0) / (1.0 - 0.015 * (T0 - 25.0))
+    for name in ("level", "viscous"):
+        assert common.parameters[name].value * span == pytest.approx(fall, rel=0.2)
+
+
+def test_friction_of_one_joint_that_falls_is_none_of_all():
+    arm = random_arm(27, 3)
+    hide_warming(arm, ["j2"], 0.015, 20.0, 6.0)
+    found = found_in(arm)
+    assert not found.common
+    assert not found.choices

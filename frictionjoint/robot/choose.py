@@ -133,7 +133,7 @@ def _next(
     ]
     rows.sort(key=lambda r: r.total)
     good = [r for r in rows if _justified(stack, r, now)]
-    shared = any(r.candidate.cause for r in good)
+    shared = any(r.candidate.shared for r in good)
     if not good or not (shared or gain_of(now, good[0].left) > _BENT):
         return None
     best = good[0]
@@ -182,7 +182,13 @@ def _leading(stack: Stack, candidate: Candidate, scores: Array) -> Array:
 
 
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:
-    """Whether a candidate is a form or shape of what is taken, and no richer one of the same."""
+    """Whether a candidate is a form or shape of what is taken, and no richer one of the same.
+
+    Of effects that all joints have alike one comes: its shape is that of a grid, and what that
+    leaves would pass for another.
+    """
+    if candidate.common and taken.common:
+        return True
     richer = taken.cause is not None and len(candidate.at) > len(taken.at)
     return candidate.changed == taken.changed and not richer
 

@@ -197,7 +197,7 @@ def _poses(joint: FittedJoint) -> dict[str, Array]:
 def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
     """The causes as the report has them."""
     found = shared.settled.found
-    return tuple(
+    causes = tuple(
         SharedCause(
             cause=found.causes[i].name,
             place=found.causes[i].place,
@@ -207,6 +207,26 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
         )
         for i, choice in enumerate(shared.choices)
     )
+    return causes + tuple(
+        SharedCause(
+            cause=common.term.name,
+            place={"joints": ", ".join(common.joints)},
+            parameters=common.parameters,
+            evidence=_evidence(choice),
+            joints={n: pair for n, x in done.items() if (pair := _own(x, common.term.name))},
+        )
+        for common, choice in shared.common
+    )
+
+
+def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
+    """Torque errors of a joint without and with an effect of its own; None where it has none."""
+    left = joint.result.report.before_torque
+    for added in joint.result.report.added:
+        if added.effect == effect:
+            return left, added.torque_rms
+        left = added.torque_rms
+    return None
 
 
 def _evidence(choice: Choice) -> Evidence:

@@ -13,6 +13,7 @@ from frictionjoint.identify.design import lengths
 from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.common import common_columns
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, Stack, joint_gram
@@ -26,10 +27,10 @@ _NOTHING = 1e-8
 
 @dataclass(frozen=True)
 class Candidate:
-    """A shared cause, or an effect of one joint that explains the same residual.
+    """A shared cause, or an effect of one joint or of all that explains the same residual.
 
     Attributes:
-        cause: None for an effect of one joint. effect, joint: names of that.
+        cause: None for an effect. effect: name of that. common: of all joints alike.
         at: columns of the stack, from `first` on. joints: where it acts.
         room: how far each number of a cause may move either way, shape (k, 2).
     """
@@ -38,8 +39,14 @@ class Candidate:
     joints: tuple[str, ...]
     cause: Cause | None = None
     effect: str = ""
+    common: EffectTerm | None = None
     first: int = 0
     room: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    @property
+    def shared(self) -> bool:
+        """Whether it is a cause of the robot, not of one joint."""
+        return self.cause is not None or self.common is not None
 
     @property
     def order(self) -> int:
@@ -55,7 +62,7 @@ class Candidate:
     def label(self) -> str:
         """What it is and where."""
         if self.cause is None:
-            return f"{self.effect} of {self.joints[0]}"
+            return f"{self.effect} of {', '.join(self.joints)}"
         place = ", ".join(self.cause.place.values())
         return f"{self.cause.name} of {place}" if place else self.cause.name
 
@@ -127,14 +134,16 @@ def screen(
     found: Found,
     causes: Sequence[Cause],
     own: Callable[[str], bool] = lambda label: True,
+    common: Sequence[EffectTerm] = (),
 ) -> Screened:
     """Columns of all causes and of the joints' own effects.
 
     Args:
         found: causes in the model. causes: those that may come.
-        own: which of the joints' own effects compete, by label.
+        own: which of the joints' own effects compete, by label. common: effects of all alike.
     """
-    return _screen(joints, clock, found, causes, _starts(joints, clock, found, causes), own)
+    starts = _starts(joints, clock, found, causes)
+    return _screen(joints, clock, found, causes, starts, own, common)
 
 
 def _screen(
@@ -144,6 +153,7 @@ def _screen(
     causes: Sequence[Cause],
     starts: Sequence[Array],
     own: Callable[[str], bool],
+    common: Sequence[EffectTerm] = (),
 ) -> Screened:
     models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
     pairs = [found.pairs(i) for i in range(len(found.causes))]
@@ -152,9 +162,11 @@ def _screen(
     shared = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     size = int(edges[-1])
     parts = []
-    effects: list[Candidate] = []
+    effects = _of_all(joints, common, size)
+    size += sum(len(c.at) for c in effects)
     for joint in joints:
         columns = joint.columns([pair for several in pairs for pair in several])
+        columns = np.column_stack([columns, *common_columns(joint, common)])
         for candidate, x in own_effects(joint, clock, own):
             at = size + np.arange(x.shape[1])
             effects.append(replace(candidate, at=at, first=int(at[0])))
@@ -183,6 +195,18 @@ def _screen(
     n = len(found.causes)
     candidates = [c for c in sets[n:] if c.joints]
     return Screened(stack, tuple(sets[:n]), (*candidates, *effects))
+
+
+def _of_all(
+    joints: Sequence[FittedJoint], terms: Sequence[EffectTerm], first: int
+) -> list[Candidate]:
+    """Effects of all joints alike, their columns one after the other from a number on."""
+    names, found = tuple(j.name for j in joints), []
+    for term in terms:
+        at = first + np.arange(len(term.coefficients))
+        found.append(Candidate(at, names, effect=term.name, common=term, first=first))
+        first += len(at)
+    return found
 
 
 def _starts(

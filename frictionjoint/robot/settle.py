@@ -16,7 +16,7 @@ from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Candidate, Found, Screened, screen
-from frictionjoint.robot.stack import Columns, roots
+from frictionjoint.robot.stack import Columns, Stack, roots
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -105,22 +105,27 @@ def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
 
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:
-    """Of each cause's numbers: blocks of time are independent, samples are not."""
+    """Of each cause's numbers."""
     own = [c.at for c in seen.taken]
-    at = _all([*own, *(c.at for c in seen.candidates)])
-    G = seen.stack.presumed_apart(at)
+    cov = covariance(seen.stack, _all([*own, *(c.at for c in seen.candidates)]))
+    ends = np.cumsum([0, *(len(a) for a in own)])
+    return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
+
+
+def covariance(stack: Stack, at: Columns) -> Array:
+    """Of coefficients fitted together, (k, k): blocks of time are independent, samples are not."""
+    G = stack.presumed_apart(at)
     scale = roots(G)
     values, vectors = np.linalg.eigh(G / np.outer(scale, scale))
     determined = values > _DETERMINED * values[-1]
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
-    scores = seen.stack.scores(at, np.zeros(0, dtype=np.int64)) / scale
+    scores = stack.scores(at, np.zeros(0, dtype=np.int64)) / scale
     blocks = len(scores)
     spread = scores.T @ scores * blocks / max(1, blocks - len(at))
     cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
     open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > _OPEN
     cov[open_ones, open_ones] = np.inf
-    ends = np.cumsum([0, *(len(a) for a in own)])
-    return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
+    return np.asarray(cov)
 
 
 def _all(parts: Sequence[Columns]) -> Columns:

@@ -13,12 +13,13 @@ from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
-from frictionjoint.robot.choose import HARM, Choice, choose, idle
+from frictionjoint.robot.choose import HARM, Choice, choose, columns_of, idle
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.common import Common, common_terms
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Found, screen
-from frictionjoint.robot.settle import Each, Settled, numbers_of, screened, settle
+from frictionjoint.robot.screen import Found, Screened, screen
+from frictionjoint.robot.settle import Each, Settled, covariance, numbers_of, screened, settle
 from frictionjoint.robot.simpler import simpler
 
 _MOST_ROUNDS = 10
@@ -30,10 +31,12 @@ class Shared:
 
     Attributes:
         settled: causes with their numbers and the joints under them. choices: one a cause.
+        common: effects of all joints alike, which each joint's own model holds, with the choice.
     """
 
     settled: Settled
     choices: tuple[Choice, ...]
+    common: tuple[tuple[Common, Choice], ...] = ()
 
 
 def shared_causes(
@@ -62,14 +65,19 @@ def shared_causes(
     names = [j.name for j in known]
     open_ones = list(catalogue(model, names, moving))
     whole = list(all_links(model, names, moving))
+    alike = common_terms(known)
     now, refused = _Now(settle(known, none, each), ()), frozenset[int]()
+    common: tuple[tuple[Common, Choice], ...] = ()
     for turn in range(1, _MOST_ROUNDS + 1):
         progress(f"shared causes, round {turn}: trying candidates")
         here = now.settled.found
         candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
-        seen = choose(screen(now.joints, now.clock, here, candidates), rng)
+        looked = screen(now.joints, now.clock, here, candidates, common=alike)
+        seen = choose(looked, rng)
         new = [c for c in seen if c.candidate.cause is not None]
-        beside = frozenset(c.candidate.label for c in seen if c.candidate.cause is None)
+        others = [c.candidate for c in seen if c.candidate.cause is None]
+        beside = frozenset(f"{c.effect} of {joint}" for c in others for joint in c.joints)
+        common = _common(looked, seen)
         if not new:
             now, simplified = _simplified(now, open_ones, each, beside)
             if simplified:
@@ -89,7 +97,22 @@ def shared_causes(
                 break
         else:
             refused |= {id(new[0].candidate.cause)}
-    return Shared(now.settled, now.choices)
+    return Shared(now.settled, now.choices, common)
+
+
+def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
+    """Effects of all joints among what was taken in a look, fitted with all the rest of it."""
+    choices = [(c.candidate.common, c) for c in seen if c.candidate.common]
+    if not choices:
+        return ()
+    at = columns_of((*looked.taken, *(c.candidate for c in seen)))
+    numbers, cov = looked.stack.solution(at), covariance(looked.stack, at)
+    found = []
+    for term, choice in choices:
+        own = np.flatnonzero(np.isin(at, choice.candidate.at))
+        joints = choice.candidate.joints
+        found.append((Common(term, joints, numbers[own], cov[np.ix_(own, own)]), choice))
+    return tuple(found)
 
 
 @dataclass(frozen=True)

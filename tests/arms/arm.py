@@ -15,6 +15,8 @@ class Arm:
         level, slope, stiffness, viscous: of each joint's friction, shape (n,): N m, rise of the
             level at breakaway, N m/rad, N m s/rad.
         load_level: growth of a joint's friction level with its load, shape (n,).
+        fall: of a joint's whole friction per K above the temperature at which a log begins, (n,).
+        warming: K by which the arm warms in the end, and with which time constant, s.
         shaft: (joint, other joint, level, viscous) of a shaft that turns with the sum of both.
     """
 
@@ -26,6 +28,8 @@ class Arm:
     stiffness: np.ndarray
     viscous: np.ndarray
     load_level: np.ndarray
+    fall: np.ndarray
+    warming: tuple[float, float] | None = None
     shaft: tuple[int, int, float, float] | None = None
     hidden: dict[str, object] = field(default_factory=dict)
 
@@ -70,6 +74,7 @@ def random_arm(seed: int, joints: int) -> Arm:
         stiffness=level / 10 ** rng.uniform(-3.3, -2.7, joints),
         viscous=level * rng.uniform(0.2, 0.8, joints),
         load_level=np.zeros(joints),
+        fall=np.zeros(joints),
     )
 
 
@@ -139,6 +144,13 @@ def hide_tilt(arm: Arm, angle: float, heading: float) -> None:
 def hide_load_dependence(arm: Arm, joint: str, factor: float) -> None:
     arm.load_level[arm.joints.index(joint)] = factor
     arm.hidden["load-dependent"] = (joint, factor)
+
+
+def hide_warming(arm: Arm, joints: list[str], fall: float, rise: float, tau: float) -> None:
+    """Friction of some joints falls while the arm warms by `rise` K with a time constant, s."""
+    arm.fall[[arm.joints.index(joint) for joint in joints]] = fall
+    arm.warming = rise, tau
+    arm.hidden["temperature-dependent"] = (joints, fall)
 
 
 def hide_offset(arm: Arm, joint: str, angle: float) -> None:

@@ -19,6 +19,7 @@ def fitted_joints(arm: Arm, seeds: tuple[int, ...], seconds: float) -> list[Fitt
                 time=x["time_s"],
                 position=x[f"{j}.position_rad"],
                 torque=x[f"{j}.torque_nm"],
+                temperature=x.get("temperature_c"),
                 other_positions={n: x[f"{n}.position_rad"] for n in arm.joints if n != j},
             )
             for k, x in enumerate(logs)

@@ -15,10 +15,11 @@ class Lugre:
         self.level, self.slope, self.stiffness, self.viscous = level, slope, stiffness, viscous
         self.z = np.zeros(len(level))
 
-    def torque(self, v, grown):
-        s = self.level * (1.0 + self.slope * np.exp(-((v / 0.03) ** 2))) + grown
+    def torque(self, v, grown, left=1.0):
+        """`left`: part of the friction that warmth leaves."""
+        s = left * self.level * (1.0 + self.slope * np.exp(-((v / 0.03) ** 2))) + grown
         self.z = (self.z + STEP * v) / (1.0 + STEP * np.abs(v) * self.stiffness / s)
-        return self.stiffness * self.z + self.viscous * v
+        return self.stiffness * self.z + left * self.viscous * v
 
 
 def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts: float = 2e5):
@@ -43,6 +44,10 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
         one = np.array([level])
         shaft = Lugre(one, np.array([0.2]), one / 1e-3, np.array([viscous]))
     data.qpos[:] = reference[0]
+    warmer = np.zeros(len(t))
+    if arm.warming:
+        rise, tau = arm.warming
+        warmer = rise * (1.0 - np.exp(-t / tau))
     every = round(1.0 / (rate * STEP))
     rows, command = [], np.zeros(n)
     load = np.zeros(n)
@@ -54,7 +59,7 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
             command = belief.qfrc_inverse + kp * (reference[k] - q) + kd * (rates[k] - v)
         if k % every == 0:
             rows.append(np.concatenate([[t[k]], q, command]))
-        loss = friction.torque(v, arm.load_level * np.abs(load))
+        loss = friction.torque(v, arm.load_level * np.abs(load), 1.0 - arm.fall * warmer[k])
         if shaft is not None:
             lost = shaft.torque(v[[i]] + v[[j]], 0.0)[0]
             loss[i] += lost
@@ -65,6 +70,8 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
     x = np.array(rows)
     count = 2.0 * np.pi / counts
     columns = {"time_s": x[:, 0]}
+    if arm.warming:
+        columns["temperature_c"] = 25.0 + np.round(warmer[::every][: len(x)], 1)
     for i, name in enumerate(arm.joints):
         position = np.round(x[:, 1 + i] / count) * count
         noise = 0.01 * weight[i] * rng.normal(size=len(x))

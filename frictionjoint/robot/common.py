@@ -1,0 +1,82 @@
+"""Effects that all joints of a robot have alike, for their cause is one: a temperature, a supply.
+
+In each joint such an effect has the same coefficients over that joint's own friction level and
+viscosity, so that a change too small to show in a single joint shows in all together.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.library import testable
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.joint import FittedJoint
+
+# shapes of two joints' grids that are one: logs of each begin and end with its own motion
+_ALIKE = 0.1
+
+
+@dataclass(frozen=True)
+class Common:
+    """One effect of all joints, as the logs show it.
+
+    Attributes:
+        coefficients: over each joint's own friction level or viscosity. covariance: of them.
+    """
+
+    term: EffectTerm
+    joints: tuple[str, ...]
+    coefficients: Array
+    covariance: Array
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """Coefficients with their standard errors, and the shape numbers."""
+        effect, errors = self.term.effect, np.sqrt(np.diag(self.covariance))
+        found = {
+            name: Estimate(float(x), float(s) if np.isfinite(s) else None, "1")
+            for name, x, s in zip(effect.coefficients, self.coefficients, errors, strict=True)
+        }
+        shape = zip(effect.shape, self.term.shape, effect.shape_units, strict=True)
+        return found | {name: Estimate(x, None, unit) for name, x, unit in shape}
+
+
+def may_be_common(effect: Effect) -> bool:
+    """Whether one cause may bring an effect to all joints: heat, or the scale of their torques."""
+    scale = effect.units == ("1",) and effect.entry == "acts on the measurement"
+    return effect.slow or scale
+
+
+def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
+    """Effects on the grid that the logs of all of several joints can test."""
+    if len(joints) < 2:
+        return []
+    signals = [np.concatenate(signals_of(j.prepared, j.fit)) for j in joints]
+    found = []
+    for effect in filter(may_be_common, CATALOGUE):
+        if not all(testable(j.prepared, effect, x) for j, x in zip(joints, signals, strict=True)):
+            continue
+        first, *others = (effect.shapes(x) for x in signals)
+        found += [
+            EffectTerm(effect, shape)
+            for shape in first
+            if all(any(np.allclose(shape, s, rtol=_ALIKE) for s in grid) for grid in others)
+        ]
+    return found
+
+
+def common_columns(joint: FittedJoint, terms: Sequence[EffectTerm]) -> list[Array]:
+    """Columns of each term per unit of its coefficients over the joint's own, each (n, k)."""
+    signals = signals_of(joint.prepared, joint.fit)
+    level, viscous = joint.fit.levels
+    own = {"T": level, "T s/x": viscous, "1": 1.0}
+    return [
+        columns_of(joint.prepared, signals, t) * [own[unit] for unit in t.effect.units]
+        for t in terms
+    ]
