@@ -11,9 +11,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.state import DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.trace import SIGNIFICANCE
 from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
 from frictionjoint.robot.screen import Candidate, Screened
 from frictionjoint.robot.stack import FLIPS, Columns, Stack, roots, surprises
 
@@ -28,8 +28,6 @@ _TIE = 0.1
 _FORMS = 0.3
 # forms with this many numbers or more count as equally rich: the catalogue has the likelier first
 _RICH = 4
-# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
-HARM = 0.05
 # blocks of time for each column of a candidate whose chance is judged
 _BLOCKS_A_COLUMN = 4
 # random halves of the blocks on which the leaders are compared, and how many leaders
@@ -92,7 +90,35 @@ def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
         taken.append(choice.candidate)
         if choice.candidate.cause and choice.bends:
             break
-    return choices
+    return _together(screened, choices)
+
+
+def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
+    """Without effects of single joints for which what came later stands; numbers of all at once.
+
+    A cause of several joints that seems to harm one, whose own effect is not seen yet, comes after
+    what imitates it in another.
+    """
+    stack, kept = screened.stack, list(choices)
+
+    def left(some: Sequence[Choice]) -> Array:
+        return stack.held_out(columns_of((*screened.taken, *(c.candidate for c in some))))
+
+    while len(kept) > 1:
+        now, idle_ones = left(kept), []
+        for i, choice in enumerate(kept):
+            without = left(kept[:i] + kept[i + 1 :])
+            needed = enough(stack, without, now) and better(now, without)
+            if not choice.candidate.shared and not needed:
+                idle_ones.append((joint_gain(without, now), i))
+        if not idle_ones:
+            break
+        del kept[min(idle_ones)[1]]
+    known = columns_of(screened.taken)
+    numbers = stack.solution(np.concatenate([known, *(c.candidate.at for c in kept)]))
+    ends = np.cumsum([len(known), *(len(c.candidate.at) for c in kept)])[:-1]
+    parts = np.split(numbers, ends)[1:]
+    return [replace(c, numbers=x) for c, x in zip(kept, parts, strict=True)]
 
 
 def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
@@ -105,8 +131,8 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     now = stack.held_out(columns_of(screened.taken))
     for i, rest in enumerate(without):
         left = rest.stack.held_out(columns_of(rest.taken))
-        gain = _joint_gain(left, now)
-        if not (_enough(stack, left, now) and _better(now, left)):
+        gain = joint_gain(left, now)
+        if not (enough(stack, left, now) and better(now, left)):
             found.append((gain, i))
     return min(found)[1] if found else None
 
@@ -142,7 +168,7 @@ def _next(
         r
         for r in good
         if r is best
-        or (not _better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
+        or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - _TIE) * gain)
         or (
             r.candidate.changed == best.candidate.changed and best.total >= (1.0 - _FORMS) * r.total
         )
@@ -216,65 +242,9 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    if row.p_value > SIGNIFICANCE or not _better(row.left, now) or _harms(row.left, now):
+    if row.p_value > SIGNIFICANCE or not better(row.left, now) or harms(row.left, now):
         return False
-    return _enough(stack, now, row.left)
-
-
-def _enough(stack: Stack, before: Array, after: Array) -> bool:
-    """Whether more is taken away than the laws' own errors might feign."""
-    return (
-        _joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= DISCREPANCY
-    )
-
-
-def _harms(after: Array, before: Array) -> bool:
-    """Whether a joint is predicted worse, by a noticeable part and more than chance."""
-    return any(
-        float(a.sum()) > (1.0 + HARM) * float(b.sum()) and _better(b[None], a[None])
-        for a, b in zip(after, before, strict=True)
-    )
-
-
-def gain_of(before: Array, after: Array) -> float:
-    """Fraction of a joint's squares that a candidate takes away, where that is most."""
-    return float((1.0 - _left(before, after)).max())
-
-
-def _joint_gain(before: Array, after: Array) -> float:
-    """Gain of all joints as if it were one's: what is left is the product of what each leaves.
-
-    The laws of several joints err independently, and one cause seldom likens all their errors.
-    """
-    return 1.0 - float(np.prod(_left(before, after)))
-
-
-def _left(before: Array, after: Array) -> Array:
-    """Squares left over those before, by joint, shape (J,)."""
-    return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
-
-
-def as_much(after: Array, before: Array) -> bool:
-    """Whether squares are not clearly more than others, of no joint by a noticeable part."""
-    least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
-    return least and not _better(before, after) and not _harms(after, before)
-
-
-def _moved(stack: Stack, before: Array, after: Array) -> float:
-    """rms of the torque by which a joint is nearer, over its friction's, of the joint where that
-    is most.
-    """
-    found = []
-    for k, joint in enumerate(stack.joints):
-        less = max(0.0, float(before[k].sum() - after[k].sum())) / joint.samples
-        found.append(np.sqrt(less) * joint.left / joint.friction if joint.friction else 0.0)
-    return float(max(found))
-
-
-def _better(one: Array, other: Array) -> bool:
-    """Whether squares are fewer by more than a paired standard error over blocks of time."""
-    difference = (other - one).sum(axis=0)
-    return bool(difference.sum() > float(np.std(difference)) * np.sqrt(len(difference)))
+    return enough(stack, now, row.left)
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:

@@ -23,6 +23,8 @@ _LITTLE = 0.02
 _DEPENDENT = 1e-6
 # norm of a column over the largest one's, below which it is the rounding of a difference
 _NOTHING = 1e-8
+# how often the end of a ray is solved again, and part of the squares by which it must leave less
+_MOST_TURNS, _SAME = 5, 0.01
 
 
 @dataclass(frozen=True)
@@ -212,17 +214,31 @@ def _of_all(
 def _starts(
     joints: Sequence[FittedJoint], clock: Clock, found: Found, causes: Sequence[Cause]
 ) -> list[Array]:
-    """Numbers where each cause's columns are taken.
+    """Numbers where each cause's columns are taken: where it is nothing, or what is better.
 
-    Those of a cause that is homogeneous in its numbers are exact along a ray from where it is
-    nothing: they are taken at the end of it that a first solution points to.
+    Columns of a homogeneous cause are exact along a ray from where it is nothing.
     """
-    rays = [c for c in causes if c.homogeneous]
-    if not rays:
-        return [c.start for c in causes]
-    first = _screen(joints, clock, found, rays, [c.start for c in rays], lambda label: False)
-    ends = {id(c.cause): first.stack.solution(c.at) for c in first.candidates}
-    return [ends.get(id(c), c.start) for c in causes]
+    return [_end(joints, clock, found, c) if c.homogeneous else c.start for c in causes]
+
+
+def _end(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cause) -> Array:
+    """End of a ray: a first solution, and what may lie behind it, solved again from there."""
+    end, starts, least = cause.start, [cause.start], np.inf
+    for _ in range(_MOST_TURNS):
+        seen = _screen(joints, clock, found, [cause] * len(starts), starts, lambda label: False)
+        known = np.arange(sum(len(c.at) for c in seen.taken))
+        tried = []
+        for start, candidate in zip(starts, seen.candidates, strict=False):
+            at = np.concatenate([known, candidate.at])
+            left = float(seen.stack.held_out(at).sum())
+            tried.append((left, start, seen.stack.solution(at)[len(known) :]))
+        left, start, x = min(tried, key=lambda one: one[0], default=(np.inf, end, end))
+        if left > (1.0 - _SAME) * least:
+            break
+        # where a cause is nothing, what grows with the square of its numbers is left out
+        starts, least = ([x], left) if np.any(start) else (cause.rays(x), np.inf)
+        end = start
+    return end
 
 
 def _beside(columns: Array, more: Array, size: int) -> Array:

@@ -9,13 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
-from frictionjoint.robot.choose import HARM, Choice, choose, columns_of, idle
+from frictionjoint.robot.choose import Choice, choose, columns_of, idle
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
+from frictionjoint.robot.compare import HARM
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Found, Screened, screen
@@ -86,13 +88,17 @@ def shared_causes(
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
+        if not new and here.causes and beside != now.beside:
+            # numbers that were fitted before effects of single joints were seen hold a part of them
+            now = _settled(now, here, now.choices, each, beside)
+            continue
         if not new:
             break
         for several in [new, new[:1]][: len(new)]:
             progress(f"round {turn}: {', '.join(c.candidate.label for c in several)}")
             trial = _without_idle(_with(now, several, each, beside), each, beside)
             # to first order they were right; under laws that follow they may not be
-            if _nearer(trial, now):
+            if _nearer(trial, now, beside):
                 now, refused = trial, frozenset()
                 break
         else:
@@ -117,10 +123,15 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
 
 @dataclass(frozen=True)
 class _Now:
-    """Where the search is: causes settled, with the choice of each."""
+    """Where the search is: causes settled, with the choice of each.
+
+    Attributes:
+        beside: labels of effects of single joints that they were settled with.
+    """
 
     settled: Settled
     choices: tuple[Choice, ...]
+    beside: frozenset[str] = frozenset()
 
     @property
     def joints(self) -> tuple[FittedJoint, ...]:
@@ -129,6 +140,17 @@ class _Now:
     @property
     def clock(self) -> Clock:
         return self.settled.clock
+
+
+def _settled(
+    now: _Now,
+    found: Found,
+    choices: tuple[Choice, ...],
+    each: Each[FittedJoint, FittedJoint],
+    beside: frozenset[str],
+) -> _Now:
+    """With other causes, or beside other effects of single joints."""
+    return _Now(settle(now.joints, found, each, beside), choices, beside)
 
 
 def _with(
@@ -148,7 +170,7 @@ def _with(
             for i in reversed(at):
                 found, choices = found.without(i), choices[:i] + choices[i + 1 :]
             found, choices = found.with_cause(part, own), (*choices, choice.of(part))
-    return _Now(settle(now.joints, found, each, beside), choices)
+    return _settled(now, found, choices, each, beside)
 
 
 def _simplified(
@@ -167,16 +189,24 @@ def _simplified(
     rest = _Now(replace(now.settled, found=found.without(i)), choices)
     trial = _without_idle(_with(rest, several, each, beside), each, beside)
     # fewer numbers leave a joint a little more of the data they are fitted to
-    pairs = zip(trial.joints, now.joints, strict=True)
-    as_near = float(np.mean([(a.fit.rms / b.fit.rms) ** 2 for a, b in pairs])) < 1.0 + HARM
+    as_near = float(_left(trial, now, beside).mean()) < 1.0 + HARM
     return (trial, True) if as_near else (now, False)
 
 
-def _nearer(after: _Now, before: _Now) -> bool:
+def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
     """Whether causes leave the joints less, no joint noticeably more."""
-    pairs = zip(after.joints, before.joints, strict=True)
-    ratios = [(a.fit.rms / b.fit.rms) ** 2 for a, b in pairs]
-    return float(np.mean(ratios)) < 1.0 and max(ratios) < 1.0 + HARM
+    ratios = _left(after, before, beside)
+    return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
+
+
+def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
+    """Squares left over those left before, by joint, (J,): beside effects of single joints."""
+    found = []
+    for now in (after, before):
+        seen = screened(now.joints, now.clock, now.settled.found, beside)
+        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
+        found.append(squares * [j.left**2 for j in seen.stack.joints])
+    return np.asarray(found[0] / found[1])
 
 
 def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now:
@@ -193,5 +223,5 @@ def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: froze
         if least is None:
             break
         choices = now.choices[:least] + now.choices[least + 1 :]
-        now = _Now(settle(now.joints, found.without(least), each, beside), choices)
+        now = _settled(now, found.without(least), choices, each, beside)
     return now

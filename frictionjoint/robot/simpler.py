@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.choose import Choice, as_much, columns_of, gain_of, within_bounds
+from frictionjoint.robot.choose import Choice, columns_of, within_bounds
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.compare import as_much, gain_of
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Candidate, Found, Screened, screen
 from frictionjoint.robot.stack import Columns

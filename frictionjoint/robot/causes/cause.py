@@ -59,6 +59,10 @@ class Cause(ABC):
         """
         return np.full(len(self.bounds), np.inf)
 
+    def rays(self, x: Array) -> list[Array]:
+        """Of a homogeneous cause: where to look for it, by numbers to first order in them."""
+        return [x]
+
     @abstractmethod
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """A model's state with the cause in it."""

@@ -16,6 +16,8 @@ from frictionjoint.robot.inertia import TEN, point_mass
 # kg: below it there is no payload, and its centre is nowhere; only slopes are taken there
 _NONE = 1e-6
 _LEAST = 10.0 * _NONE
+# m: distances of its centre from the body's frame where it is looked for
+_REACHES = (0.01, 0.03, 0.1, 0.3, 1.0)
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,12 @@ class Payload(Cause):
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         return ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
+
+    def rays(self, x: Array) -> list[Array]:
+        """See `Cause`: the first moment is known first, and how far out it is not."""
+        moment, inertia = float(np.linalg.norm(x[1:4])), max(0.0, float(x[4]))
+        masses = [moment / reach for reach in _REACHES if moment]
+        return [np.array([mass, *x[1:4], inertia]) for mass in masses]
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
