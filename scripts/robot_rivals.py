@@ -1,10 +1,12 @@
 """Measured robots beside mujoco.sysid and figaroh: the same logs, the same samples.
 
     python scripts/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--docs]
+    python scripts/robot_rivals.py --data DIR --only mujoco.sysid --limit 400
 
 Fitted to the first 70% of the log, tested on the rest. `--reports` is the folder that
-`real_robots.py` wrote. `mujoco.sysid` fits the pseudo-inertia of every link, and the armature,
-damping and frictionloss of every joint, to positions of free runs of 0.5 s. figaroh needs an
+`real_robots.py` wrote. `mujoco.sysid` fits the pseudo-inertia of the last three links, and the
+armature, damping and frictionloss of every joint, to positions of free runs of 0.5 s, from one
+start; after `--limit` seconds of processor time the best numbers so far are taken. figaroh needs an
 environment of its own, whose Python `--figaroh` names; see `figaroh_robot.py`. Torque: rms error in
 motion, in per cent of the joint's, averaged over joints. Replay: rms position error of free runs of
 2 s from measured states. With `--docs` the table goes to the end of docs/robots.md.
@@ -14,13 +16,12 @@ import argparse
 import json
 import subprocess
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
-from mujoco import sysid
+import sysid_robot
 from real_robots import HELD_OUT, PAGE, ROBOTS, ROOT
 
 import frictionjoint as fj
@@ -37,6 +38,7 @@ COMPARED = ("ur10", "tx40")
 # s: free runs that sysid fits, and those of the table
 FITTED_RUN, RUN = 0.5, 2.0
 STEP = 1e-3
+PROGRAMS = ("frictionjoint", "mujoco.sysid", "figaroh 1.0.2")
 TITLE = "## Beside mujoco.sysid and figaroh"
 
 
@@ -145,89 +147,12 @@ def replayed(model, case):
     return float(np.sqrt(np.mean(np.square(errors))))
 
 
-def by_sysid(robot, case):
-    """Its own parameters, on positions of short free runs."""
-    spec = mujoco.MjSpec.from_file(str(ROOT / "models" / robot.model))
-    spec.option.timestep = 2.0 * STEP
-    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    for name in case.names:
-        motor = spec.add_actuator(name=f"motor {name}", target=name)
-        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-        spec.add_sensor(
-            name=f"q {name}",
-            type=mujoco.mjtSensor.mjSENS_JOINTPOS,
-            objtype=mujoco.mjtObj.mjOBJ_JOINT,
-            objname=name,
-        )
-    model = spec.compile()
-    parameters = sysid.ParameterDict()
-    for j, name in enumerate(case.names):
-        body = model.body(int(model.joint(name).bodyid[0])).name
-        kind = sysid.InertiaType.Pseudo
-        parameters.add(
-            sysid.body_inertia_param(spec, model, body, kind, modifier=inertia_setter(body))
-        )
-        rotor = float(model.joint(name).armature[0])
-        for key, start, most in (
-            ("armature", rotor, 2.0 * rotor + 0.5 * case.size[j] / 10.0),
-            ("damping", 0.01 * case.size[j], case.size[j]),
-            ("frictionloss", 0.1 * case.size[j], case.size[j]),
-        ):
-            parameters.add(
-                sysid.Parameter(f"{name} {key}", start, 0.0, most, modifier=setter(name, key))
-            )
-    t = case.tracks[0][0]
-    dt = t[1] - t[0]
-    pieces = windows(case.tracks[0], FITTED_RUN)
-    times = np.arange(len(pieces[0][0])) * dt
-    log = sysid.ModelSequences(
-        "arm",
-        spec,
-        [f"run {k}" for k in range(len(pieces))],
-        [sysid.create_initial_state(model, q[0], v[0]) for q, v, _ in pieces],
-        [sysid.TimeSeries(times, drive) for _, _, drive in pieces],
-        [sysid.TimeSeries.from_names(times, q, model) for q, _, _ in pieces],
-    )
-    residual = sysid.build_residual_fn(models_sequences=[log], n_threads=1)
-    begin = time.perf_counter()
-    found, _ = sysid.optimize(parameters, residual, verbose=False, max_iters=40)
-    seconds = time.perf_counter() - begin
-    changed = sysid.apply_param_modifiers_spec(found, spec.copy())
-    fitted = changed.compile()
-    return torque_percent(case, inverse(fitted, case)), replayed(fitted, case), seconds
-
-
-def inertia_setter(name):
-    """sysid's own modifier, with principal inertias: what it writes does not compile in 3.17."""
-
-    def write(spec, parameter):
-        sysid.apply_body_inertia(spec, name, parameter)
-        body = spec.body(name)
-        xx, yy, zz, xy, xz, yz = np.array(body.fullinertia).ravel()
-        sizes, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        axes[:, 2] *= np.linalg.det(axes)
-        quat = np.zeros(4)
-        mujoco.mju_mat2Quat(quat, axes.ravel())
-        body.fullinertia = np.full(6, np.nan)
-        body.inertia, body.iquat = sizes, quat
-
-    return write
-
-
-def setter(name, key):
-    """A modifier that writes one number of a joint."""
-
-    def write(spec, parameter):
-        joint = spec.joint(name)
-        value = float(parameter.value[0])
-        if key == "damping":
-            damping = np.zeros_like(joint.damping)  # a polynomial in newer versions
-            damping.flat[0] = value
-            joint.damping = damping
-        else:
-            setattr(joint, key, value)
-
-    return write
+def by_sysid(robot, case, limit):
+    """Fitted to free runs of the part fitted."""
+    t, pieces = case.tracks[0][0], windows(case.tracks[0], FITTED_RUN)
+    file = ROOT / "models" / robot.model
+    model, seconds = sysid_robot.fitted(file, case.names, case.size, pieces, t[1] - t[0], limit)
+    return torque_percent(case, inverse(model, case)), replayed(model, case), seconds
 
 
 def inverse(model, case):
@@ -279,17 +204,25 @@ def by_frictionjoint(case, folder):
     return report["after"]["torque_percent"]["held_out"], replay, seconds
 
 
+def by_program(program, name, case, asked):
+    """Torque error, replay and seconds of one of them."""
+    if program == "frictionjoint":
+        return by_frictionjoint(case, asked.reports / name)
+    if program == "mujoco.sysid":
+        return by_sysid(ROBOTS[name], case, asked.limit)
+    return by_figaroh(ROBOTS[name], case, asked.figaroh)
+
+
 def table(asked) -> str:
     """All programs on all robots."""
     lines = ["| robot | program | torque held out | replay over 2 s, rad | s |"]
     lines.append("|---|---|---|---|---|")
-    for name in COMPARED:
+    for name in asked.robot or COMPARED:
         case = case_of(ROBOTS[name], asked.data)
-        rows = {"frictionjoint": by_frictionjoint(case, asked.reports / name)}
-        rows["mujoco.sysid"] = by_sysid(ROBOTS[name], case)
-        if asked.figaroh:
-            rows["figaroh 1.0.2"] = by_figaroh(ROBOTS[name], case, asked.figaroh)
-        for program, (torque, replay, seconds) in rows.items():
+        for program in asked.only or PROGRAMS:
+            if program == PROGRAMS[2] and not asked.figaroh:
+                continue
+            torque, replay, seconds = by_program(program, name, case, asked)
             error = "leaves" if not replay < 10.0 else f"{replay:.2g}"
             lines.append(f"| {name} | {program} | {torque:.1f}% | {error} | {seconds:.0f} |")
             print(lines[-1], flush=True)
@@ -300,7 +233,10 @@ def main() -> None:
     """Compute, print, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--reports", type=Path, required=True)
+    parser.add_argument("--reports", type=Path)
+    parser.add_argument("--robot", action="append", choices=COMPARED)
+    parser.add_argument("--only", action="append", choices=PROGRAMS)
+    parser.add_argument("--limit", type=float, default=400.0, help="s of sysid's, of one processor")
     parser.add_argument("--figaroh", help="Python of an environment that has figaroh")
     parser.add_argument("--docs", action="store_true", help=f"write to {PAGE}")
     asked = parser.parse_args()
