@@ -6,6 +6,7 @@ import pytest
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
+    hide_load_dependence,
     hide_mass,
     hide_payload,
     hide_rotor,
@@ -67,6 +68,26 @@ def test_a_leaning_base_is_told_from_wrong_masses():
     ((name, _, found),) = values(found_in(arm))
     assert name == "base-tilt"
     assert found["angle"] == pytest.approx(0.06, rel=0.1)
+
+
+def test_a_payload_is_found_where_its_mass_shows_in_its_inertia_alone():
+    """The second joint's origin is on the first one's axis: no torque is linear in the mass."""
+    arm = random_arm(60, 2)
+    hide_payload(arm, 2.0, [0.03, 0.02, 0.02])
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("payload", {"body": "link2"})
+    assert found["mass"] == pytest.approx(2.0, rel=0.05)
+    measured = [found[f"centre_{axis}"] for axis in "xyz"]
+    assert np.linalg.norm(measured - arm.hidden["payload"][2]) < 0.01
+
+
+def test_a_rotor_has_its_size_beside_friction_that_depends_on_the_load():
+    arm = random_arm(63, 2)
+    hide_rotor(arm, "j1")
+    hide_load_dependence(arm, "j1", 0.15)
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("rotor-inertia", {"joint": "j1"})
+    assert found["added"] == pytest.approx(arm.hidden["rotor-inertia"]["j1"], rel=0.05)
 
 
 def test_two_simple_causes_are_not_one_rich_one():
