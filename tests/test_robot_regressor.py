@@ -7,7 +7,7 @@ import pytest
 from frictionjoint.errors import ModelError
 from frictionjoint.robot.inertia import of_model, of_pseudo, possible, pseudo, write
 from frictionjoint.robot.kinematics import Trajectory, Tree
-from frictionjoint.robot.regressor import Regressor, gravity_columns
+from frictionjoint.robot.regressor import Regressor
 
 KINDS = ("hinge", "slide", "ball")
 
@@ -102,7 +102,7 @@ def test_gravity_columns_are_what_a_turned_gravity_does():
     model.opt.gravity[:] += change
     after = by_mujoco(model, motion)
     for dof in range(model.nv):
-        found = gravity_columns(Tree(model), motion, dof) @ change
+        found = Regressor(Tree(model), motion).gravity_columns(dof) @ change
         assert np.abs(found - (after - before)[:, dof]).max() < 1e-9 * np.abs(before).max()
 
 

@@ -12,7 +12,7 @@ from frictionjoint.identify.prepare import Segment
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.robot.corrections import Corrections, Shaft, direction
 from frictionjoint.robot.kinematics import Trajectory, Tree
-from frictionjoint.robot.regressor import Regressor, gravity_columns
+from frictionjoint.robot.regressor import Regressor
 
 # step of an encoder's zero in a difference, rad (m)
 _STEP = 1e-5
@@ -77,7 +77,7 @@ class Along:
     @cached_property
     def gravity(self) -> Array:
         """Torque per m/s^2 of gravity along x, y and z, shape (n, 3)."""
-        return gravity_columns(self.tree, self.regressor.trajectory, self.dof, self.state.phi)
+        return self.regressor.gravity_columns(self.dof, self.state.phi)
 
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (n,)."""

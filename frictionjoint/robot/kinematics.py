@@ -32,10 +32,6 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.q)
 
-    def at_rest(self) -> "Trajectory":
-        """The same poses without motion."""
-        return Trajectory(self.q, np.zeros_like(self.v), np.zeros_like(self.a))
-
 
 @dataclass(frozen=True)
 class Frame:

@@ -59,21 +59,26 @@ class Regressor:
             found += np.einsum("ni,ni->n", axis, force)
         return found
 
+    def gravity_columns(self, dof: int, phi: Array | None = None) -> Array:
+        """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3).
+
+        Args:
+            phi: of all bodies, shape (nbody, 10); None: the model's.
+        """
+        phi = of_model(self.tree.model) if phi is None else phi
+        axis, point = self.dofs[dof].axis, self.dofs[dof].point
+        moved = np.zeros((len(self.trajectory), 3))
+        for b in self.tree.beyond[dof]:
+            frame, felt = self.frames[b], 1.0 - float(self.tree.model.body_gravcomp[b])
+            arm = axis * phi[b, 0]
+            if point is not None:
+                arm = _cross_product(axis, frame.R @ phi[b, 1:4] + phi[b, 0] * (frame.p - point))
+            moved -= felt * arm
+        return moved
+
     def _felt(self, body: int) -> Array:
         """Gravity that a body feels: what compensates it in the model does so of new mass too."""
         return (1.0 - float(self.tree.model.body_gravcomp[body])) * self.gravity
-
-
-def gravity_columns(
-    tree: Tree, trajectory: Trajectory, dof: int, phi: Array | None = None
-) -> Array:
-    """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3).
-
-    Args:
-        phi: of all bodies, shape (nbody, 10); None: the model's.
-    """
-    still = trajectory.at_rest()
-    return np.column_stack([Regressor(tree, still, e).torque(dof, phi) for e in np.eye(3)])
 
 
 def _wrench(frame: Frame, gravity: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ What the logs do not determine stays near the model's own figures.
 
 import itertools
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -81,6 +81,8 @@ def settle(
 
 def _followed(joint: FittedJoint) -> FittedJoint:
     """The law fitted again, from everywhere where it may have been bent."""
+    if joint.shift is not None and not np.any(joint.shift):
+        return replace(joint, shift=None)
     again = joint.refitted()
     if again.fit.rms**2 > (1.0 - _CHANGED) * joint.fit.rms**2:
         return again
