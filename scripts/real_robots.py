@@ -18,6 +18,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 HELD_OUT = "0.3"
+PLACES = ("body", "joint", "other_joint", "common_to")
 PAGE = "docs/robots.md"
 # what is not written here begins with it
 REST = "## What a least squares leaves"
@@ -125,7 +126,7 @@ def section(name: str, folder: Path) -> str:
 def _shared(report: dict[str, Any]) -> list[str]:
     found = []
     for cause in report["shared"]:
-        place = " and ".join(cause[k] for k in ("body", "joint", "other_joint") if k in cause)
+        place = " and ".join(cause[k] for k in PLACES if k in cause)
         values = ", ".join(
             f"{n} {x['value']:.3g}" + (f" ± {x['stderr']:.1g}" if x["stderr"] else "")
             for n, x in list(cause["parameters"].items())[:4]

@@ -210,7 +210,7 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
     return causes + tuple(
         SharedCause(
             cause=common.term.name,
-            place={"joints": ", ".join(common.joints)},
+            place={"common_to": ", ".join(common.joints)},
             parameters=common.parameters,
             evidence=_evidence(choice),
             joints={n: pair for n, x in done.items() if (pair := _own(x, common.term.name))},
