@@ -84,6 +84,10 @@ class Stack:
         self.precision, self.pull = precision, pull
         self.size = len(precision)
         self.squares = np.array([j.grams[:, -1, -1] for j in joints])
+        # where each joint has a column of the stack, -1 where it has not
+        self._places = np.full((len(self.joints), self.size), -1)
+        for k, joint in enumerate(self.joints):
+            self._places[k, joint.columns] = np.arange(len(joint.columns))
         self.folds = np.unique(clock.fold)
         self.outside = [self._sum(clock.fold != fold) for fold in self.folds]
         self.total = self._sum(np.ones(clock.count, dtype=bool))
@@ -103,8 +107,8 @@ class Stack:
     def restored(self, at: Columns, x: Array) -> "Stack":
         """The stack as it was before columns with these coefficients had explained their part."""
         joints = []
-        for joint in self.joints:
-            own, weights = self._own(joint, at, x)
+        for k, joint in enumerate(self.joints):
+            own, weights = self._own(k, at, x)
             T = np.eye(len(joint.columns) + 1)
             T[own, -1] = weights
             joints.append(replace(joint, grams=T.T @ joint.grams @ T))
@@ -117,12 +121,11 @@ class Stack:
         left = self.squares.copy()
         for fold, G in zip(self.folds, self.outside, strict=True):
             beta = least_squares(G[np.ix_(at, at)], G[at, -1])
-            inside = self.clock.fold == fold
+            inside = np.flatnonzero(self.clock.fold == fold)
             for k, joint in enumerate(self.joints):
-                own, weights = self._own(joint, at, beta)
-                part = joint.grams[inside]
-                cross = part[:, own, -1] @ weights
-                quadratic = np.einsum("i,bij,j->b", weights, part[:, own[:, None], own], weights)
+                own, weights = self._own(k, at, beta)
+                cross = joint.grams[inside[:, None], own, -1] @ weights
+                quadratic = joint.grams[np.ix_(inside, own, own)] @ weights @ weights
                 left[k, inside] += quadratic - 2.0 * cross
         return left
 
@@ -147,20 +150,18 @@ class Stack:
         both = np.concatenate([known, at])
         slopes = np.vstack([-through, np.eye(len(at))])
         found = np.zeros((self.clock.count, len(both)))
-        for joint in self.joints:
-            place = {int(c): i for i, c in enumerate(joint.columns)}
-            here = [i for i, c in enumerate(both) if int(c) in place]
-            own = np.array([place[int(both[i])] for i in here], dtype=np.int64)
-            base, weights = self._own(joint, known, beta)
+        for k, joint in enumerate(self.joints):
+            here = np.flatnonzero(self._places[k, both] >= 0)
+            own = self._places[k, both[here]]
+            base, weights = self._own(k, known, beta)
             left = joint.grams[:, own, -1] - joint.grams[:, own[:, None], base] @ weights
             found[:, here] += left
         return np.asarray(found @ slopes)
 
-    def _own(self, joint: JointGram, at: Columns, beta: Array) -> tuple[Columns, Array]:
-        """Where a joint has some columns of the stack, and their coefficients."""
-        place = {int(c): i for i, c in enumerate(joint.columns)}
-        here = [i for i, c in enumerate(at) if int(c) in place]
-        return np.array([place[int(at[i])] for i in here], dtype=np.int64), beta[here]
+    def _own(self, k: int, at: Columns, beta: Array) -> tuple[Columns, Array]:
+        """Where joint k has some columns of the stack, and their coefficients."""
+        places = self._places[k, at]
+        return places[places >= 0], beta[places >= 0]
 
 
 def surprises(scores: Array, signs: Array) -> Array:
