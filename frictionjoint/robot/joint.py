@@ -57,6 +57,8 @@ class FittedJoint:
         Args:
             pairs: the model's state below and above each number's own value, and how far apart.
         """
+        if not pairs:
+            return np.zeros((len(self.fit.residual), 0))
         rows = []
         for along, segment in zip(self.alongs, self.prepared.segments, strict=True):
             found = np.zeros((len(segment.signals), len(pairs)))

@@ -40,6 +40,8 @@ def simpler(
         joints: with their laws fitted under `found`; choices: of its causes.
         causes: all that may come. beside: labels of effects of single joints that compete.
     """
+    if all(len(cause.start) < RICH for cause in found.causes):
+        return None
     own = beside.__contains__
     now = screen(joints, clock, found, (), own)
     left = now.stack.held_out(columns_of((*now.taken, *now.candidates)))
