@@ -38,6 +38,16 @@ def test_of_the_torque_of_an_inertia_nothing_is_left():
     assert np.std((torque - load)[200:-200]) < 1e-6 * np.std(torque)
 
 
+@pytest.mark.parametrize("columns", [0, 1, 3])
+def test_columns_are_filtered_one_by_one(columns):
+    x = np.random.default_rng(columns).normal(size=(N, columns))
+    lowpass = LowPass(N, DT, 20.0, 4, 3)
+    found = lowpass(x)
+    assert found.shape == (len(lowpass(T)), columns)
+    for k in range(columns):
+        np.testing.assert_allclose(found[:, k], lowpass(x[:, k]), atol=1e-14)
+
+
 @given(frequency=st.floats(0.5, 40.0), corner=st.floats(3.0, 60.0), order=st.sampled_from([4, 8]))
 def test_the_amplitude_that_passes_is_as_stated(frequency, corner, order):
     waves = ((1.0, frequency),)

@@ -55,10 +55,11 @@ class LowPass:
         about its ends, which keeps its value and its slope.
         """
         ends = np.array([x[0], x[-1]])
-        columns = np.ascontiguousarray(x, dtype=np.float64).reshape(self.n, -1)
-        whole = np.zeros((self._length, columns.shape[1]))
+        count = int(np.prod(x.shape[1:]))
+        columns = np.ascontiguousarray(x, dtype=np.float64).reshape(self.n, count)
+        whole = np.zeros((self._length, count))
         continued(columns, self._fade, self._tail, whole)
-        whole = whole.reshape(-1, *x.shape[1:])
+        whole = whole.reshape(self._length, *x.shape[1:])
         return np.asarray(rfft(whole, axis=0, overwrite_x=True)), ends
 
     def back(
