@@ -6,14 +6,16 @@ processor time, which parallel trials compete for.
 """
 
 import functools
+import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
+import scipy.linalg  # noqa: F401  brings its own BLAS
 from numba import config
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -24,10 +26,16 @@ def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @functools.wraps(function)
     def run(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        with threadpool_limits(limits=1, user_api="blas"):
+        with _libraries().limit(limits=1, user_api="blas"):
             return function(*args, **kwargs)
 
     return run
+
+
+@functools.cache
+def _libraries() -> ThreadpoolController:
+    """Those of numpy and scipy: to look for them takes as long as a small fit."""
+    return ThreadpoolController()
 
 
 _busy = threading.local()
@@ -39,14 +47,19 @@ def side_by_side() -> Iterator[Callable[..., Any]]:
 
     What it maps spends its time in kernels, filters and linear algebra, which hold no lock. Within
     one of its threads it is the plain `map`: the outermost loop is the one worth sharing. The
-    threads live as long as the context: those of a process do not pass to one forked from it.
+    threads live as long as the process: a search asks for them thousands of times.
     """
     threads = int(config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
     if threads == 1 or getattr(_busy, "inside", False):
         yield map
         return
-    with ThreadPoolExecutor(threads, initializer=_enter) as pool:
-        yield pool.map
+    yield _pool(os.getpid(), threads).map
+
+
+@functools.lru_cache(maxsize=1)
+def _pool(process: int, threads: int) -> ThreadPoolExecutor:
+    """The threads of a process, which do not pass to one that is forked from it."""
+    return ThreadPoolExecutor(threads, initializer=_enter)
 
 
 def _enter() -> None:

@@ -22,6 +22,7 @@ from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swing_columns, swings
 from frictionjoint.identify.terms import Term
+from frictionjoint.threads import side_by_side
 
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
@@ -43,7 +44,8 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
     Returns:
         `prepared` itself where no log determines a better start than it has.
     """
-    begun = [_begun(prepared.subset([i]), fitted) for i in range(len(prepared))]
+    with side_by_side() as each:
+        begun = list(each(lambda i: _begun(prepared.subset([i]), fitted), range(len(prepared))))
     if all(a is b for a, b in zip(begun, prepared.segments, strict=True)):
         return prepared
     return replace(prepared, segments=tuple(begun))
