@@ -297,14 +297,26 @@ class Search:
             return last[1]
         shape, terms = self.split(x)
         X, y = self.balance.columns(shape, terms)
-        w = self.weight
-        beta = solve(X * w[:, None], y * w, self.low, self.high)
+        beta = self._coefficients(X, y)
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
-            beta = solve(X * w[:, None], y * w, self.low, self.high)
+            beta = self._coefficients(X, y)
         found = Solution(X, y, beta, self._unit(y))
         self._last = (key, found)
         return found
+
+    def _coefficients(self, X: Array, y: Array) -> Array:
+        """Those that leave least; a contact without a level has no damping of its own either."""
+        w = self.weight
+        beta = solve(X * w[:, None], y * w, self.low, self.high)
+        names = self.layout.base
+        if "sigma1" in names:
+            level, damping = names.index("Fc"), names.index("sigma1")
+            if beta[level] <= self.low[level] and beta[damping] > 0.0:
+                without = X * w[:, None]
+                without[:, damping] = 0.0
+                return solve(without, y * w, self.low, self.high)
+        return beta
 
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))

@@ -56,8 +56,8 @@ BALANCE_ORDER = 4
 # samples of the log in a period of the balance's corner: a torque that a controller holds from one
 # to the next is less by 0.6% there, and no log tells whether it is held
 _A_SAMPLE = 16.0
-# samples in a period of each corner. With 2.5 and 16 a loop takes a third less, and another law is taken
-# on measured logs, which errs more on what is held out.
+# samples in a period of each corner. With 2.5 and 16 a loop takes a third less, but other laws are
+# taken on measured logs, which err more on what is held out.
 _A_MOTION, _A_BALANCE, _A_COARSE = 4.0, 4.0, 32.0
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
