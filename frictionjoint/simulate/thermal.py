@@ -13,13 +13,10 @@ import mujoco
 
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
-from frictionjoint.effects import (
-    heating,
-    motor_temperature,
-    temperature_dependent,
-    warm_up_drift,
-)
+from frictionjoint.effects import heating, warm_up_drift
+from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
+from frictionjoint.effects.signals import TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW, resolve
@@ -48,7 +45,8 @@ def _less(P: Array, celsius: float, t: float) -> float:
 
 _TEMPERATURES = {
     float(effect.effect_id): _Kind(_above, _less)
-    for effect in (heating.EFFECT, motor_temperature.EFFECT, *temperature_dependent.FORMS)
+    for effect in SIMULATED
+    if effect is heating.EFFECT or TEMP in effect.needs
 }
 _WARMTHS = {
     float(warm_up_drift.EFFECT.effect_id): _Kind(

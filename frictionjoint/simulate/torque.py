@@ -36,7 +36,7 @@ class FrictionTorque:
         implicit: what the implicit step of a joint too stiff for the time step adds; else 0.
         effects: torque of each effect by name; a second one of a name is "name_2".
         sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
-        temperature: deg C, of a joint with `heating` or `temperature-dependent`; else None.
+        temperature: deg C, of a joint with `heating` or an effect of it; else None.
         time: s, of the evaluation; NaN before the first one.
     """
 
