@@ -5,7 +5,8 @@
 Cases are drawn from `tests/balance_grid`: exact inertia, with or without Coulomb and viscous
 friction, torque noise, counts of an encoder. Each goes through the whole search. A row states
 
-    residual    left in motion, over what the noises of torque and position leave behind the filter
+    residual    left in motion by the law that was taken, over what the noises of torque and
+                position leave behind the filter
     inertia, jerk, snap, delay    coefficients over their standard errors
     added       what the search named, which is to be nothing
 """
@@ -28,11 +29,12 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import A
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass
+from frictionjoint.measured.lowpass import LowPass, gentle
 from tests.balance_grid import Case, Spec, make, specs
 from tests.balance_grid.files import MODEL
 
@@ -52,7 +54,7 @@ def searched(spec: Spec, seed: int) -> dict[str, Any]:
         return row | {"error": f"{type(error).__name__}: {error}"}
     names = [f.term.name for f in found.findings]
     row |= {"added": names, "cpu_s": time.process_time() - begin}
-    return row | measures(case, found.prepared, found.base)
+    return row | measures(case, found.prepared, found.final)
 
 
 def _trace(case: Case) -> Trace:
@@ -77,9 +79,9 @@ def measures(case: Case, prepared: Prepared, base: Fit) -> dict[str, Any]:
     """Residual over the noise, and coefficients of what is not there over their errors."""
     moving = base.weight**2 > IN_MOTION
     f = np.linspace(0.0, 0.5 * case.rate, 8192)
-    passed = 1.0 / (1.0 + (f / prepared.band.balance) ** BALANCE_ORDER) ** 2
+    passed = gentle(f / prepared.band.balance) ** 2
     corner = prepared.band.balance
-    counts = [s.noise.left(corner, BALANCE_ORDER)[1] for s in prepared.segments]
+    counts = [s.noise.left(corner)[1] for s in prepared.segments]
     noise = np.sqrt(case.noise**2 * np.mean(passed) + np.mean(counts))
     columns = np.concatenate([_motion(s)[s.kept] for s in prepared.segments])
     blocks = make_blocks(prepared, base).of_sample
@@ -106,7 +108,7 @@ def measures(case: Case, prepared: Prepared, base: Fit) -> dict[str, Any]:
 def _motion(segment: Any) -> np.ndarray:
     """Acceleration, jerk and snap behind the balance's filter, kept samples."""
     s = segment
-    filtered = LowPass(len(s.drive), s.dt, s.bandwidth_hz, BALANCE_ORDER, s.step)
+    filtered = LowPass(len(s.drive), s.dt, s.bandwidth_hz, gentle, s.step)
     return np.column_stack([filtered(s.signals[:, A], k) for k in range(3)])
 
 

@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from frictionjoint.measured.lowpass import gentle
+
 OURS, SECOND, THIRD = "tests/plants", "second hand", "third hand"
 NOTHING = "none"
 # the second hand's kinds that go by another name too, and quantities that those outside the
@@ -63,11 +65,11 @@ class Answer:
             return "outside"
         return ("none", "one", "two")[len(self.kinds)]
 
-    def left(self, bandwidth_hz: float, order: int, sample: float) -> float | None:
+    def left(self, bandwidth_hz: float, sample: float) -> float | None:
         """What a true model leaves behind the filter of a balance, N m rms.
 
         Args:
-            bandwidth_hz, order: of the filter, amplitude 1 / (1 + (f/bandwidth)^order).
+            bandwidth_hz: of the filter, see `gentle`.
             sample: s between the samples of the log.
         """
         if self.noise is None:
@@ -75,7 +77,7 @@ class Answer:
         f = np.linspace(0.0, 0.5 / sample, 4096)
         slow = 1.0 / (1.0 + (f / self.corner) ** 2)
         density = (1.0 - self.coloured) + self.coloured * slow / slow.mean()
-        passed = 1.0 / (1.0 + (f / bandwidth_hz) ** order) ** 2
+        passed = gentle(f / bandwidth_hz) ** 2
         return float(self.noise * np.sqrt(np.mean(density * passed)))
 
 

@@ -16,8 +16,9 @@ from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.measured.log import JointLog

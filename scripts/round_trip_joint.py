@@ -17,9 +17,10 @@ from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, refit
-from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.measured.log import JointLog

@@ -34,9 +34,10 @@ from frictionjoint.diagnose.replay import replayed_whole
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.readers import read_log
@@ -64,7 +65,7 @@ def searched(folder: Path) -> dict[str, Any]:
     kept = prepare([read_log(folder / "held.csv", joint)], body, fitted_on.band)
     held = held_out_error(kept, found.prepared, found.final)
     s, gain = kept.segments[0], found.final.gain
-    true = read_answer(folder).left(s.bandwidth_hz, BALANCE_ORDER, s.sample)
+    true = read_answer(folder).left(s.bandwidth_hz, s.sample)
     return {
         "added": [f.term.name for f in found.findings],
         "ties": [list(f.ties) for f in found.findings],

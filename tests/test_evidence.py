@@ -16,7 +16,7 @@ from frictionjoint.effects.signals import N_SIGNALS, A, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.noise import Noise
-from frictionjoint.identify.prepare import Band, Prepared, Segment
+from frictionjoint.identify.segment import Band, Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
 

@@ -7,10 +7,11 @@ import pytest
 
 from frictionjoint.diagnose.verdict import noise_floor
 from frictionjoint.identify.noise import count_of, density_above, noise_of
-from frictionjoint.identify.prepare import BALANCE_ORDER, Band, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Band
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass
+from frictionjoint.measured.lowpass import LowPass, gentle
 
 INERTIA, RATE, N = 0.05, 500.0, 20_000
 DT = 1.0 / RATE
@@ -84,7 +85,7 @@ def test_the_floor_of_an_encoder_alone(balance):
 def test_a_coarser_encoder_narrows_the_band_and_a_noisier_torque_widens_it():
     def band(counts, noise):
         (segment,) = left_of(log(counts, noise), Band(20.0, 100.0))[0].segments
-        return segment.noise.band_hz(0.5, 60.0, BALANCE_ORDER)
+        return segment.noise.band_hz(0.5, 60.0)
 
     assert band(1024, 0.02) < 0.7 * band(65536, 0.02)
     assert band(1024, 0.2) > band(1024, 2e-3)
@@ -95,8 +96,8 @@ def test_in_its_band_the_position_adds_little_to_what_the_torque_leaves():
     """A twentieth of the power."""
     for counts in (4096, 16384):
         (segment,) = left_of(log(counts, 0.02), Band(20.0, 100.0))[0].segments
-        corner = segment.noise.band_hz(1.0, 60.0, BALANCE_ORDER)
-        torque, position = segment.noise.left(corner, BALANCE_ORDER)
+        corner = segment.noise.band_hz(1.0, 60.0)
+        torque, position = segment.noise.left(corner)
         assert 1.0 < corner < 60.0
         assert 0.03 * torque < position <= 0.05 * torque
 
@@ -104,8 +105,8 @@ def test_in_its_band_the_position_adds_little_to_what_the_torque_leaves():
 def test_what_is_left_of_a_density_is_its_part_that_passes():
     rng = np.random.default_rng(1)
     white = rng.standard_normal(N)
-    found = noise_of(white, motion(), motion(), DT, 0.0, 0.0).left(30.0, 4)[0]
-    assert found == pytest.approx(np.var(LowPass(N, DT, 30.0, 4)(white)), rel=0.1)
+    found = noise_of(white, motion(), motion(), DT, 0.0, 0.0).left(30.0)[0]
+    assert found == pytest.approx(np.var(LowPass(N, DT, 30.0, gentle)(white)), rel=0.1)
 
 
 def test_the_inertia_behind_the_noise_is_taken_apart_from_gravity():

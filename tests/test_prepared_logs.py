@@ -8,8 +8,9 @@ import pytest
 from frictionjoint.effects.signals import LOAD, TIME, A, Q, V
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.prepare import Band, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Band
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured.log import JointLog
 

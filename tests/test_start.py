@@ -12,9 +12,10 @@ from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A, H, Q
 from frictionjoint.identify.design import full_signals
 from frictionjoint.identify.noise import Noise
-from frictionjoint.identify.prepare import Segment, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm

@@ -9,8 +9,8 @@ from threadpoolctl import threadpool_info
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.threads import one_thread, side_by_side

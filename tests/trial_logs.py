@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.readers import read_log
 from tests.plants.plant import simulate, write
 from tests.plants.spec import Controller, Friction, Instrument, Motion, PlantSpec

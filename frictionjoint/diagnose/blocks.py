@@ -18,7 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
+from frictionjoint.identify.segment import Prepared
 
 Index = NDArray[np.int64]
 
@@ -163,7 +163,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         fold = _kinds(prepared, log_index)[np.array(log)]
     variance = [s.noise.torque / (2.0 * s.dt * s.step) for s in prepared.segments]
     noise = float(np.mean(variance)) * fitted.gain**2
-    left = [sum(s.noise.left(s.bandwidth_hz, BALANCE_ORDER)) for s in prepared.segments]
+    left = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
     floor = np.array(left) * fitted.gain**2
     return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise)
 

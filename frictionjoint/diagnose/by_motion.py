@@ -24,7 +24,7 @@ from frictionjoint.diagnose.library import Candidate, effect_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.motion import WINDOW_S

@@ -48,7 +48,7 @@ from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.held import Pose
-from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     law_estimates,
     law_parameters,
@@ -57,6 +57,7 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import IN_MOTION, Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, EffectTerm

@@ -6,7 +6,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.design import full_signals, kept
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 
 

@@ -16,7 +16,7 @@ from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import ROUGH, Fit, Place, Search, refit, timed
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm
 from frictionjoint.threads import side_by_side
 

@@ -9,7 +9,7 @@ from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.identify.fit import Fit, without_scale
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import Term

@@ -17,7 +17,7 @@ from frictionjoint.identify.design import term_bounds
 from frictionjoint.identify.fit import HEARD, Fit
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,
     HysteresisTerm,

@@ -22,8 +22,8 @@ from frictionjoint.effects.signals import (
     Q,
     V,
 )
-from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared, Segment
 
 # of the speeds and accelerations seen: single samples are noise
 _USUAL = 0.99

@@ -13,8 +13,8 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.instruments import ExcessTerm
-from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.result import units_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term

@@ -32,9 +32,9 @@ from frictionjoint.diagnose.separation import (
     with_further,
 )
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm, Term
 

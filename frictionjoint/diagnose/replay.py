@@ -17,9 +17,9 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT

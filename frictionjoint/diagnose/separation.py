@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
 _RCOND = 1e-9

@@ -11,7 +11,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import TIME, H, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm
 from frictionjoint.identify.terms import EffectTerm, Term
 

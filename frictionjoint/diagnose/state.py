@@ -7,7 +7,7 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 

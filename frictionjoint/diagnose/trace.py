@@ -40,8 +40,8 @@ from frictionjoint.diagnose.state import (
 )
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
 from frictionjoint.identify.fit import ROUGH, Fit, nearer
-from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.swing import swings

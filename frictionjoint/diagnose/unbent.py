@@ -13,7 +13,7 @@ from frictionjoint.diagnose.moves import Look, Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import Term, Timing
 

@@ -8,13 +8,13 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_data import Verdict
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import BALANCE_ORDER, Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import IN_MOTION
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
     """Residual of a perfect model due to instrument noise in the band of the balance, N m."""
-    powers = [sum(s.noise.left(s.bandwidth_hz, BALANCE_ORDER)) for s in prepared.segments]
+    powers = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
     return gain * float(np.sqrt(np.mean(powers)))
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.export.sliding import levels
-from frictionjoint.measured.derivatives import HIGHEST, MOTION_ORDER, differentiate, uniform
-from frictionjoint.measured.lowpass import LowPass
+from frictionjoint.measured.derivatives import HIGHEST, differentiate, uniform
+from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.readers import read_log
 from frictionjoint.parameters import Friction
 
@@ -99,7 +99,7 @@ def log_motions(path: Path, joints: list[str], columns: Mapping[str, str]) -> di
         smooth = differentiate(log)
         dt = float(smooth.time[1] - smooth.time[0])
         corner = min(smooth.bandwidth_hz, HIGHEST / dt)
-        filtered = LowPass(len(smooth.time), dt, corner, MOTION_ORDER)
+        filtered = LowPass(len(smooth.time), dt, corner, steep)
         others = {
             name: filtered(uniform(log.time, x, smooth.time))
             for name, x in log.other_positions.items()

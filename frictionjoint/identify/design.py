@@ -18,7 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import with_motor
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import (

@@ -17,7 +17,7 @@ from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
-from frictionjoint.identify.prepare import Drive, Prepared
+from frictionjoint.identify.segment import Drive, Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing

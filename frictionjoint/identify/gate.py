@@ -23,7 +23,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, A, Q, V
-from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
 # what the filter of the motion may change of a torque that does not act

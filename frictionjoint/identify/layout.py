@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 

@@ -11,7 +11,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
 # solutions after the first, which knows no torque: torque and coefficients change each other little

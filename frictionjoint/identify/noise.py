@@ -16,6 +16,7 @@ import numpy as np
 from scipy.signal import welch
 
 from frictionjoint.arrays import Array
+from frictionjoint.measured.lowpass import gentle
 
 # part of the spectrum that is taken to hold noise alone, over the sampling frequency
 _ABOVE = (0.25, 0.45)
@@ -52,18 +53,18 @@ class Noise:
         df = float(self.frequency[1]) if len(self.frequency) > 1 else 0.0
         return float(max(self.count / np.sqrt(12.0), np.sqrt(self.position.sum() * df)))
 
-    def left(self, corner_hz: float, order: int) -> tuple[float, float]:
-        """Power that the torque's and the position's noise leave behind a low-pass filter."""
+    def left(self, corner_hz: float) -> tuple[float, float]:
+        """Power that the torque's and the position's noise leave behind the balance's filter."""
         f = self.frequency
-        passed = 1.0 / (1.0 + (f / corner_hz) ** order) ** 2
+        passed = gentle(f / corner_hz) ** 2
         df = float(f[1]) if len(f) > 1 else 0.0
         made = (self.inertia * (2.0 * np.pi * f) ** 2) ** 2 * self.position
         return self.torque * float(np.sum(passed)) * df, float(np.sum(made * passed)) * df
 
-    def band_hz(self, least: float, most: float, order: int) -> float:
+    def band_hz(self, least: float, most: float) -> float:
         """Corner of the balance that these noises allow, between two others."""
         for corner in np.geomspace(most, least, 60):
-            torque, position = self.left(float(corner), order)
+            torque, position = self.left(float(corner))
             if position <= _ADDED * torque:
                 return float(corner)
         return least

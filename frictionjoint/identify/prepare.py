@@ -1,18 +1,12 @@
-"""From a log to the arrays a fit works on: smooth motion, rigid-body torque, signals.
-
-Motion and drive pass one steep filter that is flat where torques are balanced; the balance, all of
-its columns and its target, passes a second one. So no side of it is filtered more than the other,
-and a law sees a motion sharper than the balance.
-"""
+"""From logs to the arrays a fit works on: which band, whether the drive is held, what counts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import Literal, get_args
+from dataclasses import replace
+from functools import partial
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
@@ -32,19 +26,20 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Commanded
-from frictionjoint.identify.noise import Noise, count_of, noise_of
-from frictionjoint.identify.reversals import Path, path_of
+from frictionjoint.identify.hold import holds, of_acceleration, of_drive
+from frictionjoint.identify.noise import count_of, noise_of
+from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment
 from frictionjoint.measured.derivatives import (
     HIGHEST,
-    MOTION_ORDER,
     motion_band,
     on_a_grid,
     uniform,
     uniform_motion,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass, Spectrum
+from frictionjoint.measured.lowpass import LowPass, steep
 
 # s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
 # blurred. A slow log is not refined at any cost.
@@ -52,209 +47,15 @@ _STEP_S, _MOST_REFINED = 2.5e-3, 16
 # the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
 # the second; above it only time is spent.
 _LEAST_HZ, _MOST_HZ = 5.0, 60.0
-BALANCE_ORDER = 4
 # samples of the log in a period of the balance's corner: a torque that a controller holds from one
-# to the next is less by 0.6% there, and no log tells whether it is held
+# to the next is less by 0.6% there, and not every log tells whether it is held
 _A_SAMPLE = 16.0
-# samples in a period of each corner. With 2.5 and 16 a loop takes a third less, but other laws are
-# taken on measured logs, which err more on what is held out.
-_A_MOTION, _A_BALANCE, _A_COARSE = 4.0, 4.0, 32.0
-# what a log holds of the motor, the one to be preferred first
-Drive = Literal["torque", "voltage", "current"]
-
-
-@dataclass(frozen=True)
-class Band:
-    """Corners of the two filters, Hz: of the balance, and of the motion that makes it."""
-
-    balance: float
-    motion: float
-
-
-@dataclass(frozen=True)
-class Segment:
-    """One log, prepared.
-
-    Attributes:
-        name: of the log.
-        dt: s between samples of the grid.
-        bandwidth_hz: corner of the filter that the balance passes.
-        step: one in `step` samples of the balance is kept for the fit.
-        signals: shape (n, N_SIGNALS) on the grid; H and DTAU are filled by a fit.
-        drive: torque, voltage or current behind the filter of the motion, shape (n,).
-        driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
-            neither a voltage nor the back-EMF acts.
-        mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
-        others: further measured quantities by name, for dependences that no effect explains.
-        noise: of the instruments. sample: s between the samples of the log itself.
-        corner_hz: of the filter of the motion.
-        commanded: where the drive is not measured, what its controller made it of.
-        weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
-        held: friction at the first sample over Fc, see `start`.
-        swing: deflection of an elastic joint at the first sample and its rate, see `start`.
-        driven_along: what a law is driven along, where it was made before; see `path`.
-        unknown: friction outside of the joint that the motion does not determine, N m, (n,).
-    """
-
-    name: str
-    dt: float
-    bandwidth_hz: float
-    step: int
-    signals: Array
-    drive: Array
-    driven: NDArray[np.bool_]
-    mask: NDArray[np.bool_]
-    others: dict[str, Array]
-    noise: Noise
-    sample: float
-    corner_hz: float
-    commanded: Commanded | None = None
-    weight: Array | None = None
-    held: float = 0.0
-    swing: tuple[float, float] = (0.0, 0.0)
-    driven_along: Path | None = None
-    unknown: Array | None = None
-
-    @cached_property
-    def path(self) -> Path:
-        """Time and position that a law is driven along."""
-        return self.driven_along or path_of(self.signals, self.noise.resolution)
-
-    @cached_property
-    def _drive_spectrum(self) -> tuple[Spectrum, Array]:
-        return self._filter.spectrum(self.drive)
-
-    def balanced_drive(self, delay: float = 0.0, derivative: int = 0) -> Array:
-        """The drive as it was `delay` seconds before each sample, behind the balance's filter."""
-        return self._filter.back(self._drive_spectrum, derivative, delay)
-
-    def drive_before(self, delay: float) -> Array:
-        """The drive as it was `delay` seconds before each sample, shape (n,)."""
-        if delay == 0.0:
-            return self.drive
-        time = self.signals[:, TIME]
-        earlier = np.clip(time - delay, time[0], time[-1])
-        return np.asarray(CubicSpline(time, self.drive)(earlier))
-
-    @cached_property
-    def balanced_load(self) -> Array:
-        """Torque of the rigid body on the kept samples, N m."""
-        return self.lowpass(self.signals[:, LOAD])[self.kept]
-
-    @cached_property
-    def balanced_velocity(self) -> Array:
-        """Velocity on the kept samples, rad/s."""
-        return self.lowpass(self.signals[:, V])[self.kept]
-
-    def lowpass(self, x: Array) -> Array:
-        """What the balance has of a signal: filtered along axis 0 and decimated."""
-        return self._filter(x)
-
-    def smooth(self, x: Array) -> Array:
-        """A signal behind the balance's filter, all samples of it."""
-        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)(x)
-
-    @property
-    def kept_weight(self) -> Array:
-        """Weights of the kept samples."""
-        if self.weight is None:
-            return np.ones(int(self.kept.sum()))
-        return self.weight[:: self.step][self.kept]
-
-    @property
-    def _filter(self) -> LowPass:
-        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, self.step)
-
-    @property
-    def kept(self) -> NDArray[np.bool_]:
-        """The mask on the decimated grid."""
-        return self.mask[:: self.step]
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """All logs of a fit.
-
-    Attributes:
-        segments: one a log.
-        joint: name; slide: True for a slide joint.
-        drive: what the logs hold of the motor. The torque that a voltage or a current makes is
-            known only up to a gain.
-        band: of the filters.
-        let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
-            acts without back-EMF, so that the two can be distinguished.
-    """
-
-    segments: tuple[Segment, ...]
-    joint: str
-    slide: bool
-    drive: Drive
-    band: Band
-    let_go: bool = False
-
-    def __len__(self) -> int:
-        return len(self.segments)
-
-    @property
-    def samples(self) -> int:
-        """Kept samples of all logs."""
-        return sum(int(s.kept.sum()) for s in self.segments)
-
-    @property
-    def gain_unknown(self) -> bool:
-        """Whether the drive is a torque up to a gain, which the load then determines."""
-        return self.drive != "torque"
-
-    @property
-    def voltage_driven(self) -> bool:
-        """Whether a back-EMF works against the drive."""
-        return self.drive == "voltage"
-
-    @property
-    def commanded(self) -> bool:
-        """Whether the drive is what a controller made of its commands, and not measured."""
-        return all(s.commanded is not None for s in self.segments)
-
-    def thinned(self, most: int) -> "Prepared":
-        """The logs for a coarse search, in a narrower band where there are more samples than
-        about `most`; finer motion is lost.
-        """
-        factor = max(1.0, self.samples / most)
-        return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
-
-    def subset(self, indices: list[int]) -> "Prepared":
-        """Some of the logs."""
-        return replace(self, segments=tuple(self.segments[i] for i in indices))
-
-
-@lru_cache(maxsize=256)
-def _lowpass(n: int, dt: float, corner_hz: float, step: int) -> LowPass:
-    """A search filters with the same few many thousand times."""
-    return LowPass(n, dt, corner_hz, BALANCE_ORDER, step)
-
-
-def _thinned(s: Segment, factor: float) -> Segment:
-    """A log in a band narrower by a factor, on a grid to match."""
-    bandwidth_hz = s.bandwidth_hz / factor
-    step = max(1, int(1.0 / (s.dt * _A_COARSE * bandwidth_hz)))
-    steep = LowPass(len(s.drive), s.dt, min(4.0 * bandwidth_hz, HIGHEST / s.dt), MOTION_ORDER, step)
-    signals = s.signals[::step].copy()
-    signals[1:, DT] = dt = s.dt * step
-    return replace(
-        s,
-        dt=dt,
-        bandwidth_hz=bandwidth_hz,
-        step=max(1, int(1.0 / (dt * _A_BALANCE * bandwidth_hz))),
-        signals=signals,
-        driven_along=None,
-        drive=steep(s.drive),
-        commanded=None if s.commanded is None else s.commanded.thinned(steep),
-        driven=s.driven[::step],
-        mask=s.mask[::step],
-        weight=None if s.weight is None else s.weight[::step],
-        unknown=None if s.unknown is None else s.unknown[::step],
-        others={name: x[::step] for name, x in s.others.items()},
-    )
+# such samples from which on a held torque is like any other: it is less by 0.06%
+_NO_MATTER = 50.0
+# samples in a period of the motion's corner
+_A_MOTION = 4.0
+# periods of the balance's corner at each end of a log that what lies beyond it spoils, see `gentle`
+_SPOILT = 2.0
 
 
 def prepare(
@@ -292,10 +93,23 @@ def prepare(
         wide = Band(motion / 2.0, motion)
         first = [_segment(log, b, wide, controller) for log, b in given]
         band = Band(_balance_hz(first, main, motion), motion)
+        band = replace(band, held=_is_held(given, band, controller))
     segments = tuple(_segment(log, b, band, controller) for log, b in given)
     free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
     let_go = free and drives[0] == "voltage"
     return Prepared(segments, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
+
+
+def _is_held(
+    given: list[tuple[JointLog, RigidBody]], band: Band, controller: Controller | None
+) -> bool:
+    """Whether the drive, where it is measured and that matters, is held between samples."""
+    measured = [log for log, _ in given if with_drive(log, controller) is log]
+    samples = [float(np.ptp(log.time)) / (len(log.time) - 1) for log in measured]
+    if max(samples, default=0.0) * band.balance * _NO_MATTER < 1.0:
+        return False
+    ways = [replace(band, held=held) for held in (False, True)]
+    return holds(*([_segment(log, b, way, controller) for log, b in given] for way in ways))
 
 
 def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
@@ -304,7 +118,7 @@ def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
     least = min(max(_LEAST_HZ, main), most)
     slowest = max(s.sample for s in segments)
     most = max(least, min(most, 1.0 / (_A_SAMPLE * slowest)))
-    return float(np.median([s.noise.band_hz(least, most, BALANCE_ORDER) for s in segments]))
+    return float(np.median([s.noise.band_hz(least, most) for s in segments]))
 
 
 def _drive(log: JointLog) -> tuple[Drive, Array]:
@@ -322,14 +136,17 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     finest = min(_STEP_S, 1.0 / (_A_MOTION * band.motion))
     step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
     corner = min(band.motion, HIGHEST / sample)
-    smooth = LowPass(len(grid), sample, corner, MOTION_ORDER, step, up)
+    smooth = LowPass(len(grid), sample, corner, steep, step, up)
     dt = sample * step / up
     n = -(-((len(grid) - 1) * up + 1) // step)
     t = grid[0] + dt * np.arange(n)
 
+    held = band.held and log is measured_log
+
     def track(position: Array) -> tuple[Array, Array, Array]:
         spectrum = smooth.spectrum(position)
-        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2)
+        more = partial(of_acceleration, sample=sample) if held else None
+        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2, 0.0, more)
 
     q, v, a = track(raw)
     others = {
@@ -351,8 +168,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     if log.temperature is not None:
         signals[:, TEMP] = uniform(log.time, log.temperature, t)
     mask = np.ones(n, dtype=bool)
-    # a zero-phase filter is not to be trusted within about one period of its corner of the ends
-    edge = min(n // 10, max(2, int(1.0 / (band.balance * dt))))
+    edge = min(n // 10, max(2, int(_SPOILT / (band.balance * dt))))
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
     kind, values = _drive(log)
@@ -368,7 +184,8 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
         if kind == "voltage":
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
-    drive = smooth(measured)
+    more = partial(of_drive, sample=sample) if held else None
+    drive = smooth.back(smooth.spectrum(measured), weight=more)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
     noise = noise_of(
         measured,
@@ -382,7 +199,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         name=log.name,
         dt=dt,
         bandwidth_hz=band.balance,
-        step=max(1, int(1.0 / (dt * _A_BALANCE * band.balance))),
+        step=max(1, int(1.0 / (dt * A_BALANCE * band.balance))),
         signals=signals,
         drive=drive,
         driven=driven,

@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import Balance, balance, full_signals
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import delay_of
 
 

@@ -12,7 +12,7 @@ from numba import njit
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
-from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.segment import Segment
 
 VARIABLES = {
     "position": Q,

@@ -17,8 +17,8 @@ from scipy.optimize import minimize_scalar
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import Balance, law_track, lengths, load_torque
 from frictionjoint.identify.fit import ROUGH, Fit, refit
-from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.reversals import path_of
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swing_columns, swings
 from frictionjoint.identify.terms import Term

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, nearer, timed
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term
 from frictionjoint.threads import one_thread, side_by_side

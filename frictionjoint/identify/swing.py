@@ -5,7 +5,7 @@ from scipy.linalg import block_diag
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import kept
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.identify.prepare import Segment
+from frictionjoint.identify.segment import Segment
 
 # of a sample, from which on a delay may be an effect
 _LATE = 0.9

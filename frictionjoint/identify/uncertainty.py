@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 
 # regimes: equally filled ranges of speed, each in both directions
 _SPEEDS = 6

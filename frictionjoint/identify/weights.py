@@ -15,8 +15,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import law_track
 from frictionjoint.identify.fit import CLOSE, Fit, refit
-from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.segment import Prepared, Segment
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.

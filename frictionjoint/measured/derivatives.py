@@ -14,10 +14,8 @@ from scipy.signal import welch
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass
+from frictionjoint.measured.lowpass import LowPass, steep
 
-# flat to half of its corner, where it lets 99.6% pass
-MOTION_ORDER = 8
 # Highest corner: four fifths of the Nyquist frequency leaves the filter room to fall.
 HIGHEST = 0.4
 # Bands an octave in which the spectrum is averaged.
@@ -118,7 +116,7 @@ def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivativ
         bandwidth_hz = motion_band(position, dt).whole
     if not bandwidth_hz > 0.0:
         raise LogError(f"bandwidth {bandwidth_hz} Hz: give a positive number")
-    smooth = LowPass(len(time), dt, min(bandwidth_hz, HIGHEST / dt), MOTION_ORDER)
+    smooth = LowPass(len(time), dt, min(bandwidth_hz, HIGHEST / dt), steep)
     spectrum = smooth.spectrum(position)
     q, v, a = (smooth.back(spectrum, k) for k in range(3))
     return Derivatives(time, q, v, a, bandwidth_hz)

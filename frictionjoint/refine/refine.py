@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.guard import (
     clearly_less,
     kinds,

@@ -9,7 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, shape_limits
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
 
 # unit of the prior, in standard errors of the balance: those leave out what is wrong in every log

@@ -8,8 +8,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
-from frictionjoint.identify.prepare import Segment
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Segment
 from frictionjoint.robot.corrections import Corrections, Shaft, direction
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor

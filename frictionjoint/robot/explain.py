@@ -16,9 +16,10 @@ from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, refit
 from frictionjoint.identify.held import Pose
-from frictionjoint.identify.prepare import Prepared, prepare
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, weighted

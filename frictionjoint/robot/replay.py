@@ -16,7 +16,7 @@ from frictionjoint.diagnose.replay import WINDOW_S, motor_of
 from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import lock, take_pose
-from frictionjoint.identify.prepare import Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.mechanism import deflection
 

@@ -18,8 +18,8 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, TIME, Q, V
 from frictionjoint.identify.design import kept
-from frictionjoint.identify.prepare import Prepared, Segment
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.measured.log import JointLog
 

@@ -1,0 +1,93 @@
+"""Whether the drive of a log holds its torque from one sample to the next.
+
+A controller that ticks with the samples gives a torque that stays as it is until the next one.
+Then the acceleration is constant in between, and the spectrum of the samples is another one than
+that of a smooth motion. With x = half of the angle that a frequency turns through in a sample:
+
+    positions      their second derivative is too small by x / tan x
+    mean torques   what goes evenly through a tick is less by sin x / x, and half a tick late
+
+To second order that is the torque of an elastic joint with its resonance at 0.78 of the sampling
+frequency, and such a joint would be named.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
+from frictionjoint.identify.segment import Segment
+from frictionjoint.identify.smooth import elastic_plastic
+
+# part of what is left without any delay that a held drive must take away
+_CLEARLY = 0.05
+# half angles up to which the corrections are followed, rad: far beyond any band
+_LARGEST = 1.4
+# delays of the drive that may go with either, in samples, and how near to a half is one
+_LATE, _NEAR = np.linspace(-0.5, 2.0, 26), 0.15
+# samples of a coarse balance
+_SAMPLES = 6000
+# displacements over the travel at which the elastic-plastic elements of friction slip, and speed
+# over the top speed below which it changes its side
+_REACHES, _TURNS = np.array([1e-3, 1e-2, 0.1, 1.0]), 0.02
+
+
+def of_acceleration(omega: Array, sample: float) -> Array:
+    """By how much more a held torque accelerates than the samples' own second derivative."""
+    x = _half_angle(omega, sample)
+    return np.asarray(np.tan(x) / x)
+
+
+def of_drive(omega: Array, sample: float) -> Array:
+    """By how much more than its mean over a tick a torque is at its middle."""
+    x = _half_angle(omega, sample)
+    return np.asarray(x / np.sin(x))
+
+
+def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
+    """Whether logs balance as those of a drive that holds its torque.
+
+    Then the drive is half a sample late, which shows long before its amplitude does, and with that
+    delay the corrections leave less than nothing corrected does with any.
+
+    Args:
+        smooth, held: the same logs, prepared without and with the corrections.
+    """
+    without, left = _left(smooth), _left(held)
+    half = abs(_LATE[np.argmin(left)] - 0.5) <= _NEAR
+    at_once = without[np.argmin(np.abs(_LATE))]
+    return bool(half and left.min() < min(without.min(), (1.0 - _CLEARLY) * at_once))
+
+
+def _half_angle(omega: Array, sample: float) -> Array:
+    return np.clip(0.5 * sample * omega, 1e-9, _LARGEST)
+
+
+def _left(segments: Sequence[Segment]) -> Array:
+    """rms of the drive that a linear balance leaves with each delay."""
+    top = float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
+    rows = [_balanced(s, top) for s in segments]
+    X, late = (np.concatenate(x) for x in zip(*rows, strict=True))
+    every = max(1, len(X) // _SAMPLES)
+    X, late = X[::every], late[::every]
+    size = np.linalg.norm(X, axis=0)
+    Z = np.linalg.svd(X[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+    basis = Z[0][:, Z[1] > 1e-6 * Z[1][0]]
+    left = late - basis @ (basis.T @ late)
+    return np.asarray(np.sqrt(np.mean(left**2, axis=0)))
+
+
+def _balanced(s: Segment, top: float) -> tuple[Array, Array]:
+    """Columns of a linear balance, shape (m, k), and the drive with each delay, on kept samples."""
+    q, v = s.signals[:, Q], s.signals[:, V]
+    reaches = _REACHES * (float(np.ptp(q)) or 1.0)
+    columns = [
+        s.signals[:, [LOAD, GX, GY, V, A]],
+        np.clip(v / (_TURNS * top), -1.0, 1.0),
+        elastic_plastic(np.ascontiguousarray(q), reaches),
+        q,
+        np.ones_like(q),
+    ]
+    late = [s.balanced_drive(delay * s.sample)[s.kept] for delay in _LATE]
+    return s.lowpass(np.column_stack(columns))[s.kept], np.column_stack(late)
