@@ -3,23 +3,42 @@
 from functools import partial
 
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.library import comes_first
+from frictionjoint.diagnose.library import comes_first, is_unnamed
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, needed, without
+from frictionjoint.diagnose.state import State, compared, needed
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
 
 def drop_idle(state: State) -> None:
-    """Leave out, one after the other, what the model predicts as well without."""
+    """Leave out, one after the other, what the model predicts as well without.
+
+    A dependence without a name bends with the data and is no cause. So it makes no cause idle: each
+    is judged among causes alone.
+    """
     while state.fit.effects:
-        blocks = make_blocks(state.prepared, state.fit)
-        now = scored(state.fit, blocks)
+        own = state.fit.effects
+        causes = tuple(t for t in own if not is_unnamed(t))
+        beside = [own if is_unnamed(t) else causes for t in own]
+        fewer = [_but(terms, t) for terms, t in zip(beside, own, strict=True)]
+        models = [terms for terms in dict.fromkeys([*beside, *fewer]) if terms != own]
+        refitted = partial(compared, state.prepared, law=state.fit.shape)
         with side_by_side() as each:
-            others = list(each(partial(without, state), state.fit.effects))
-        scores = [scored(other, blocks) for other in others]
-        pairs = zip(state.fit.effects, scores, strict=True)
-        idle = [(now.gain(s), s.fit) for t, s in pairs if not needed(now, s, comes_first(t))]
+            fits = dict(zip(models, each(refitted, models), strict=True)) | {own: state.fit}
+        blocks = make_blocks(state.prepared, state.fit)
+        scores = {terms: scored(found, blocks) for terms, found in fits.items()}
+        idle = []
+        for t, terms, rest in zip(own, beside, fewer, strict=True):
+            now, other = scores[terms], scores[rest]
+            if not needed(now, other, comes_first(t)):
+                idle.append((now.gain(other), t))
         if not idle:
             return
-        state.prepared, state.fit = reweighed(state.prepared, min(idle, key=lambda x: x[0])[1])
+        rest = _but(own, min(idle, key=lambda x: x[0])[1])
+        found = fits.get(rest) or refitted(rest)
+        state.prepared, state.fit = reweighed(state.prepared, found)
+
+
+def _but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
+    return tuple(t for t in terms if t is not term)
