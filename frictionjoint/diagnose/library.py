@@ -1,6 +1,7 @@
 """Candidates that these logs can test: effects, waves in position, unnamed dependences."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -111,14 +112,23 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
 
 
 def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
-    """The same effect in its other forms, on their grids."""
+    """The same effect in its other forms: the numbers of its own where they have them, and grids."""
     if not isinstance(term, EffectTerm):
         return []
     signals = signals_of(prepared, fitted)
     own = term.effect
+    known = dict(zip(own.shape, term.shape, strict=True))
     forms = [e for e in CATALOGUE if e.name == own.name and e.effect_id != own.effect_id]
-    terms = _on_grid(prepared, forms, signals)
+    terms = list(dict.fromkeys(_with(t, known) for t in _on_grid(prepared, forms, signals)))
     return _candidates(prepared, fitted, signals, terms, [1.0] * len(terms))
+
+
+def _with(term: Term, known: Mapping[str, float]) -> Term:
+    """A term with the shape numbers that are known."""
+    if not isinstance(term, EffectTerm):
+        return term
+    named = zip(term.effect.shape, term.shape, strict=True)
+    return replace(term, shape=tuple(known.get(name, x) for name, x in named))
 
 
 def _candidates(
