@@ -112,7 +112,7 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
 
 
 def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
-    """The same effect in its other forms: the numbers of its own where they have them, and grids."""
+    """The same effect in its other forms, with the numbers that they share."""
     if not isinstance(term, EffectTerm):
         return []
     signals = signals_of(prepared, fitted)
