@@ -107,3 +107,15 @@ def test_short_signals_keep_their_length(n):
     x = np.linspace(0.0, 1.0, n) ** 2
     for step in (1, 2, 5):
         assert LowPass(n, 0.01, 2.0, gentle, step)(x).shape == (-(-n // step),)
+
+
+def test_what_lies_beyond_the_ends_is_not_seen_two_periods_away():
+    """Of a kink at the end, as the continuation of an accelerating joint has, on a coarse grid."""
+    corner, step = 10.0, 5
+    lowpass = LowPass(N, DT, corner, gentle, step)
+    bent = T**2
+    spoilt = int(2.0 / (corner * DT * step)) + 1
+    error = np.abs(lowpass(bent, 2) - 2.0) / 4.0  # there it changes from 2 to -2
+    assert error[0] > 0.1
+    assert error[spoilt:-spoilt].max() < 1e-3
+    assert error[4 * spoilt : -4 * spoilt].max() < 5e-5
