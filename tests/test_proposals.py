@@ -8,9 +8,9 @@ import pytest
 from scipy.linalg import toeplitz
 from test_plants import quiet
 
-from frictionjoint.diagnose.close_loop import _rivals
 from frictionjoint.diagnose.motions import Carried, Limits
 from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_distinguish
+from frictionjoint.diagnose.report_parts import rivals
 from frictionjoint.diagnose.separation import (
     Noise,
     moments,
@@ -74,7 +74,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     assert {step.term.name, *step.ties} == {"torque-gain", "inertia-error"}
 
     planner = Planner(found.prepared, found.final, body)
-    (i, other), *_ = _rivals(found)
+    (i, other), *_ = rivals(found)
     proposal = planner.distinguishing(i, other)
     assert proposal.distinguishes
     assert proposal.motion.payload > 0.0

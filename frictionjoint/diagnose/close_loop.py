@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +12,8 @@ from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.closed_loop import found_controller
-from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.intervals import rms_interval, stated_covariance
-from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import DIVERGES, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
@@ -28,21 +26,23 @@ from frictionjoint.diagnose.replay import (
     simulated_whole,
 )
 from frictionjoint.diagnose.report_data import (
-    Added,
-    Curve,
-    Evidence,
-    Intervals,
     LogEntry,
-    Looked,
     Report,
     Role,
+)
+from frictionjoint.diagnose.report_parts import (
+    added,
+    curves,
+    intervals,
+    rankings,
+    replay_intervals,
+    rivals,
+    ties,
+    torque_rms,
 )
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
-from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import Q, V
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
@@ -52,15 +52,11 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     law_estimates,
     law_parameters,
-    term_estimates,
     units_of,
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import IN_MOTION, Prediction, predict
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
@@ -74,8 +70,6 @@ from frictionjoint.refine.vector import Vector
 from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.threads import one_thread
 
-# length of the blocks of an rms's interval, s
-_BLOCK_S = 0.5
 # where no torque is known, nothing can be replayed: before and after
 _NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
@@ -204,17 +198,17 @@ def explain(
     before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
-    torque = [_torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
+    torque = [torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
     unexplained = found.unexplained
     floor = noise_floor(moving, found.final.gain)
     final = law_estimates(found.final, cov, body.slide)
-    open_questions = what_to_record(_ties(found), unexplained, final, bool(held_out))
+    open_questions = what_to_record(ties(found), unexplained, final, bool(held_out))
     progress("what to record next")
     computed: Sequence[str] = ()
     if scaled:  # else no motion says which torque it asks of the drive
         planner = Planner(moving, found.final, body)
-        computed = computed_proposals(planner, _rivals(found), cov, final)
+        computed = computed_proposals(planner, rivals(found), cov, final)
     report = Report(
         joint=joint,
         slide=body.slide,
@@ -224,11 +218,11 @@ def explain(
         final=final,
         before_torque=torque[0],
         before_replay=before,
-        added=_added(found, cov, moving, kept_moving),
+        added=added(found, cov, moving, kept_moving),
         after_torque=torque[1],
         after_replay=after,
-        torque_interval=_intervals(kept_moving or moving, found),
-        replay_interval=_replay_intervals(runs),
+        torque_interval=intervals(kept_moving or moving, found),
+        replay_interval=replay_intervals(runs),
         measured_rms=found.final.target_rms,
         bandwidth_hz=fitted_on.band.balance,
         noise_floor=floor,
@@ -237,8 +231,8 @@ def explain(
         mjcf=model_text(spec, body.mjcf),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
-        curves=_curves(moving, kept_moving, found),
-        rankings=_rankings(found),
+        curves=curves(moving, kept_moving, found),
+        rankings=rankings(found),
         proposals=(*open_questions, *computed),
         notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
         closed_loops=closed,
@@ -297,150 +291,3 @@ def _check_refinable(controller: Controller | None, logs: Sequence[JointLog]) ->
 
 def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
     return Rms(fit.stated, held.stated if held else None)
-
-
-def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
-    """Of the torque in motion, N m, all by one gain of the drive: less of it makes none better."""
-    found: Prediction = predict(prepared, fitted)
-    return np.asarray(found.error[found.in_motion] * (gain / fitted.scale))
-
-
-def _torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
-    held = _root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
-    return Rms(_root_mean_square(_errors(fitted_on, f, gain)), held)
-
-
-def _root_mean_square(e: Array) -> float:
-    return float(np.sqrt(np.mean(e**2)))
-
-
-def _intervals(prepared: Prepared, found: Trace) -> Intervals:
-    """Of the torque's rms before and after."""
-    pair = []
-    first = prepared.segments[0]
-    length = max(1, round(_BLOCK_S / (first.dt * first.step)))
-    for fitted in (found.base, found.final):
-        e = _errors(prepared, fitted, found.final.scale)
-        pair.append(rms_interval(e, np.arange(len(e)) // length))
-    return pair[0], pair[1]
-
-
-def _replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
-    """Of the replay's rms before and after; each free run is a block of its own."""
-    pair = []
-    if not runs or any(r is not None and r.diverges for run in runs for r in run):
-        return None
-    for fit_run, held_run in runs:
-        e = np.concatenate((held_run or fit_run).errors)
-        known = np.isfinite(e)
-        run = np.cumsum(~known)[known]
-        if not len(run) or run[0] == run[-1]:  # one run alone says nothing of their spread
-            return None
-        pair.append(rms_interval(e[known], run))
-    return pair[0], pair[1]
-
-
-def _added(
-    found: Trace, cov: Array, fitted_on: Prepared, kept_back: Prepared | None
-) -> tuple[Added, ...]:
-    """One entry an effect; further harmonics of a periodic effect join the first one's."""
-    entries: dict[str, Added] = {}
-    for i, step in enumerate(found.findings):
-        parameters = term_estimates(found.final, cov, i, fitted_on.slide)
-        name = step.term.name
-        rms = _torque_rms(fitted_on, kept_back, step.fit, found.final.scale)
-        if name in entries:
-            first = entries[name]
-            number = 2 + sum(1 for s in found.findings[:i] if s.term.name == name) - 1
-            more = {f"{key}_{number}": x for key, x in parameters.items()}
-            entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
-        else:
-            entries[name] = Added(name, _effect(step).cause, parameters, _evidence(step), rms)
-    return tuple(entries.values())
-
-
-def _evidence(step: Finding) -> Evidence:
-    runner = step.runner_up
-    return Evidence(
-        step.gain,
-        step.row.p_value,
-        step.row.frequency,
-        runner.name if runner else None,
-        step.margin,
-        step.ties,
-    )
-
-
-def _curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
-    curves = []
-    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
-    for role, prepared in groups:
-        if prepared is None:
-            continue
-        # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
-        # gain that the residual before is stated by.
-        scale = found.final.scale / found.base.scale
-        own, base, *_ = predict(prepared, found.base)
-        measured, after, friction, weight = predict(prepared, found.final)
-        before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
-        rows = zip(prepared.segments, measured, before, after, friction, weight, strict=True)
-        for s, m, b, a, f, w in rows:
-            kept = s.signals[:: s.step][s.kept]
-            quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
-            for name, x in s.others.items():
-                quantities[name] = x[:: s.step][s.kept]
-            curves.append(
-                Curve(
-                    s.name,
-                    role,
-                    kept[:, 0],
-                    kept[:, Q],
-                    kept[:, V],
-                    m,
-                    b,
-                    a,
-                    f,
-                    w**2 > IN_MOTION,
-                    {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
-                )
-            )
-    return tuple(curves)
-
-
-def _rankings(found: Trace) -> tuple[Looked, ...]:
-    """Candidates of each addition, or of the only look where nothing was added."""
-    looks: list[tuple[str | None, str | None, Look]] = [
-        (f.term.name, f.runner_up.name if f.runner_up else None, f.look) for f in found.findings
-    ]
-    return tuple(
-        Looked(
-            chosen,
-            runner_up,
-            tuple((r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed),
-        )
-        for chosen, runner_up, look in looks or [(None, None, found.last_look)]
-    )
-
-
-def _ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
-    """Each addition with an effect that explains as much."""
-    return tuple((_effect(f), other) for f in found.findings for other in f.ties)
-
-
-def _effect(finding: Finding) -> Effect:
-    term = finding.term
-    if isinstance(term, EffectTerm):
-        return term.effect
-    return next(e for e in CATALOGUE if e.name == term.name)
-
-
-def _rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
-    """By the number of a term in the final fit: the effects that explain nearly as much."""
-    taken = {f.term.name for f in found.findings}
-    return [
-        (i, term)
-        for i, f in enumerate(found.findings)
-        for term in f.rivals
-        if isinstance(term, EffectTerm) and term.name not in taken
-        if not isinstance(term, DriveTerm) and not isinstance(f.term, DriveTerm)
-    ]

@@ -28,6 +28,7 @@ def notes(found: Trace, cov: Array) -> tuple[str, ...]:
     return (
         *scale_note(found.final),
         *_rest_note(found),
+        *_hold_note(found),
         *timing_note(found.final, cov),
         *found.hints,
         *_law_note(found),
@@ -54,6 +55,13 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
         f"({leads} leads), less than a sample, e.g. because a controller holds its torque between "
         "ticks. The fit accounts for it.",
     )
+
+
+def _hold_note(found: Trace) -> tuple[str, ...]:
+    """A drive that ticks with the samples."""
+    if not found.prepared.band.held:
+        return ()
+    return ("The torque is held from one sample to the next. The fit accounts for it.",)
 
 
 def _law_note(found: Trace) -> tuple[str, ...]:

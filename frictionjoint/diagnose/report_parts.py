@@ -1,0 +1,186 @@
+"""Parts of a report, made of what the search found."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.finding import Finding, Trace
+from frictionjoint.diagnose.intervals import rms_interval
+from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.replay import Replay
+from frictionjoint.diagnose.report_data import (
+    Added,
+    Curve,
+    Evidence,
+    Intervals,
+    Looked,
+    Role,
+)
+from frictionjoint.diagnose.rms import Rms
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import term_estimates
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.smooth import VARIABLES
+from frictionjoint.identify.start import IN_MOTION, Prediction, predict
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+
+# length of the blocks of an rms's interval, s
+_BLOCK_S = 0.5
+
+
+def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
+    """Of the torque in motion, N m, all by one gain of the drive: less of it makes none better."""
+    found: Prediction = predict(prepared, fitted)
+    return np.asarray(found.error[found.in_motion] * (gain / fitted.scale))
+
+
+def torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
+    """rms of the torque in motion, fitted and held out, N m (N).
+
+    Args:
+        gain: of the drive, by which the errors of all models are stated.
+    """
+    held = _root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
+    return Rms(_root_mean_square(_errors(fitted_on, f, gain)), held)
+
+
+def _root_mean_square(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2)))
+
+
+def intervals(prepared: Prepared, found: Trace) -> Intervals:
+    """Of the torque's rms before and after."""
+    pair = []
+    first = prepared.segments[0]
+    length = max(1, round(_BLOCK_S / (first.dt * first.step)))
+    for fitted in (found.base, found.final):
+        e = _errors(prepared, fitted, found.final.scale)
+        pair.append(rms_interval(e, np.arange(len(e)) // length))
+    return pair[0], pair[1]
+
+
+def replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
+    """Of the replay's rms before and after; each free run is a block of its own."""
+    pair = []
+    if not runs or any(r is not None and r.diverges for run in runs for r in run):
+        return None
+    for fit_run, held_run in runs:
+        e = np.concatenate((held_run or fit_run).errors)
+        known = np.isfinite(e)
+        run = np.cumsum(~known)[known]
+        if not len(run) or run[0] == run[-1]:  # one run alone says nothing of their spread
+            return None
+        pair.append(rms_interval(e[known], run))
+    return pair[0], pair[1]
+
+
+def added(
+    found: Trace, cov: Array, fitted_on: Prepared, kept_back: Prepared | None
+) -> tuple[Added, ...]:
+    """One entry an effect; further harmonics of a periodic effect join the first one's."""
+    entries: dict[str, Added] = {}
+    for i, step in enumerate(found.findings):
+        parameters = term_estimates(found.final, cov, i, fitted_on.slide)
+        name = step.term.name
+        rms = torque_rms(fitted_on, kept_back, step.fit, found.final.scale)
+        if name in entries:
+            first = entries[name]
+            number = 2 + sum(1 for s in found.findings[:i] if s.term.name == name) - 1
+            more = {f"{key}_{number}": x for key, x in parameters.items()}
+            entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
+        else:
+            entries[name] = Added(name, _effect(step).cause, parameters, _evidence(step), rms)
+    return tuple(entries.values())
+
+
+def _evidence(step: Finding) -> Evidence:
+    runner = step.runner_up
+    return Evidence(
+        step.gain,
+        step.row.p_value,
+        step.row.frequency,
+        runner.name if runner else None,
+        step.margin,
+        step.ties,
+    )
+
+
+def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
+    """Torque and its errors along every log, before and after."""
+    curves = []
+    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
+    for role, prepared in groups:
+        if prepared is None:
+            continue
+        # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
+        # gain that the residual before is stated by.
+        scale = found.final.scale / found.base.scale
+        own, base, *_ = predict(prepared, found.base)
+        measured, after, friction, weight = predict(prepared, found.final)
+        before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
+        rows = zip(prepared.segments, measured, before, after, friction, weight, strict=True)
+        for s, m, b, a, f, w in rows:
+            kept = s.signals[:: s.step][s.kept]
+            quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
+            for name, x in s.others.items():
+                quantities[name] = x[:: s.step][s.kept]
+            curves.append(
+                Curve(
+                    s.name,
+                    role,
+                    kept[:, 0],
+                    kept[:, Q],
+                    kept[:, V],
+                    m,
+                    b,
+                    a,
+                    f,
+                    w**2 > IN_MOTION,
+                    {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
+                )
+            )
+    return tuple(curves)
+
+
+def rankings(found: Trace) -> tuple[Looked, ...]:
+    """Candidates of each addition, or of the only look where nothing was added."""
+    looks: list[tuple[str | None, str | None, Look]] = [
+        (f.term.name, f.runner_up.name if f.runner_up else None, f.look) for f in found.findings
+    ]
+    return tuple(
+        Looked(
+            chosen,
+            runner_up,
+            tuple((r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed),
+        )
+        for chosen, runner_up, look in looks or [(None, None, found.last_look)]
+    )
+
+
+def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
+    """Each addition with an effect that explains as much."""
+    return tuple((_effect(f), other) for f in found.findings for other in f.ties)
+
+
+def _effect(finding: Finding) -> Effect:
+    term = finding.term
+    if isinstance(term, EffectTerm):
+        return term.effect
+    return next(e for e in CATALOGUE if e.name == term.name)
+
+
+def rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
+    """By the number of a term in the final fit: the effects that explain nearly as much."""
+    taken = {f.term.name for f in found.findings}
+    return [
+        (i, term)
+        for i, f in enumerate(found.findings)
+        for term in f.rivals
+        if isinstance(term, EffectTerm) and term.name not in taken
+        if not isinstance(term, DriveTerm) and not isinstance(f.term, DriveTerm)
+    ]
