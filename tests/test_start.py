@@ -68,7 +68,9 @@ def test_of_a_log_that_is_only_predicted_the_start_is_sought_too(cut):
     error = measured - predicted
     at_start = error[: len(error) // 20]
     assert np.sqrt(np.mean(at_start**2)) < 2.0 * np.sqrt(np.mean(error**2))
-    np.testing.assert_allclose(predicted, predict(begun, found)[1][0], atol=0.02 * FC)
+    # a start is sought as nearly as the squares of a log tell it
+    apart = (predicted - predict(begun, found)[1][0])[: len(at_start)]
+    assert np.sqrt(np.mean(apart**2)) < 0.02 * FC
 
 
 def still(held: float) -> Segment:
