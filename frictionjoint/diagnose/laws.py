@@ -18,7 +18,13 @@ from frictionjoint.threads import side_by_side
 # laws that take the integrated one's place where the residual of one is clearly smaller.
 # Maxwell-slip must follow its sliding level promptly: its lag would hide an effect of that name.
 _CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
-_RIVALS = (prompt_maxwell_slip(), forms_of("lugre"), forms_of("static"), _CONSTRAINT)
+_RIVALS = (
+    prompt_maxwell_slip(),
+    forms_of("lugre"),
+    forms_of("elastoplastic"),
+    forms_of("static"),
+    _CONSTRAINT,
+)
 # the forms of every law by the names of its numbers
 LAW_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
     forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)
