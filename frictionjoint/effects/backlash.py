@@ -41,7 +41,12 @@ def _pushed(p: float, half: float, w: float) -> float:
 
 @njit(cache=True)
 def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
-    """Where the link is while nothing moves: in the gap as it hangs, or held by a flank."""
+    """Where the link is while nothing moves: in the gap as it hangs, or held by a flank.
+
+    Where nothing pulls it, it may be anywhere in the gap, and the middle is never far off.
+    """
+    if sway == 0.0:
+        return 0.0
     if abs(rigid) < sway * half:
         return -rigid / sway
     return (-half if rigid >= 0.0 else half) - rigid / (w * w)
