@@ -31,7 +31,7 @@ def motion() -> Array:
     H = np.tanh(v / 0.05)
     rows[:, s.TIME], rows[:, s.DT] = t, t[1] - t[0]
     rows[0, s.DT] = 0.0
-    rows[:, s.Q], rows[:, s.V], rows[:, s.A], rows[:, s.JERK], rows[:, s.SNAP] = q, v, -q, -v, q
+    rows[:, s.Q], rows[:, s.V], rows[:, s.A] = q, v, -q
     rows[:, s.LOAD], rows[:, s.GX], rows[:, s.GY] = 5.0 * q, 9.81 * np.sin(q), 9.81 * np.cos(q)
     rows[:, s.GEAR] = rows[:, s.MOTOR] = rows[:, s.LOAD]
     rows[:, s.TEMP] = 25.0 + 10.0 * t / t[-1]

@@ -140,7 +140,7 @@ def test_a_link_falls_freely_through_its_gap():
     signals[:, GEAR] = np.where(signals[:, TIME] < 0.1, -pull, pull)
     shape = (gap, 200.0, 0.7)
     transmitted = columns(backlash.EFFECT.effect_id, shape, 1, signals)[:, 0] + signals[:, GEAR]
-    assert transmitted[500] == pytest.approx(-pull, rel=1e-3)
+    assert transmitted[950] == pytest.approx(-pull, rel=1e-3)
     turned = int(np.argmax(signals[:, GEAR] > 0.0))
     impact = turned + int(np.argmax(transmitted[turned:] > pull))
     assert np.all(transmitted[turned + 20 : impact - 20] == 0.0)

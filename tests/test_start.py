@@ -141,11 +141,11 @@ def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     assert any(begun.segments[0].swing)
     assert found.drive_rms < 0.8 * from_rest.drive_rms
     resonance, damping = found.terms[0].shape
-    assert resonance == pytest.approx(RESONANCE, rel=0.02)
+    assert resonance == pytest.approx(RESONANCE, rel=0.002)
+    assert damping == pytest.approx(DAMPING, rel=0.1)
     # friction on the motor's side stops the swing too: the law's own error is in the stated one
     at = found.layout.numbers([t.name for t in found.terms].index("joint-elasticity"))
     error = float(np.sqrt(np.diag(stated_covariance(begun, found))[at][1]))
-    assert error < 0.1 * DAMPING
     assert abs(damping - DAMPING) < 2.0 * error
     assert predict(swinging, found).error.std() < 1.05 * found.rms
 

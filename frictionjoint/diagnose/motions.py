@@ -16,6 +16,8 @@ from frictionjoint.effects.signals import (
     GY,
     LOAD,
     N_SIGNALS,
+    SAG,
+    SWAY,
     TEMP,
     TIME,
     A,
@@ -294,12 +296,13 @@ class Carried:
                 others[name] = (np.full(_GRID, np.median(np.concatenate(tracks))), none, none)
         still = body.torque(self.q, none, none, others)
         self.gravity, self.gx, self.gy = still.load, still.gx, still.gy
+        self.sag, self.sway = still.sag, still.sway
         self.inertia = body.torque(self.q, none, one, others).load - still.load
         self.centrifugal = body.torque(self.q, one, none, others).load - still.load
         self.armature = body.armature
 
     def fill(self, signals: Array, payload: float) -> None:
-        """LOAD, GEAR, GX and GY along a motion, shape (n, N_SIGNALS), with Q, V and A in it.
+        """What the rigid body says of a motion, shape (n, N_SIGNALS), with Q, V and A in it.
 
         Args:
             payload: fraction of what the joint carries that is added to it.
@@ -314,6 +317,7 @@ class Carried:
         signals[:, LOAD] = load + payload * gear
         signals[:, GEAR] = gear + payload * gear
         signals[:, GX], signals[:, GY] = at(self.gx), at(self.gy)
+        signals[:, SAG], signals[:, SWAY] = at(self.sag), at(self.sway)
 
 
 def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepared:

@@ -1,4 +1,8 @@
-"""backlash: the link is driven through a gap, encoder on the motor."""
+"""backlash: the link is driven through a gap, encoder on the motor.
+
+`share` is how much of the link's torque a log shows as it is followed: all of it, but for what the
+bouncing of hard flanks scatters. It is no number of the joint, and no part of a simulation.
+"""
 
 import math
 
@@ -7,49 +11,88 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, GEAR, TIME, A
+from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
 
-# longest substep, over the period of the flanks' resonance divided by 2 pi
-_FINE = 0.25
+# longest step, over the period of the flanks' resonance divided by 2 pi; and of a step, what is as
+# good as nothing
+_FINE, _NEAR = 0.25, 1e-6
 # where a search starts: s to cross the gap, Hz, 1
 _CROSSINGS, _FLANKS, _ZETA = tuple(0.01 * 1.3**k for k in range(10)), (8.0, 16.0), 0.45
+
+
+@njit(cache=True)
+def _step(p: float, rate: float, half: float, longest: float) -> float:
+    """Length of a step that ends where the link meets or leaves a flank, at most the longest."""
+    if rate == 0.0:
+        return longest
+    along = p if rate > 0.0 else -p
+    edge = -half if along < -half else half
+    step = (edge - along) / abs(rate)
+    return step if _NEAR * longest < step < longest else longest
+
+
+@njit(cache=True)
+def _pushed(p: float, half: float, w: float) -> float:
+    """Force of the spring of the flank that p is beyond, 0 in the gap; without its damping."""
+    if abs(p) <= half:
+        return 0.0
+    return -w * w * (p - half if p > 0.0 else p + half)
+
+
+@njit(cache=True)
+def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
+    """Where the link is while nothing moves: in the gap as it hangs, or held by a flank.
+
+    Where nothing pulls it, it may be anywhere in the gap, and the middle is never far off.
+    """
+    if sway == 0.0:
+        return 0.0
+    if abs(rigid) < sway * half:
+        return -rigid / sway
+    return (-half if rigid >= 0.0 else half) - rigid / (w * w)
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """What the flanks transmit, less what a rigid gear would.
 
-    With p = J (q_link - q_motor): p'' = T - T_rigid, and T = -w^2 (p beyond the gap) - 2 zeta w p'
-    while the flanks touch. Gap and p are scaled by the link's inertia J, which so need not be
-    known. X[x] p, X[x+1] p', X[x+2] last T_rigid.
+    With p = J (q_link - q_motor), small: p'' = T - T_rigid - sway p, for the link hangs where it
+    is, and T = -w^2 (p beyond the gap) - 2 zeta w p' while the flanks touch. Gap and p are scaled
+    by the link's inertia J, which so need not be known. A step is half of one of p, one of p', half
+    of one of p, and ends where a flank is met: there T leaps, and a link that meets it late bounces
+    otherwise. X[x] p, X[x+1] p', X[x+2] last T_rigid.
     """
     half, w, zeta = 0.5 * P[e], 2.0 * math.pi * P[e + 1], P[e + 2]
-    rigid = sig[GEAR]
+    rigid, sway = sig[GEAR], sig[SWAY]
     h = sig[DT]
     if h <= 0.0:
-        X[x] = (-half if rigid >= 0.0 else half) - rigid / (w * w)
+        X[x] = _at_rest(rigid, sway, half, w)
         X[x + 1] = 0.0
         X[x + 2] = rigid
         return 0.0
     p, rate, last = X[x], X[x + 1], X[x + 2]
-    pieces = 1 + int(h * w / _FINE)
-    dt = h / float(pieces)
-    impulse = 0.0
-    for i in range(pieces):
-        T = 0.0
-        if abs(p) > half:
-            flank = half if p > 0.0 else -half
-            T = -w * w * (p - flank) - 2.0 * zeta * w * rate
-            if T * p > 0.0:  # flanks push, they do not hold
-                T = 0.0
-        asked = last + (rigid - last) * (float(i) + 0.5) / float(pieces)
-        rate += dt * (T - asked)
-        p += dt * rate
-        impulse += dt * T
+    longest = h / float(1 + int(h * w / _FINE))
+    left = h
+    while left > _NEAR * h:
+        dt = _step(p, rate, half, min(longest, left))
+        p += 0.5 * dt * rate
+        asked = rigid - (rigid - last) * (left - 0.5 * dt) / h + sway * p
+        push = _pushed(p, half, w)
+        free = rate - dt * asked
+        brake = zeta * w * dt
+        rate = ((1.0 - brake) * rate + dt * (push - asked)) / (1.0 + brake) if push != 0.0 else free
+        if (rate - free) * p > 0.0:  # flanks push, they do not hold
+            rate = free
+        p += 0.5 * dt * rate
+        left -= dt
     X[x] = p
     X[x + 1] = rate
     X[x + 2] = rigid
-    return P[e + 3] * (impulse / h - 0.5 * (last + rigid))
+    push = _pushed(p, half, w)
+    T = push - 2.0 * zeta * w * rate if push != 0.0 else 0.0
+    if T * p > 0.0:
+        T = 0.0
+    return P[e + 3] * (T - rigid)
 
 
 def _gaps(signals: Array) -> list[Shape]:

@@ -7,8 +7,10 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A
+from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
+# of a spring's stiffness that gravity leaves at least: a link that hangs on it does not fall
+_LEAST = 0.1
 # half the angle that a resonance turns between two samples, rad; a faster one is just fast
 _FASTEST = 1.3
 
@@ -28,31 +30,36 @@ def _steeper(w: float, h: float) -> float:
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """J (a_link - a_motor), the link on a spring and damper driven by the motor's motion.
+    """What the spring hands on, less what a rigid gear would.
 
-    With d = q_link - q_motor: d'' + 2 zeta w d' + w^2 d = -a_motor, by the trapezoidal rule,
-    which adds no damping of its own. As it stands it would resonate at less than w, by (w h)^2/12,
-    2% at 20 Hz and 4 ms. With a step longer by tan(w h/2)/(w h/2) it resonates at w, and with J and
-    zeta larger by w h/sin(w h) as widely and as high. X[x] d over that factor, X[x+1] its rate,
-    X[x+2] the last a_motor.
+    With d = q_link - q_motor, small: d'' + 2 zeta w d' + w^2 d + sway d = -(a_motor + sag), for the
+    link hangs where it has swung to. By the trapezoidal rule, which adds no damping of its own. As
+    it stands it would resonate at less than w, by (w h)^2/12, 2% at 20 Hz and 4 ms. With a step
+    longer by tan(w h/2)/(w h/2) it resonates at w, and with J, zeta and sway larger by
+    w h/sin(w h) as widely and as high. X[x] d over that factor, X[x+1] its rate, X[x+2] the last
+    a_motor + sag.
     """
     w = 2.0 * math.pi * P[e]
     h = sig[DT]
+    asked = sig[A] + sig[SAG]
     if h <= 0.0:
-        X[x] = X[x + 1] = 0.0
-        X[x + 2] = sig[A]
-        return 0.0
+        # bent by its weight, and at rest
+        X[x] = -sig[SAG] / max(w * w + sig[SWAY], _LEAST * w * w)
+        X[x + 1] = 0.0
+        X[x + 2] = asked
+        return -P[e + 2] * (sig[SAG] + w * w * X[x])
     steeper = _steeper(w, h)
     damping = 2.0 * P[e + 1] * w * steeper
+    stiffness = max(w * w + steeper * sig[SWAY], _LEAST * w * w)
     h = 2.0 / w * math.tan(_half_angle(w, h))
     old = X[x + 1]
-    rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * w * w)
-    rate -= h * w * w * X[x] + 0.5 * h * (X[x + 2] + sig[A])
-    rate /= 1.0 + 0.5 * h * damping + 0.25 * h * h * w * w
+    rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * stiffness)
+    rate -= h * stiffness * X[x] + 0.5 * h * (X[x + 2] + asked)
+    rate /= 1.0 + 0.5 * h * damping + 0.25 * h * h * stiffness
     X[x] += 0.5 * h * (old + rate)
     X[x + 1] = rate
-    X[x + 2] = sig[A]
-    return -P[e + 2] * steeper * (sig[A] + w * w * X[x] + damping * rate)
+    X[x + 2] = asked
+    return -P[e + 2] * steeper * (asked + w * w * X[x] + damping * rate)
 
 
 @njit(cache=True, nogil=True)
@@ -63,7 +70,7 @@ def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None
     X = np.array([d / steeper, rate / steeper, 0.0])
     out[0] = -P[2] * (w * w * d + 2.0 * P[1] * w * rate)
     for k in range(1, len(out)):
-        sig[DT] = signals[k, DT]
+        sig[DT], sig[SWAY] = signals[k, DT], signals[k, SWAY]
         out[k] = torque(P, 0, sig, X, 0)
 
 
@@ -92,7 +99,7 @@ EFFECT = Effect(
     coefficients=("link_inertia",),
     units=("T s^2/x",),
     cause="compliant gear or shaft between motor and link, encoder on the motor",
-    form="J (d2q_link/dt2 - d2q/dt2), the link on a spring and damper driven by q",
+    form="what a spring transmits to a hanging link of inertia J, less what a rigid gear would",
     source="Spong (1987), two-mass model solved for the link",
     signature="a resonance of the torque at one frequency of the motion, whatever its size",
     separating_motion="fast motion with frequencies around the resonance, 3 to 30 Hz",

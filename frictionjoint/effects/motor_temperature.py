@@ -8,14 +8,13 @@ To first order, what has to be asked for a torque M is M (1 + a (T - T0)). A log
 simulation it rests where it was set, as that of `temperature-dependent`.
 """
 
-import math
-
 import numpy as np
 from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
+from frictionjoint.effects.thermometer import warmer
 
 # least and largest of what is asked for over what is given: beyond, the first order means nothing
 _LEAST, _MOST = 0.2, 5.0
@@ -27,8 +26,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
     X[x] is T - T0, K, where T is not a signal.
     """
-    warmer = X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
-    change = P[e + 1] * warmer
+    change = P[e + 1] * warmer(P[e], sig, X, x)
     asked_over_given = min(_MOST, max(_LEAST, 1.0 + change))
     return change * sig[MOTOR] + sig[ASKED] - sig[ASKED] / asked_over_given
 

@@ -2,7 +2,8 @@
 
 TIME   s since the start of the log or simulation
 Q V A  position, velocity, acceleration (rad or m)
-JERK SNAP  third and fourth derivative of the position; zero in simulation
+SAG    torque that holds the link behind the gear against gravity over its inertia, rad/s^2
+SWAY   derivative of SAG by the position, 1/s^2; both zero in simulation
 LOAD   rigid-body torque of the MJCF at this joint, N m
 GEAR   the same without what turns the armature: torque the gear transmits
 GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
@@ -16,6 +17,6 @@ ASKED  torque the motor would give if nothing saturated, N m; zero in a log
 LOSS   power that friction takes, W, for `heating`; zero in a log
 """
 
-TIME, Q, V, A, JERK, SNAP, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
+TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
 LOSS = 17
 N_SIGNALS = 18

@@ -15,6 +15,7 @@ from numba import njit
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
+from frictionjoint.effects.thermometer import warmer
 
 # K over which a change falls to 1/e: where a search starts. The last is next to linear.
 _SCALES = (8.0, 20.0, 60.0, 300.0)
@@ -23,22 +24,16 @@ _SCALES = (8.0, 20.0, 60.0, 300.0)
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where T is not a signal."""
-    change = math.expm1(-_warmer(P, e, sig, X, x) / P[e + 1])
+    change = math.expm1(-warmer(P[e], sig, X, x) / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
 
 @njit(cache=True)
 def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v; X[x] as that of `torque`."""
-    warmer = _warmer(P, e, sig, X, x)
-    level = P[e + 3] * math.expm1(-warmer / P[e + 1]) * sig[H]
-    return level + P[e + 4] * math.expm1(-warmer / P[e + 2]) * sig[V]
-
-
-@njit(cache=True)
-def _warmer(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """T - T0, K: of the signal, or where that is not a number of the memory."""
-    return X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - P[e]
+    rise = warmer(P[e], sig, X, x)
+    level = P[e + 3] * math.expm1(-rise / P[e + 1]) * sig[H]
+    return level + P[e + 4] * math.expm1(-rise / P[e + 2]) * sig[V]
 
 
 def _references(signals: Array) -> list[Shape]:

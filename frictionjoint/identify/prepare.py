@@ -18,6 +18,8 @@ from frictionjoint.effects.signals import (
     GY,
     LOAD,
     N_SIGNALS,
+    SAG,
+    SWAY,
     TEMP,
     TIME,
     A,
@@ -161,6 +163,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     signals[:, LOAD] = rigid.load
     signals[:, GEAR] = rigid.load - body.armature * a
     signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
+    signals[:, SAG], signals[:, SWAY] = rigid.sag, rigid.sway
     signals[:, DT] = dt
     signals[0, DT] = 0.0
     # not a number where no thermometer was read

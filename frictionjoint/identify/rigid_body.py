@@ -26,12 +26,17 @@ class RigidBodyTorque:
         load: torque the rigid body asks of the joint, N m (N for a slide).
         gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint,
             N m per kg m; zero for a slide joint.
+        sag: of the link without the joint's armature, torque that holds it against gravity over
+            its inertia, rad/s^2; zero for a slide joint.
+        sway: derivative of that by the position, 1/s^2.
         unknown: friction outside of the joint that the motion does not determine, N m; None: none.
     """
 
     load: Array
     gx: Array
     gy: Array
+    sag: Array
+    sway: Array
     unknown: Array | None = None
 
 
@@ -119,20 +124,46 @@ class RigidBody:
         e1, e2 = _across(model.jnt_axis[self.joint_id])
         n = len(position)
         load, turns, frames = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 9))
+        anchors, moments, inertia = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
+        unit, column = np.eye(1, model.nv, dof)[0], np.zeros(model.nv)
+        moved = _moved(model, body)
+        weighs = model.body_mass[moved] * (1.0 - model.body_gravcomp[moved])
+        # views, looked up once
+        centres, frame = data.xipos[moved], data.xmat[body]
+        axis, anchor = data.xaxis[self.joint_id], data.xanchor[self.joint_id]
         for k in range(n):
             data.qpos[qpos] = q[k]
             data.qvel[dofs] = v[k]
             data.qacc[dofs] = a[k]
             mujoco.mj_inverse(model, data)
             load[k] = data.qfrc_inverse[dof]
-            turns[k], frames[k] = data.xaxis[self.joint_id], data.xmat[body]
+            turns[k], frames[k], anchors[k] = axis, frame, anchor
+            np.dot(weighs, centres, out=moments[k])
+            mujoco.mj_mulM(model, data, column, unit)
+            inertia[k] = column[dof]
         if self.slide:
-            return RigidBodyTorque(load, np.zeros(n), np.zeros(n))
+            return RigidBodyTorque(load, *np.zeros((4, n)))
         # torque the joint must supply: -(e x g).axis = -e.(g x axis), e turning with the body
         across = np.cross(model.opt.gravity, turns)
         R = frames.reshape(n, 3, 3)
         gx, gy = (-np.einsum("ni,nij,j->n", across, R, e) for e in (e1, e2))
-        return RigidBodyTorque(load, gx, gy)
+        # of the moment m: -(m x g).axis, and as the moment turns -((axis x m) x g).axis
+        moments -= weighs.sum() * anchors
+        inertia -= self.armature
+        g = model.opt.gravity
+        hold = -np.einsum("ni,ni->n", across, moments)
+        along = np.einsum("ni,ni->n", turns, moments)
+        stiffness = moments @ g - along * (turns @ g)
+        per_inertia = np.divide(1.0, inertia, out=np.zeros(n), where=inertia > 0.0)
+        return RigidBodyTorque(load, gx, gy, hold * per_inertia, stiffness * per_inertia)
+
+
+def _moved(model: mujoco.MjModel, body: int) -> slice:
+    """A body and all that hang from it, which MuJoCo has one after the other."""
+    end = body + 1
+    while end < model.nbody and model.body_parentid[end] >= body:
+        end += 1
+    return slice(body, end)
 
 
 def _joint_id(model: mujoco.MjModel, joint: str) -> int:

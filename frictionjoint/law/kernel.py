@@ -30,7 +30,7 @@ from frictionjoint.law.stribeck import FC
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
 
 _start_integrated = integrated.start
-_step_integrated = integrated.step
+_step_integrated = integrated.usual_step
 _step_static = static.step
 _step_armstrong = armstrong.step
 _step_dahl = dahl.step

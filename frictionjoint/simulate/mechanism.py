@@ -10,7 +10,8 @@ with the motor held, its damping. For the last joint of a chain the link is give
 it lacks is the armature of a tendon over both joints, what it has too much goes to the rotor. Where
 the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, the deflection
 gets an armature that leaves to the motor's side just what was identified. Before other joints the
-inertia is left to the bodies, whatever the pose, and the fit gives stiffness and damping.
+inertia is left to the bodies, whatever the pose, and the fit gives stiffness and damping. Behind a
+gap is the whole link, however much of its torque a log shows.
 """
 
 import math
@@ -191,8 +192,8 @@ def _spring(
         if effect is ELASTICITY:
             frequency, ratio, inertia = (float(x) for x in numbers)
         else:
-            gap, frequency, ratio, share = (float(x) for x in numbers)
-            inertia, half_gap = share * link, 0.5 * gap / link
+            gap, frequency, ratio, _ = (float(x) for x in numbers)
+            inertia, half_gap = link, 0.5 * gap / link
         behind, damping_ratio = min(behind, inertia), max(damping_ratio, ratio)
         compliance += 1.0 / (2.0 * math.pi * frequency) ** 2
     rate = 1.0 / math.sqrt(compliance)
