@@ -54,6 +54,11 @@ class Refined:
     vector: Vector
 
     @property
+    def gain_error(self) -> float:
+        """Standard error of the gain of the drive over the gain; 0 where it is known."""
+        return float(np.sqrt(self.cov[0, 0])) if self.vector.has_gain else 0.0
+
+    @property
     def guard(self) -> tuple[float, float]:
         """Means of `left_out`."""
         before, after = self.left_out

@@ -136,14 +136,28 @@ class Vector:
 
         What the logs say nothing of stays where it is.
         """
-        scale = np.ones(len(cov))
-        scale[: self.layout.linear.stop] = self.fitted.gain
-        if self.has_gain:
-            scale[0] = 1.0 / abs(self.fitted.beta[0])
         silent = ~np.isfinite(np.diag(cov))
-        found = np.where(np.isfinite(cov), cov, 0.0) * np.outer(scale, scale)
-        found[silent] = found[:, silent] = 0.0
-        return np.asarray(found)
+        known = np.where(np.isfinite(cov), cov, 0.0)
+        known[silent] = known[:, silent] = 0.0
+        slopes = self._slopes(self.fitted)
+        return np.asarray(slopes @ known @ slopes.T)
+
+    def own_covariance(self, fitted: Fit, cov: Array) -> Array:
+        """That of the numbers in the order and units of a fit's own parameters, (p, p)."""
+        slopes = np.linalg.inv(self._slopes(fitted))
+        return np.asarray(slopes @ cov @ slopes.T)
+
+    def _slopes(self, fitted: Fit) -> Array:
+        """Derivatives of the numbers by a fit's own parameters, shape (p, p).
+
+        The fit has the reciprocal of the gain, and what is in N m divided by the gain.
+        """
+        slopes, n = np.eye(len(self.layout.names)), self.layout.linear.stop
+        slopes[range(n), range(n)] = fitted.gain
+        if self.has_gain:
+            slopes[:n, 0] = -(fitted.gain**2) * fitted.beta
+            slopes[0, 0] = -fitted.gain
+        return slopes
 
     def fit(self, x: Array) -> Fit:
         """The model at a point; residual and jacobian stay those of the balance."""
