@@ -23,10 +23,12 @@ from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import Candidate, effect_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.replay import simulated_whole
+from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
+from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import Refined, refine
@@ -50,6 +52,14 @@ def named_by_motion(
     Args:
         found: by the balance. courses: of the logs it was found in. armature: of the MJCF.
     """
+    found, now = _asked_for(found, courses, armature, progress)
+    return found, _with_armature(found, now, courses, progress)
+
+
+def _asked_for(
+    found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
+) -> tuple[Trace, Refined]:
+    """With the effects that whole motions ask for."""
     now = _refined(found.prepared, found.final, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
@@ -74,6 +84,27 @@ def named_by_motion(
         findings = (*_moved(found.findings, own.fit), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
     return found, now
+
+
+def _with_armature(
+    found: Trace, now: Refined, courses: Sequence[Course], progress: Callable[[str], None]
+) -> Refined:
+    """Refined with the armature of the MJCF free, where that predicts logs left out better.
+
+    A rotor's inertia is rarely measured, and the balance can mistake it for a delay. But it stands
+    in for much that whole motions ask for, and so it comes after that.
+    """
+    if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
+        return now
+    terms = (*found.final.effects, EffectTerm(ARMATURE))
+    prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
+    progress("refine: armature")
+    begin = partial(_begin, now, ARMATURE.name, np.zeros(1))
+    other = _refined(prepared, fitted, courses, lambda text: None, begin)
+    left_out = now.left_out[0], other.left_out[1]
+    if not clearly_less(left_out[1], now.stands):
+        return now
+    return replace(other, fit=other.vector.fit(other.values), taken=True, left_out=left_out)
 
 
 def _refined(

@@ -9,7 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, shape_limits
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.prepare import Prepared
+from frictionjoint.identify.prepare import Prepared, inertia_of
 from frictionjoint.identify.terms import EffectTerm, Timing
 
 # unit of the prior, in standard errors of the balance: those leave out what is wrong in every log
@@ -79,6 +79,11 @@ class Vector:
         at = self.layout.shape
         size[at] = np.maximum(size[at], 1.0)
         error = np.where(np.isfinite(error), error, np.inf)
+        # an inertia's error is one of the whole, and what a delay leaves of it in the balance
+        # says little of it
+        for i in self._inertias:
+            size[i] = max(size[i], max(inertia_of(s.signals) for s in prepared.segments))
+            error[i] = np.inf
         self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
@@ -112,6 +117,13 @@ class Vector:
                 low.append(max(least, _LEAST_SCALE * x) if least == 0.0 else least)
                 high.append(most)
         return np.array(low), np.array(high)
+
+    @property
+    def _inertias(self) -> list[int]:
+        """Where the numbers are inertias."""
+        terms = enumerate(self.fitted.terms)
+        own = [i for i, t in terms if isinstance(t, EffectTerm) and t.effect.is_inertia]
+        return [self.layout.coefficients(i).start for i in own]
 
     @property
     def names(self) -> tuple[str, ...]:
