@@ -145,7 +145,8 @@ def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
     """
     if len(courses) == 1:
         left_out = errors[0, ~np.isnan(errors[0])]
-        return np.array([np.mean(np.abs(part)) for part in np.array_split(left_out, _PARTS)])
+        parts = np.array_split(left_out, min(_PARTS, len(left_out)))
+        return np.array([np.mean(np.abs(part)) for part in parts])
     ends = np.cumsum([len(c.position) for c in courses])[:-1]
     return np.array([np.nanmean(np.abs(part)) for part in np.split(errors, ends, axis=1)])
 
