@@ -100,6 +100,8 @@ def run(
     """Position of each joint at its log's times, all joints driven at once."""
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     model.opt.timestep = STEP
+    # a motor's back-EMF may well brake more than a step of Euler's bears
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     data = mujoco.MjData(model)
     first = next(iter(logs.values()))
     time = np.arange(first.time[0], first.time[-1] + STEP, STEP)

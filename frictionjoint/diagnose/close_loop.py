@@ -75,6 +75,8 @@ from frictionjoint.threads import one_thread
 
 # length of the blocks of an rms's interval, s
 _BLOCK_S = 0.5
+# standard error of a gain over the gain, beyond which it may as well be any
+_ANY_GAIN = 1.0
 # where no torque is known, nothing can be replayed: before and after
 _NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
@@ -178,7 +180,7 @@ def explain(
         # where the load hardly shows, many gains move alike: the best of them, with its error
         if refine:
             found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
-            scaled = scaled or outcome.taken
+            scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)
             refined = RefinedModel.of(outcome, loops, body.slide, scaled)
         closed = loops.errors((found.base, found.final))
     best = outcome.fit if outcome else found.final
