@@ -17,12 +17,15 @@ target only. The error is the mean of |simulated - measured position|, rad, on B
 import argparse
 import json
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -66,7 +69,8 @@ class Row:
         return float(np.mean(list(self.errors.values())))
 
     def __str__(self) -> str:
-        errors = " | ".join(f"{self.errors[name]:.4f}" for name in TRAJECTORIES)
+        names = [*TRAJECTORIES, *(name for name in self.errors if name not in TRAJECTORIES)]
+        errors = " | ".join(f"{self.errors[name]:.4f}" for name in names)
         return f"| {self.gain} | {self.model} | {errors} | {self.mean:.4f} | {self.seconds:.0f} |"
 
 
@@ -99,10 +103,25 @@ def trajectory(path: Path) -> str:
 
 
 class Bam:
-    """BAM's own programs, run as its documentation says, on logs resampled by itself."""
+    """BAM's own programs, run as its documentation says, on logs resampled by itself.
 
-    def __init__(self, checkout: Path, python: str, logs: Path, folder: Path) -> None:
+    Args:
+        logs: a folder of raw ones. folder: to work in. actuator: its name there.
+        seconds: of its process, after which a search ends with the best it has; None: after its
+            trials.
+    """
+
+    def __init__(
+        self,
+        checkout: Path,
+        python: str,
+        logs: Path,
+        folder: Path,
+        actuator: str = "xl330",
+        seconds: float | None = None,
+    ) -> None:
         self.checkout, self.python, self.folder = checkout.resolve(), python, folder
+        self.actuator, self.seconds = actuator, seconds
         self.processed = folder / "processed"
         self.processed.mkdir()
         self._run("bam.process", "--raw", logs.resolve(), "--logdir", self.processed)
@@ -111,8 +130,9 @@ class Bam:
         """Fit one of its models on the other gains, replay this one."""
         parameters, table = self.folder / f"{model}_{gain}.json", self.folder / "mae.json"
         begin = time.perf_counter()
-        self._run("bam.fit", "--actuator", "xl330", "--model", model, "--logdir", self.processed,
-                  "--validation_kp", gain, "--trials", trials, "--output", parameters)  # fmt: skip
+        self._run("bam.fit", "--actuator", self.actuator, "--model", model,
+                  "--logdir", self.processed, "--validation_kp", gain, "--trials", trials,
+                  "--output", parameters, seconds=self.seconds)  # fmt: skip
         seconds = time.perf_counter() - begin
         held = self.folder / f"held_{gain}"
         held.mkdir(exist_ok=True)
@@ -122,19 +142,32 @@ class Bam:
         self._run("bam.mae", "--params", parameters, "--logdir", held, "--json", table)
         per_log = json.loads(table.read_text())[parameters.stem]["per_log"]
         # in the order in which `bam.logs` lists the folder
-        names = [trajectory(path) for path in map(Path, _listed(held))]
-        return Row(gain, f"BAM {model.upper()}", dict(zip(names, per_log, strict=True)), seconds)
+        errors: dict[str, list[float]] = {}
+        for path, error in zip(map(Path, _listed(held)), per_log, strict=True):
+            errors.setdefault(trajectory(path), []).append(error)
+        means = {name: float(np.mean(x)) for name, x in errors.items()}
+        return Row(gain, f"BAM {model.upper()}", means, seconds)
 
-    def _run(self, module: str, *arguments: object) -> None:
+    def _run(self, module: str, *arguments: object, seconds: float | None = None) -> None:
+        # its parameters are written whenever they are better: a search may end at any time
+        limit = None if seconds is None else partial(_end_after, seconds)
         done = subprocess.run(
             [self.python, "-m", module, *map(str, arguments)],
             cwd=self.folder,
             env={**os.environ, "PYTHONPATH": str(self.checkout), "MPLBACKEND": "agg"},
             capture_output=True,
             text=True,
+            preexec_fn=limit,
         )
+        if limit and done.returncode == -signal.SIGXCPU:
+            return
         if done.returncode:
             sys.exit(f"{module} of the checkout failed: {done.stderr.strip().splitlines()[-1]}")
+
+
+def _end_after(seconds: float) -> None:
+    """End this process after some seconds of its own."""
+    resource.setrlimit(resource.RLIMIT_CPU, (round(seconds), round(seconds) + 5))
 
 
 def _listed(folder: Path) -> list[str]:

@@ -1,6 +1,7 @@
 """Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
 
 import numpy as np
+import pytest
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
@@ -19,16 +20,17 @@ from frictionjoint.refine.vector import with_term
 MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
 
 
-def named(friction):
+def named(friction, armature="0.01", motions=(steps, sines, swept)):
     """What is named where the balance has found the motor alone.
 
-    Returns also the errors on an unseen gain, refined over those of the balance.
+    Returns also the errors on an unseen gain, refined over those of the balance, and the
+    refinement.
     """
-    body = RigidBody(PLANT.format(""), "j")
+    body = RigidBody(PLANT.format("").replace('armature="0.01"', f'armature="{armature}"'), "j")
     logs = [
         servo(f"{m.__name__} {kp}", kp, m, {}, 3.0, friction=friction)
         for kp in (0.8, 3.0)
-        for m in (steps, sines, swept)
+        for m in motions
     ]
     prepared = prepare(logs, body, controller=KNOWN)
     fitted = refit(prepared, MOTOR, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
@@ -41,19 +43,29 @@ def named(friction):
     assert [f.term for f in found.findings] == list(found.final.effects)
     unseen = courses_of([servo("swept 1.5", 1.5, swept, {}, 3.0, friction=friction)], [body], KNOWN)
     errors = [closed_loop(unseen, f).mae for f in (refined.fit, fitted)]
-    return found.findings[1:], errors[0] / errors[1]
+    return found.findings[1:], errors[0] / errors[1], refined
 
 
 def test_a_spring_that_the_balance_left_out_is_named():
-    findings, part = named('frictionloss="0.06" damping="0.03" stiffness="0.6" springref="0.5"')
+    findings, part, _ = named('frictionloss="0.06" damping="0.03" stiffness="0.6" springref="0.5"')
     assert [f.term.name for f in findings] == ["spring"]
     assert findings[0].gain > 0.3
     assert part < 0.5
 
 
 def test_nothing_is_named_where_nothing_is_there():
-    findings, _ = named('frictionloss="0.06" damping="0.03"')
+    findings, *_ = named('frictionloss="0.06" damping="0.03"')
     assert not [f.term.name for f in findings]
+
+
+def test_an_armature_that_is_wrong_in_the_model_is_a_number_of_the_refinement():
+    # four logs are too few to name anything else by motion
+    friction = 'frictionloss="0.06" damping="0.03"'
+    findings, part, refined = named(friction, armature="0.06", motions=(sines, swept))
+    found = dict(zip(refined.vector.names, refined.values, strict=True))
+    assert not findings
+    assert found["inertia-error 0.inertia"] == pytest.approx(0.01 - 0.06, rel=0.1)
+    assert part < 0.2
 
 
 def test_a_motor_is_screened_where_the_balance_has_named_none():

@@ -67,6 +67,20 @@ def test_the_covariance_is_one(case):
     assert error.max() < 3.0
 
 
+def test_a_covariance_knows_that_gain_and_torques_move_together(case):
+    fitted, found, _ = case
+    vector = found.vector
+    cov = np.diag(np.linspace(1.0, 2.0, len(vector.start)) * 1e-6)
+    there = vector.covariance(cov)
+    assert vector.own_covariance(fitted, there) == pytest.approx(cov, abs=1e-12)
+    # torques by the definition: gain times coefficient, the gain one over that of the load
+    n = vector.layout.linear.stop
+    for i in range(1, n):
+        slopes = np.zeros(len(cov))
+        slopes[0], slopes[i] = -(fitted.gain**2) * fitted.beta[i], fitted.gain
+        assert there[i, i] == pytest.approx(slopes @ cov @ slopes)
+
+
 def test_numbers_stay_in_their_range_where_a_search_rounds(case):
     _, found, other = case
     vector = found.vector

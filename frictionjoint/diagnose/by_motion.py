@@ -14,19 +14,22 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.library import Candidate, effect_terms
-from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.library import Candidate, effect_terms, library
+from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.replay import simulated_whole
+from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
 from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
+from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import Refined, refine
@@ -50,6 +53,14 @@ def named_by_motion(
     Args:
         found: by the balance. courses: of the logs it was found in. armature: of the MJCF.
     """
+    found, now = _asked_for(found, courses, armature, progress)
+    return found, _with_armature(found, now, courses, progress)
+
+
+def _asked_for(
+    found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
+) -> tuple[Trace, Refined]:
+    """With the effects that whole motions ask for."""
     now = _refined(found.prepared, found.final, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
@@ -74,6 +85,27 @@ def named_by_motion(
         findings = (*_moved(found.findings, own.fit), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
     return found, now
+
+
+def _with_armature(
+    found: Trace, now: Refined, courses: Sequence[Course], progress: Callable[[str], None]
+) -> Refined:
+    """Refined with the armature of the MJCF free, where that predicts logs left out better.
+
+    A rotor's inertia is rarely measured, and the balance can mistake it for a delay. But it stands
+    in for much that whole motions ask for, and so it comes after that.
+    """
+    if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
+        return now
+    terms = (*found.final.effects, EffectTerm(ARMATURE))
+    prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
+    progress("refine: armature")
+    begin = partial(_begin, now, ARMATURE.name, np.zeros(1))
+    other = _refined(prepared, fitted, courses, lambda text: None, begin)
+    left_out = now.left_out[0], other.left_out[1]
+    if not clearly_less(left_out[1], now.stands):
+        return now
+    return replace(other, fit=other.vector.fit(other.values), taken=True, left_out=left_out)
 
 
 def _refined(
@@ -119,9 +151,10 @@ def _promising(
 ) -> list[tuple[Fit, Array]]:
     """Models of the balance with one effect more that move nearest, best first.
 
-    Of those effects that promise something to first order beside the refined numbers; with their
-    coefficients there, N m. That order alone would not do: numbers that have stood in for an effect
-    must first move out of its way, and with it the balance has them elsewhere.
+    Of those effects that promise something, to first order beside the refined numbers or in the
+    balance; with their coefficients there, N m. That order alone would not do: numbers that have
+    stood in for an effect must first move out of its way, and with it the balance has them
+    elsewhere.
     """
     prepared, final = found.prepared, found.final
     objective = Objective(now.vector, courses, WINDOW_S, now.values)
@@ -131,12 +164,36 @@ def _promising(
 
     before = squares(final)
     models = []
-    for term, coefficients in _beside(prepared, now, objective, armature):
+    screened = _beside(prepared, now, objective, armature)
+    taken = {term.name for term, _ in screened}
+    left_open: list[tuple[EffectTerm, Array | None]] = [
+        (term, None) for term in _left_open(prepared, final) if term.name not in taken
+    ]
+    for term, coefficients in [*screened, *left_open]:
         fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
+        if not simulated_whole(fitted, armature, thermometer=True):
+            continue
+        if coefficients is None:
+            coefficients = fitted.term_coefficients(len(final.effects))
         models.append((1.0 - squares(fitted) / before, fitted, coefficients))
     models.sort(key=lambda model: -model[0])
     least = max(PROMISING, (1.0 - SMALLEST_GAIN) * models[0][0]) if models else 0.0
     return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
+
+
+def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
+    """Effects that the balance shows, and not by as much as it must to name them."""
+    blocks = make_blocks(prepared, final)
+    candidates = [c for c in library(prepared, final, blocks) if isinstance(c.term, EffectTerm)]
+    if not candidates:
+        return []
+    seen, _ = look(final, blocks, candidates, np.random.default_rng(0))
+    return [
+        row.candidate.term
+        for row in seen.rows
+        if row.p_value <= SIGNIFICANCE and seen.gain(row) >= PROMISING
+        if isinstance(row.candidate.term, EffectTerm)
+    ]
 
 
 def _beside(

@@ -14,7 +14,7 @@ from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.notes import DIVERGES, notes
+from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
 from frictionjoint.diagnose.replay import (
@@ -70,6 +70,8 @@ from frictionjoint.refine.vector import Vector
 from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.threads import one_thread
 
+# standard error of a gain over the gain, beyond which it may as well be any
+_ANY_GAIN = 1.0
 # where no torque is known, nothing can be replayed: before and after
 _NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
@@ -157,35 +159,38 @@ def explain(
     loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
 
     def replayed(fitted: Fit) -> Array | None:
-        if not scale_is_determined(fitted_on, fitted):
-            return None
         if loops is None:
-            return replayed_whole(fitted_on, mine, fitted)
+            known = scale_is_determined(fitted_on, fitted)
+            return replayed_whole(fitted_on, mine, fitted) if known else None
+        if not load_shows(fitted):
+            return None
         whole = simulated_whole(fitted, body.armature, thermometer=True)
         return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
-    scaled = load_shows(found.base) and scale_is_determined(found.prepared, found.final)
-    outcome = None
+    shows = load_shows(found.base) and load_shows(found.final)
+    scaled = shows and scale_is_determined(found.prepared, found.final)
+    outcome, closed, refined = None, None, None
+    if loops and shows:
+        # where the load hardly shows, many gains move alike: the best of them, with its error
+        if refine:
+            found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
+            scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)
+            refined = RefinedModel.of(outcome, loops, body.slide, scaled)
+        closed = loops.errors((found.base, found.final))
+    best = outcome.fit if outcome else found.final
     if not scaled:
-        found, loops = found.without_scale(), None
-    elif loops and refine:
-        found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
+        found = found.without_scale()
     check_fit(found.prepared, found.final)
     moving = found.prepared
     cov = stated_covariance(moving, found.final)
     left = errors_elsewhere(moving, found.final, cov)
     kept_moving = weighted(kept_back, found.final, left) if kept_back else None
-    refined, best = None, found.final
-    if loops and outcome:
-        best = outcome.fit
-        refined = RefinedModel.of(outcome, loops, body.slide)
     progress("replay")
     spec = body.spec()
     if scaled:
         friction_spec(spec, joint, best)
     spec.compile()
-    closed = loops.errors((found.base, found.final)) if loops else None
     if closed:  # the target drives the joint, as it will where the model is used
         after_it = refined.loops if refined and refined.taken else closed[1]
         runs = [loop.replays for loop in (closed[0], after_it)]
@@ -234,7 +239,12 @@ def explain(
         curves=curves(moving, kept_moving, found),
         rankings=rankings(found),
         proposals=(*open_questions, *computed),
-        notes=(*said, *notes(found, cov), *((DIVERGES,) if diverges else ())),
+        notes=(
+            *said,
+            *notes(found, cov, shows),
+            *(gain_note(outcome.gain_error) if outcome and scaled else ()),
+            *((DIVERGES,) if diverges else ()),
+        ),
         closed_loops=closed,
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,

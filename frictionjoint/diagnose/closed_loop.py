@@ -24,10 +24,12 @@ from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+from frictionjoint.simulate.one_joint import JointModel, Load, Run, load_of, simulate
 
 # s, longest step of a simulation
 _STEP = 1e-3
+# steps from one evaluation of the load among other joints to the next
+_LOAD_STRIDE = 4
 
 
 @dataclass(frozen=True)
@@ -121,12 +123,13 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
     h = log.duration / steps
     time = log.time[0] + h * np.arange(steps + 1)
     smooth = differentiate(log)
-    others = {}
+    others: dict[str, tuple[Array, Array, Array]] = {}
     for name, position in log.other_positions.items():
         if name in body.joint_names:
             track = differentiate(replace(log, position=position))
             triple = (track.position, track.velocity, track.acceleration)
-            others[name] = tuple(np.interp(time, track.time, x) for x in triple)
+            q, v, a = (np.interp(time, track.time, x) for x in triple)
+            others[name] = q, v, a
     velocity = np.interp(time, smooth.time, smooth.velocity)
     on = np.ones(len(time), dtype=bool)
     if log.torque_enabled is not None:
@@ -144,7 +147,7 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
             supply=held(log.time, supply_of(controller, log), time),
             on=on,
             start=start,
-            load=load_of(body, velocity, others),
+            load=_load(body, velocity, others),
             block=block_of(controller, log),
             temperature=(
                 None if log.temperature is None else np.interp(time, log.time, log.temperature)
@@ -154,6 +157,17 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
         delay=delay,
         figures={**log.metadata, "motion": log.motion, "load": float(load)},
     )
+
+
+def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:
+    """Load at each step; among other joints, whose motion is smooth, from some of the steps."""
+    at = np.arange(0, len(velocity), _LOAD_STRIDE)
+    coarse = {name: (x[at], v[at], a[at]) for name, (x, v, a) in others.items()}
+    load = load_of(body, velocity[at], coarse)
+    if load.numbers.shape[1] == 1:
+        return load
+    steps = np.arange(len(velocity))
+    return replace(load, numbers=np.array([np.interp(steps, at, row) for row in load.numbers]))
 
 
 def changes_of(fitted: Fit) -> list[Change]:

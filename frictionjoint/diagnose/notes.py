@@ -6,6 +6,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.terms import Timing
@@ -17,16 +18,31 @@ DIVERGES = (
     "than all its travel, so no position error is stated. Check masses, gravity and signs of the "
     "MJCF, and the units of the logs."
 )
+NO_LOAD = (
+    "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
+    "those beyond it, or the load is too small to show."
+)
 
 
-def notes(found: Trace, cov: Array) -> tuple[str, ...]:
+def gain_note(error: float) -> tuple[str, ...]:
+    """How well a gain is known that the simulated motion tells, where that is not well."""
+    if error < 1.0 / SURE:
+        return ()
+    return (
+        f"What torque the drive makes is known to {error:.0%} only, and all torques with it; the "
+        "simulated motion does not depend on it. A payload whose mass the MJCF holds would tell.",
+    )
+
+
+def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
     """All notes on a result.
 
     Args:
-        cov: of all parameters of the final fit.
+        cov: of all parameters of the final fit. load_shows: whether its drive grows with the load.
     """
     return (
         *scale_note(found.final),
+        *(() if load_shows else (NO_LOAD,)),
         *_rest_note(found),
         *_hold_note(found),
         *timing_note(found.final, cov),

@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.closed_loop import ClosedLoop, Course, closed_loop, courses_of
 from frictionjoint.diagnose.replay import Replay
 from frictionjoint.diagnose.rms import Rms
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
@@ -84,17 +81,22 @@ class RefinedModel:
     parameters: dict[str, Estimate]
 
     @classmethod
-    def of(cls, outcome: Refined, loops: Loops, slide: bool) -> "RefinedModel":
-        """From a refinement, whether it was taken or not."""
-        fitted = outcome.vector.fit(outcome.values)
-        cov = _of_fit(outcome, fitted)
+    def of(cls, outcome: Refined, loops: Loops, slide: bool, scaled: bool) -> "RefinedModel":
+        """From a refinement, whether it was taken or not.
+
+        Args:
+            scaled: whether the gain of the drive is determined; else all is in units of the drive.
+        """
+        whole = outcome.vector.fit(outcome.values)
+        cov = outcome.vector.own_covariance(whole, outcome.cov)
+        fitted = whole if scaled else without_scale(whole)
         found = law_estimates(fitted, cov, slide)
         for i, term in enumerate(fitted.effects):
             found |= {
                 f"{term.name} {name}": x
                 for name, x in term_estimates(fitted, cov, i, slide).items()
             }
-        (errors,) = loops.errors([fitted])
+        (errors,) = loops.errors([whole])
         return cls(outcome.taken, outcome.guard, errors, found)
 
     def to_dict(self) -> dict[str, Any]:
@@ -106,12 +108,3 @@ class RefinedModel:
             "closed_loop_rms": self.loops.rms.to_dict(),
             "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
         }
-
-
-def _of_fit(outcome: Refined, fitted: Fit) -> Array:
-    """Covariance in the order and the units of the fit's own parameters."""
-    scale = np.ones(len(outcome.values))
-    scale[: fitted.layout.linear.stop] = 1.0 / fitted.gain
-    if outcome.vector.has_gain:  # the logarithm of the gain is there
-        scale[0] = abs(fitted.beta[0])
-    return np.asarray(outcome.cov * np.outer(scale, scale))

@@ -196,7 +196,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         np.interp(grid, t, q),
         sample,
         count_of(log.position),
-        _inertia(signals) * per_drive,
+        inertia_of(signals) * per_drive,
     )
     return Segment(
         name=log.name,
@@ -223,8 +223,12 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     )
 
 
-def _inertia(signals: Array) -> float:
-    """Torque of the rigid body over its acceleration, kg m^2; gravity goes with the position."""
+def inertia_of(signals: Array) -> float:
+    """Torque of the rigid body over its acceleration, kg m^2; gravity goes with the position.
+
+    Args:
+        signals: of a log, shape (n, N_SIGNALS).
+    """
     columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
     return abs(float(np.linalg.lstsq(columns, signals[:, LOAD], rcond=None)[0][0]))
 

@@ -4,10 +4,12 @@ A kind is what a user will have more of: another gain, another load, another mot
 at random are like those that are kept, and tell how well a model interpolates.
 
 For each kind the refined numbers are moved to where the other logs alone would have them, by a
-search that begins with the derivatives that are known, and the logs left out are simulated anew.
+search that begins with the derivatives that are known; the balance is fitted without it too, for a
+model knows the logs that it was fitted to. Both simulate the logs left out.
 """
 
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,11 @@ from scipy.special import ndtri
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.diagnose.closed_loop import Course
+from frictionjoint.effects.signals import TIME
+from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.gate import load_shows
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.refine.motion import errors
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant, differences
 
@@ -26,6 +33,8 @@ Mask = NDArray[np.bool_]
 _MOST_KINDS = 6
 # of a log that is alone, how much is left out at its end
 _LAST = 1.0 / 3.0
+# of that, parts that count as logs of their own
+_PARTS = 10
 # part of the positions that a band holds, and least standard error of one, rad (m)
 BAND, _LEAST_WIDTH = 0.95, 1e-9
 # steps towards where the kept logs would have the numbers
@@ -72,6 +81,30 @@ def without_each(
     return moved, np.where(masks, [objective.errors(x) for x in moved], np.nan)
 
 
+def balanced_without_each(
+    prepared: Prepared, fitted: Fit, courses: Sequence[Course], masks: Sequence[Mask]
+) -> Array:
+    """Errors on each kind of the balance fitted without it, rad (m), NaN elsewhere, (kinds, n)."""
+    rows = []
+    for mask in masks:
+        other = refit(_kept(prepared, courses, mask), fitted.terms, fitted.shape, ROUGH)
+        # without the load in what is left no torque is known: then that of all logs
+        errors_there = errors(courses, other if load_shows(other) else fitted, None)
+        rows.append(np.where(mask, np.concatenate(errors_there), np.nan))
+    return np.array(rows)
+
+
+def _kept(prepared: Prepared, courses: Sequence[Course], mask: Mask) -> Prepared:
+    """The logs, or the part of a log that is alone, that are not left out."""
+    if len(courses) > 1:
+        ends = np.cumsum([len(c.position) for c in courses])[:-1]
+        left_out = [bool(part.any()) for part in np.split(mask, ends)]
+        return prepared.subset([i for i, out in enumerate(left_out) if not out])
+    (s,), (course,) = prepared.segments, courses
+    kept = s.signals[:, TIME] < course.time[int(np.argmax(mask))] - course.time[0]
+    return replace(prepared, segments=(replace(s, mask=s.mask & kept),))
+
+
 def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
     """Covariance of numbers from what they are without each kind (jackknife), shape (p, p).
 
@@ -106,7 +139,14 @@ def missing_width(objective: Objective, z: Array, cov: Array, errors: Array) -> 
 
 
 def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
-    """Mean absolute error of each log over all kinds that leave it out, shape (logs,)."""
+    """Mean absolute error of each log over all kinds that leave it out, shape (logs,).
+
+    Of a log that is alone: of each part of what was left out.
+    """
+    if len(courses) == 1:
+        left_out = errors[0, ~np.isnan(errors[0])]
+        parts = np.array_split(left_out, min(_PARTS, len(left_out)))
+        return np.array([np.mean(np.abs(part)) for part in parts])
     ends = np.cumsum([len(c.position) for c in courses])[:-1]
     return np.array([np.nanmean(np.abs(part)) for part in np.split(errors, ends, axis=1)])
 

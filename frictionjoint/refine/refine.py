@@ -16,6 +16,7 @@ from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.guard import (
+    balanced_without_each,
     clearly_less,
     kinds,
     missing_width,
@@ -42,8 +43,8 @@ class Refined:
         fit: refined, or the balance's own where it does not clearly predict unlike motion better.
         taken: whether it is the refined one. names: of the numbers in `values`.
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
-        left_out: mean absolute error of each log by what was fitted to other kinds of logs, before
-            and after, shape (logs,) each, rad (m).
+        left_out: mean absolute error of each log, see `guard.of_logs`, by what was fitted to other
+            kinds of logs, before and after, shape (logs,) each, rad (m).
     """
 
     fit: Fit
@@ -52,6 +53,17 @@ class Refined:
     cov: Array
     left_out: tuple[Array, Array]
     vector: Vector
+
+    @property
+    def stands(self) -> Array:
+        """`left_out` of the outcome."""
+        before, after = self.left_out
+        return after if self.taken else before
+
+    @property
+    def gain_error(self) -> float:
+        """Standard error of the gain of the drive over the gain; 0 where it is known."""
+        return float(np.sqrt(self.cov[0, 0])) if self.vector.has_gain else 0.0
 
     @property
     def guard(self) -> tuple[float, float]:
@@ -88,8 +100,7 @@ def refine(
     x, J = min([_search(objective, x) for x in near], key=lambda end: _cost(objective, end[0]))
     progress("refine: guard")
     masks = kinds(courses)
-    start = objective.errors(objective.units(vector.start))
-    before = of_logs(np.where(masks, start, np.nan), courses)
+    before = of_logs(balanced_without_each(prepared, fitted, courses, masks), courses)
     z = objective.units(x)
     moved, errors = without_each(objective, z, J, masks)
     after = of_logs(errors, courses)

@@ -9,6 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.fit import Fit, shape_limits
 from frictionjoint.identify.layout import layout_of
+from frictionjoint.identify.prepare import inertia_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
 
@@ -79,6 +80,11 @@ class Vector:
         at = self.layout.shape
         size[at] = np.maximum(size[at], 1.0)
         error = np.where(np.isfinite(error), error, np.inf)
+        # an inertia's error is one of the whole, and what a delay leaves of it in the balance
+        # says little of it
+        for i in self._inertias:
+            size[i] = max(size[i], max(inertia_of(s.signals) for s in prepared.segments))
+            error[i] = np.inf
         self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
@@ -114,6 +120,13 @@ class Vector:
         return np.array(low), np.array(high)
 
     @property
+    def _inertias(self) -> list[int]:
+        """Where the numbers are inertias."""
+        terms = enumerate(self.fitted.terms)
+        own = [i for i, t in terms if isinstance(t, EffectTerm) and t.effect.is_inertia]
+        return [self.layout.coefficients(i).start for i in own]
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Of the numbers, shape (p,); those of a term by its name, which no place in a list is."""
         count: Counter[str] = Counter()
@@ -136,14 +149,28 @@ class Vector:
 
         What the logs say nothing of stays where it is.
         """
-        scale = np.ones(len(cov))
-        scale[: self.layout.linear.stop] = self.fitted.gain
-        if self.has_gain:
-            scale[0] = 1.0 / abs(self.fitted.beta[0])
         silent = ~np.isfinite(np.diag(cov))
-        found = np.where(np.isfinite(cov), cov, 0.0) * np.outer(scale, scale)
-        found[silent] = found[:, silent] = 0.0
-        return np.asarray(found)
+        known = np.where(np.isfinite(cov), cov, 0.0)
+        known[silent] = known[:, silent] = 0.0
+        slopes = self._slopes(self.fitted)
+        return np.asarray(slopes @ known @ slopes.T)
+
+    def own_covariance(self, fitted: Fit, cov: Array) -> Array:
+        """That of the numbers in the order and units of a fit's own parameters, (p, p)."""
+        slopes = np.linalg.inv(self._slopes(fitted))
+        return np.asarray(slopes @ cov @ slopes.T)
+
+    def _slopes(self, fitted: Fit) -> Array:
+        """Derivatives of the numbers by a fit's own parameters, shape (p, p).
+
+        The fit has the reciprocal of the gain, and what is in N m divided by the gain.
+        """
+        slopes, n = np.eye(len(self.layout.names)), self.layout.linear.stop
+        slopes[range(n), range(n)] = fitted.gain
+        if self.has_gain:
+            slopes[:n, 0] = -(fitted.gain**2) * fitted.beta
+            slopes[0, 0] = -fitted.gain
+        return slopes
 
     def fit(self, x: Array) -> Fit:
         """The model at a point; residual and jacobian stay those of the balance."""
