@@ -6,7 +6,7 @@ not leave when the effect is added. So the law is fitted from all its starts tog
 on the friction level, where the present law with it is not enough to decide.
 """
 
-from frictionjoint.diagnose.decisions import DISCREPANCY
+from frictionjoint.diagnose.decisions import CLEARLY, DISCREPANCY
 from frictionjoint.diagnose.laws import LAW_FORMS
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move
@@ -19,9 +19,8 @@ from frictionjoint.identify.terms import Term, Timing
 
 # effects that are tried, those that promise most at the present law
 MOST = 2
-# further searches from where the first one led, and the error of one over the last one's, up to
-# which another one follows
-_SEARCHES, _NEARER = 4, 0.95
+# further searches from where the first one led: each follows where the last was clearly nearer
+_SEARCHES = 4
 
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], fitted: Fit) -> Fit:
@@ -32,7 +31,7 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], fitted: Fit) -> Fit:
     for _ in range(_SEARCHES):
         # one search moves an effect's numbers only so far
         last, found = found, compared(prepared, found.effects, found.shape)
-        if found.drive_rms > _NEARER * last.drive_rms:
+        if found.drive_rms > (1.0 - CLEARLY) * last.drive_rms:
             break
     return found
 
