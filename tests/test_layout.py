@@ -111,7 +111,7 @@ HEAVY = PlantSpec(
     armature=0.1,
     friction=Friction("lugre", Fs=0.6, Fc=0.5, Vs=0.1, sigma2=SIGMA2, presliding=2e-3),
     controller=Controller(kp=300.0, kd=15.0),
-    motions=(Motion("sines", 3, 0.4, 4.0, 12.0), Motion("multisine", 4, 0.3, 4.0, 12.0)),
+    motions=(Motion("sines", 3, 0.4, 4.0, 24.0), Motion("multisine", 4, 0.3, 4.0, 24.0)),
     instrument=Instrument(rate=500.0, counts=65536, torque_noise=0.01),
     seed=1,
 )

@@ -23,7 +23,6 @@ PARTS = {
     "shared cause": "payload of gripper (or rotor inertia of elbow: these logs cannot",
     "size": "mass 0.812\u00a0±\u00a00.020\u00a0kg",
     "not determined": "inertia 0.001\u00a0kg m²",
-    "errors by joint": "elbow 12% to 0.89%",
     "link to a joint": '<a href="joint_elbow.html">elbow</a>',
     "effect": "cogging (position-periodic)",
     "verdict of a joint": "partly explained, worse on held-out data",
@@ -78,6 +77,12 @@ def page(robot) -> str:
 @pytest.mark.parametrize("part", PARTS)
 def test_each_part_is_there(page, part):
     assert PARTS[part] in page
+
+
+def test_a_shared_cause_has_the_errors_of_each_joint(page, demo_report):
+    r = demo_report
+    ends = (100.0 * x.held_out / r.measured_rms for x in (r.before_torque, r.after_torque))
+    assert "elbow {:.2g}% to {:.2g}%".format(*ends) in page
 
 
 def test_a_larger_error_within_its_interval_is_not_called_worse(page):

@@ -73,7 +73,7 @@ def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     if found.final.shape.variables == found.base.shape.variables:
         assert found.final is found.base  # nothing changed: no error before and another after
     assert found.unexplained == ()
-    (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final))
+    (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final), True)
                if "smallest effect" in n)  # fmt: skip
     assert "too short" not in note
     assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc

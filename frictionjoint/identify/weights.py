@@ -82,7 +82,7 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
         known = unresolved**2 + (DISCREPANCY * level) ** 2
         variance = _sticking(s, fitted) * max(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
-            variance = variance + np.maximum(s.smooth(s.unknown**2), 0.0)
+            variance = variance + s.smooth(np.abs(s.unknown)) ** 2
         segments.append(replace(s, weight=1.0 / np.sqrt(1.0 + variance / base**2)))
     return replace(prepared, segments=tuple(segments))
 
