@@ -29,14 +29,11 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import A
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import IN_MOTION
-from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, gentle
 from tests.balance_grid import Case, Spec, make, specs
-from tests.balance_grid.files import MODEL
+from tests.balance_grid.prepared import prepared
 
 _SURE = 2.0
 _WITHIN = 1.2
@@ -59,20 +56,7 @@ def searched(spec: Spec, seed: int) -> dict[str, Any]:
 
 def _trace(case: Case) -> Trace:
     with TemporaryDirectory() as folder:
-        model = Path(folder) / "model.xml"
-        model.write_text(MODEL.format(J=case.J))
-        body = RigidBody(model, "joint1")
-    logs = [
-        JointLog(
-            name=f"log{i}",
-            joint="joint1",
-            time=x["time_s"],
-            position=x["position_rad"],
-            torque=x["torque_nm"],
-        )
-        for i, x in enumerate(case.logs)
-    ]
-    return trace(prepare(logs, body))
+        return trace(prepared(case, Path(folder)))
 
 
 def measures(case: Case, prepared: Prepared, base: Fit) -> dict[str, Any]:

@@ -5,29 +5,13 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.verdict import noise_floor
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
-from frictionjoint.measured.log import JointLog
 from tests.balance_grid import Spec, make
-from tests.balance_grid.files import MODEL
+from tests.balance_grid.prepared import prepared
 
 
-def prepared(folder, spec, seed=1):
-    case = make(spec, np.random.default_rng(seed))
-    path = folder / "model.xml"
-    path.write_text(MODEL.format(J=case.J))
-    logs = [
-        JointLog(
-            name=f"log{i}",
-            joint="joint1",
-            time=x["time_s"],
-            position=x["position_rad"],
-            torque=x["torque_nm"],
-        )
-        for i, x in enumerate(case.logs)
-    ]
-    return prepare(logs, RigidBody(path, "joint1"))
+def logs_of(folder, spec):
+    return prepared(make(spec, np.random.default_rng(1)), folder)
 
 
 SMOOTH = [
@@ -47,7 +31,7 @@ HELD = [
 
 @pytest.mark.parametrize("spec", HELD, ids=lambda spec: spec.name)
 def test_a_held_torque_leaves_no_more_than_the_noise(spec, tmp_path):
-    logs = prepared(tmp_path, spec)
+    logs = logs_of(tmp_path, spec)
     assert logs.band.held
     found = fit(logs)
     assert found.rms < 1.2 * noise_floor(logs, 1.0)
@@ -57,8 +41,8 @@ def test_a_held_torque_leaves_no_more_than_the_noise(spec, tmp_path):
 
 @pytest.mark.parametrize("spec", SMOOTH, ids=lambda spec: spec.name)
 def test_a_smooth_torque_is_left_as_it_is(spec, tmp_path):
-    assert not prepared(tmp_path, spec).band.held
+    assert not logs_of(tmp_path, spec).band.held
 
 
 def test_of_a_fast_log_it_is_not_asked(tmp_path):
-    assert not prepared(tmp_path, Spec("sine-1-hz", 4000.0, 20, False, True)).band.held
+    assert not logs_of(tmp_path, Spec("sine-1-hz", 4000.0, 20, False, True)).band.held

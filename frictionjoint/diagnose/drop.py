@@ -5,8 +5,7 @@ from functools import partial
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import comes_first, is_unnamed
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, compared, needed
-from frictionjoint.identify.terms import Term
+from frictionjoint.diagnose.state import State, all_but, compared, needed
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
@@ -21,7 +20,7 @@ def drop_idle(state: State) -> None:
         own = state.fit.effects
         causes = tuple(t for t in own if not is_unnamed(t))
         beside = [own if is_unnamed(t) else causes for t in own]
-        fewer = [_but(terms, t) for terms, t in zip(beside, own, strict=True)]
+        fewer = [all_but(terms, t) for terms, t in zip(beside, own, strict=True)]
         models = [terms for terms in dict.fromkeys([*beside, *fewer]) if terms != own]
         refitted = partial(compared, state.prepared, law=state.fit.shape)
         with side_by_side() as each:
@@ -35,10 +34,6 @@ def drop_idle(state: State) -> None:
                 idle.append((now.gain(other), t))
         if not idle:
             return
-        rest = _but(own, min(idle, key=lambda x: x[0])[1])
+        rest = all_but(own, min(idle, key=lambda x: x[0])[1])
         found = fits.get(rest) or refitted(rest)
         state.prepared, state.fit = reweighed(state.prepared, found)
-
-
-def _but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
-    return tuple(t for t in terms if t is not term)

@@ -37,8 +37,12 @@ def compared(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> Fit:
 
 def without(state: State, term: Term) -> Fit:
     """The model without one of its effects."""
-    rest = tuple(t for t in state.fit.effects if t is not term)
-    return compared(state.prepared, rest, state.fit.shape)
+    return compared(state.prepared, all_but(state.fit.effects, term), state.fit.shape)
+
+
+def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
+    """All terms but one."""
+    return tuple(t for t in terms if t is not term)
 
 
 def apart(one: Scored, other: Scored) -> bool:

@@ -78,6 +78,10 @@ def prepare(
     bodies = [body] * len(logs) if isinstance(body, RigidBody) else list(body)
     body = bodies[0]
     given = list(zip(logs, bodies, strict=True))
+
+    def segments(way: Band) -> tuple[Segment, ...]:
+        return tuple(_segment(log, b, way, controller) for log, b in given)
+
     logs = [with_drive(log, controller) for log in logs]
     drives = [_drive(log)[0] for log in logs]
     for log, drive in zip(logs, drives, strict=True):
@@ -93,28 +97,27 @@ def prepare(
         motion = max(float(over_logs([m.whole for m in motions])), 2.0 * _LEAST_HZ)
         main = float(over_logs([m.main for m in motions]))
         wide = Band(motion / 2.0, motion)
-        first = [_segment(log, b, wide, controller) for log, b in given]
-        band = Band(_balance_hz(first, main, motion), motion)
-        band = replace(band, held=_is_held(given, band, controller))
-    segments = tuple(_segment(log, b, band, controller) for log, b in given)
-    free = any(bool(np.any(s.mask & ~s.driven)) for s in segments)
+        band = Band(_balance_hz(segments(wide), main, motion), motion)
+        found = segments(band)
+        if _may_be_held(found, band):
+            held = replace(band, held=True)
+            other = segments(held)
+            if holds(found, other):
+                band, found = held, other
+    else:
+        found = segments(band)
+    free = any(bool(np.any(s.mask & ~s.driven)) for s in found)
     let_go = free and drives[0] == "voltage"
-    return Prepared(segments, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
+    return Prepared(found, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
 
 
-def _is_held(
-    given: list[tuple[JointLog, RigidBody]], band: Band, controller: Controller | None
-) -> bool:
-    """Whether the drive, where it is measured and that matters, is held between samples."""
-    measured = [log for log, _ in given if with_drive(log, controller) is log]
-    samples = [float(np.ptp(log.time)) / (len(log.time) - 1) for log in measured]
-    if max(samples, default=0.0) * band.balance * _NO_MATTER < 1.0:
-        return False
-    ways = [replace(band, held=held) for held in (False, True)]
-    return holds(*([_segment(log, b, way, controller) for log, b in given] for way in ways))
+def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:
+    """Whether it matters that a drive is held between samples, where it is measured."""
+    samples = [s.sample for s in segments if s.commanded is None]
+    return max(samples, default=0.0) * band.balance * _NO_MATTER >= 1.0
 
 
-def _balance_hz(segments: list[Segment], main: float, motion: float) -> float:
+def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
     most = min(_MOST_HZ, motion / 2.0)
     least = min(max(_LEAST_HZ, main), most)
