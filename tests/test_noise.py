@@ -55,6 +55,13 @@ def test_the_density_of_white_noise_is_read_above_the_motion(noise):
     assert found == pytest.approx(2.0 * noise**2 * DT, rel=0.05)
 
 
+@pytest.mark.parametrize("samples", [300, 1000, 2000, 6000])
+def test_the_density_of_a_short_log_is_right_on_average(samples):
+    rng = np.random.default_rng(samples)
+    found = [density_above(rng.standard_normal(samples), DT) for _ in range(100)]
+    assert np.mean(found) == pytest.approx(2.0 * DT, rel=0.06)
+
+
 def test_a_line_above_the_motion_is_passed_over():
     hum = 0.1 * np.sin(2.0 * np.pi * 150.0 * T)
     found = density_above(log().torque + hum, DT)

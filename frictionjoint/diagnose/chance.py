@@ -1,15 +1,16 @@
 """How likely chance explains as much as a candidate: p-values over the whole family of candidates.
 
-A score is the product of a candidate's columns with the residual, summed over blocks of time. What
-it would be by chance follows from the part of the residual that the candidate, fitted to other
-motion, does not predict: with random signs for the blocks. So an effect that stands alone does not
-count as its own noise, and one that explains only the motion it was fitted to gains nothing.
+A score comes of the products of a candidate's columns with the residual, summed over blocks of
+time. What it would be by chance follows from the part of the residual that the candidate, fitted to
+other motion, does not predict: with random signs for the blocks. So an effect that stands alone
+does not count as its own noise, and one that explains only the motion it was fitted to gains
+nothing.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import fdtrc
+from scipy.special import chdtrc, fdtrc
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.gram import Columns, Screen
@@ -25,11 +26,12 @@ def p_values(
 
     With the surprise that one in twenty of those exceeds.
 
-    Scores of many coefficients and of single ones are put on one scale by the tail of the F
-    distribution each would have (Hotelling 1931; Westfall and Young 1993, with an approximate
-    marginal: it weighs the candidates against each other, the signs alone make the p-value). Each
-    is the larger of that of the residual as it is, where what is slow shows, and whitened, where
-    what acts seldom shows.
+    A score is the squares that coefficients within their range explain: a sign that is impossible
+    is no surprise. Scores of many coefficients and of single ones are put on one scale by the tail
+    of the distribution each would have (Westfall and Young 1993, with an approximate marginal: it
+    weighs the candidates against each other, the signs make the p-value). Each is the larger of
+    that of the residual as it is, where what is slow shows, and whitened, where what acts seldom
+    shows.
 
     Args:
         among: lines of a spectrum that a candidate is the largest of, which random signs do not
@@ -58,15 +60,23 @@ def _surprise(found: Screen, at: Columns, signs: Array) -> Array:
     grams = found.products(at, whitened=fine)
     A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
     own = b - np.einsum("bij,bj->bi", A, found.elsewhere(A, b))
-    spread = own.T @ own
-    scale = np.sqrt(np.maximum(np.diag(spread), 1e-300))
-    inverse = np.linalg.pinv(spread / np.outer(scale, scale), rcond=1e-9, hermitian=True)
-    k = max(1, round(float(np.trace(inverse @ (spread / np.outer(scale, scale))))))
-    scores = np.vstack([b.sum(axis=0), signs @ own]) / scale
-    statistic = np.sum((scores @ inverse) * scores, axis=1)
-    free = max(1.0, _independent(A) - k)
-    ratio = statistic * free / ((free + k - 1.0) * k)
-    return np.asarray(-np.log(np.maximum(fdtrc(k, free, ratio), 1e-300)))
+    scores = np.vstack([b.sum(axis=0), signs @ own])
+    total = A.sum(axis=0)
+    inverse = np.linalg.pinv(total, rcond=1e-9, hermitian=True)
+    coefficients = np.clip(scores @ inverse, *found.ranges(at))
+    explained = np.sum((2.0 * scores - coefficients @ total) * coefficients, axis=1)
+    # as the chi-squared variable of the mean and variance that the blocks' spread gives it
+    # (Satterthwaite 1946): how a few blocks spread several scores together is too rough for more
+    by_chance = inverse @ own.T @ own
+    mean, half_variance = float(np.trace(by_chance)), float(np.sum(by_chance * by_chance.T))
+    if half_variance <= 0.0:
+        return np.zeros(len(scores))
+    k = mean**2 / half_variance
+    statistic = np.maximum(explained, 0.0) * k / mean
+    # a few blocks know their spread roughly, and what signs make of it does not show that
+    known = max(1.0, _independent(A) - 1.0)
+    tails = np.append(fdtrc(k, known, statistic[0] / k), chdtrc(k, statistic[1:]))
+    return np.asarray(-np.log(np.maximum(tails, 1e-300)))
 
 
 def _independent(grams: Array) -> float:

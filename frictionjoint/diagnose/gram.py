@@ -110,6 +110,11 @@ class Screen:
         """
         return self._grams(self.white if whitened else self.tested, at, fine=whitened)
 
+    def ranges(self, at: Columns) -> tuple[Array, Array]:
+        """Least and largest coefficient of each of some columns that `products` has, shape (k,)."""
+        at = at[~self.begun[at]]
+        return self.low[at], self.high[at]
+
     def elsewhere(self, A: Array, b: Array) -> Array:
         """Coefficients of each block, or piece, fitted to the other folds, shape (B, k).
 

@@ -229,7 +229,9 @@ def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
     if prepared.drive == "torque" and not prepared.commanded:
         size = np.concatenate([np.abs(s.drive[s.mask]) for s in prepared.segments])
         levels = np.quantile(size, _EXCEEDED).tolist()
-        terms += [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
+        excess = [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
+        motion_hz = prepared.band.motion
+        terms += [term for term in excess if term.shows(prepared.segments, motion_hz)]
     if not prepared.slide:
         x = np.concatenate([s.signals[s.mask] for s in prepared.segments])
         inertia, *arms = np.linalg.lstsq(x[:, [A, GX, GY]], x[:, LOAD], rcond=None)[0].tolist()

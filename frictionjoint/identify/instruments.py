@@ -4,6 +4,7 @@ They are quantities that a residual depends on, as those of `smooth` are, and ha
 simulation: the log is wrong there, not the model.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from frictionjoint.effects.signals import GX, GY, A, Q, V
 from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
-# what the filter of the motion may change of a torque that does not act
+# what the filter of the motion may change of a torque that does not act, and noise make of one
 _ABOUT = 0.1
 
 
@@ -39,6 +40,19 @@ class ExcessTerm(TunedTerm):
         """Torque per unit of each coefficient, shape (n, 1)."""
         torque = segment.drive[:, None]
         return np.asarray(torque - np.clip(torque, -self.at, self.at))
+
+    def shows(self, segments: Sequence[Segment], motion_hz: float) -> bool:
+        """Whether it can be told from the torque's own noise, which exceeds a level too.
+
+        Args:
+            motion_hz: corner of the filter that the torque passed.
+        """
+        noise, squares = 0.0, 0.0
+        for s in segments:
+            excess = self.columns(s, s.signals)[s.mask]
+            noise += s.noise.torque * min(motion_hz, 0.5 / s.dt) * np.count_nonzero(excess)
+            squares += float(np.sum(excess**2))
+        return noise < _ABOUT * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
         """The level, and how much did not act."""

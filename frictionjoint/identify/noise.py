@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.signal import welch
+from scipy.stats import chi2
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.lowpass import gentle
@@ -25,6 +26,9 @@ _ADDED = 0.05
 # fraction of the travel by which one position, computed twice, may differ
 _ROUNDING = 1e-12
 _WINDOW = 4096
+# samples of a piece of which a noise's spectrum is averaged, and squared correlation of the spectra
+# of two that overlap by half, each behind a Hann window (Welch 1967)
+_PIECE, _SHARED = 1024, 1.0 / 36.0
 # counts up to which two positions are near, and how far from whole numbers of them they may lie:
 # any differences lie a quarter off on average
 _NEAR, _WHOLE = 50.0, 0.05
@@ -73,14 +77,20 @@ class Noise:
 def density_above(x: Array, dt: float) -> float:
     """Level of the noise of a signal, read above its motion, unit^2 / Hz.
 
-    The median passes over lines.
+    The median passes over lines. Of a spectrum averaged over few pieces it lies below the mean,
+    as the median of a chi-squared variable does.
 
     Args:
         x: shape (n,). dt: s between samples.
     """
-    f, power = welch(x, 1.0 / dt, nperseg=min(len(x), 1024), detrend="linear")
+    window = min(len(x), _PIECE)
+    f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")
     above = (f >= _ABOVE[0] / dt) & (f <= _ABOVE[1] / dt)
-    return float(np.median(power[above])) if above.any() else 0.0
+    if not above.any():
+        return 0.0
+    pieces = (len(x) - window) // (window - window // 2) + 1
+    freedom = 2.0 * pieces / (1.0 + 2.0 * _SHARED * (1.0 - 1.0 / pieces))
+    return float(np.median(power[above]) * freedom / chi2.median(freedom))
 
 
 def count_of(position: Array) -> float:
