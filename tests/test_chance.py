@@ -1,0 +1,84 @@
+"""What a candidate would explain by chance: a p-value is one, and a real effect has a small one."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.chance import p_values
+from frictionjoint.diagnose.gram import Screen
+
+COUNT, LENGTH, FOLDS = 60, 20, 4
+N = COUNT * LENGTH
+RNG = np.random.default_rng(5)
+SLOW = np.cumsum(RNG.standard_normal(N))
+
+
+def hats(x, k=7):
+    """A curve's columns: linear between points of which the outer ones are seldom reached."""
+    points = np.linspace(x.min(), x.max(), k)
+    return np.maximum(0.0, 1.0 - np.abs(x[:, None] - points) * (k - 1) / np.ptp(x))
+
+
+CURVE = hats(SLOW)
+SELDOM = (np.arange(N) % 600 < 40).astype(float)[:, None]
+WHOLE = np.sin(0.1 * np.arange(N))[:, None]
+KINDS = {"curve": CURVE, "seldom": SELDOM, "whole": WHOLE}
+
+
+def screen_of(sets, residual, low=-np.inf):
+    """Candidates against a residual; nothing else is in the model."""
+    of_sample = np.repeat(np.arange(COUNT), LENGTH)
+    fold = np.arange(COUNT) * FOLDS // COUNT
+    halves = np.arange(COUNT) % 2
+    blocks = Blocks(of_sample, fold, halves, np.zeros(COUNT, dtype=np.int64), np.ones(1))
+    X = np.hstack(sets)
+    columns = np.asfortranarray(np.column_stack([X / np.linalg.norm(X, axis=0), residual]))
+    edges = np.cumsum([0, *(s.shape[1] for s in sets)])
+    candidates = tuple(np.arange(a, b) for a, b in itertools.pairwise(edges))
+    c = X.shape[1]
+    return Screen(
+        blocks, columns, columns, columns, np.full(c, low), np.full(c, np.inf),
+        np.zeros(c, dtype=bool), (), candidates,
+    )  # fmt: skip
+
+
+def p_of(sets, residual, low=-np.inf, seed=0):
+    found, _ = p_values(
+        screen_of(sets, residual, low), [1.0] * len(sets), np.random.default_rng(seed)
+    )
+    return found
+
+
+def least_by_chance(sets):
+    rng = np.random.default_rng(1)
+    return np.array([p_of(sets, rng.standard_normal(N), seed=i).min() for i in range(100)])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_chance_is_seldom_significant(kind):
+    # 5 of 100, and three standard errors; a candidate alone is looked at slow and whitened, which
+    # here is the same, so that its p-value is too large rather than too small
+    assert np.mean(least_by_chance([KINDS[kind]]) < 0.05) < 0.12
+
+
+def test_the_least_of_a_family_is_uniform_by_chance():
+    found = least_by_chance(list(KINDS.values()))
+    assert np.mean(found < 0.05) < 0.12
+    assert 0.35 < np.mean(found < 0.5) < 0.65
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_effect_of_the_size_of_the_noise_is_beyond_chance(kind):
+    rng = np.random.default_rng(2)
+    columns = KINDS[kind]
+    acts = columns @ np.linspace(1.0, 2.0, columns.shape[1])
+    p = p_of([columns, *(x for k, x in KINDS.items() if k != kind)], acts + rng.standard_normal(N))
+    assert p[0] < 0.01
+
+
+def test_a_sign_that_is_impossible_is_no_surprise():
+    residual = -WHOLE[:, 0] + 0.5 * np.random.default_rng(3).standard_normal(N)
+    assert p_of([WHOLE], residual)[0] < 0.01
+    assert p_of([WHOLE], residual, low=0.0)[0] > 0.5
