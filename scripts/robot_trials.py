@@ -30,12 +30,21 @@ from tests.arms.arm import (
     hide_mass,
     hide_payload,
     hide_rotor,
+    hide_supply,
     hide_tilt,
     random_arm,
 )
 from tests.arms.fitted import fitted_joints
 
-KINDS = ("payload", "rotor-inertia", "body-inertia", "base-tilt", "gear-coupling", "load-dependent")
+KINDS = (
+    "payload",
+    "rotor-inertia",
+    "body-inertia",
+    "base-tilt",
+    "gear-coupling",
+    "load-dependent",
+    "torque-gain",
+)
 WITHIN = {"payload": 0.05}
 SECONDS = 12.0
 
@@ -62,6 +71,8 @@ def _hide(arm: Arm, kind: str, rng: np.random.Generator) -> None:
         hide_tilt(arm, rng.uniform(0.03, 0.15), rng.uniform(0.0, 2.0 * np.pi))
     elif kind == "gear-coupling":
         hide_coupling(arm, float(rng.uniform(0.002, 0.01)))
+    elif kind == "torque-gain":
+        hide_supply(arm, rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.2))
     else:
         hide_load_dependence(arm, joint, rng.uniform(0.08, 0.2))
 
@@ -114,6 +125,8 @@ def expected(arm: Arm) -> list[dict[str, Any]]:
             rows.append({"cause": kind, "place": [], "value": "angle", "size": what[0]})
         elif kind == "gear-coupling":
             rows.append({"cause": kind, "place": what[:2], "value": "level", "size": what[2]})
+        elif kind == "torque-gain":
+            rows.append({"cause": kind, "place": arm.joints, "value": "gain", "size": what})
     return json.loads(json.dumps(rows))
 
 

@@ -10,6 +10,7 @@ from tests.arms.arm import (
     hide_mass,
     hide_payload,
     hide_rotor,
+    hide_supply,
     hide_tilt,
     hide_warming,
     random_arm,
@@ -125,3 +126,13 @@ def test_friction_of_one_joint_that_falls_is_none_of_all():
     found = found_in(arm)
     assert not found.common
     assert not found.choices
+
+
+def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
+    arm = random_arm(3, 2)
+    hide_supply(arm, -0.12)
+    found = found_in(arm)
+    assert not found.choices
+    ((common, _),) = found.common
+    assert (common.term.name, common.joints) == ("torque-gain", ("j1", "j2"))
+    assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)

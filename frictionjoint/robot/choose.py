@@ -86,7 +86,7 @@ def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
             break
         choices.append(choice)
         taken.append(choice.candidate)
-        if choice.candidate.cause and choice.bends:
+        if choice.candidate.shared and choice.bends:
             break
     return _together(screened, choices)
 

@@ -74,7 +74,7 @@ def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
 def common_columns(joint: FittedJoint, terms: Sequence[EffectTerm]) -> list[Array]:
     """Columns of each term per unit of its coefficients over the joint's own, each (n, k)."""
     signals = signals_of(joint.prepared, joint.fit)
-    level, viscous = joint.fit.levels
+    level, viscous = joint.levels
     own = {"T": level, "T s/x": viscous, "1": 1.0}
     return [
         columns_of(joint.prepared, signals, t) * [own[unit] for unit in t.effect.units]

@@ -16,6 +16,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.along import Along
@@ -30,12 +31,16 @@ class FittedJoint:
         alongs: one a log. prepared: the logs with the corrected load, weighted. fit: of the law.
         shift: what the load grew by since the law was fitted, N m, on the kept samples; None:
             nothing.
+        beside: effects that the law was fitted beside, so that they do not bend it; what they
+            explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
     """
 
     alongs: tuple[Along, ...]
     prepared: Prepared
     fit: Fit
+    levels: tuple[float, float]
     shift: Array | None = None
+    beside: tuple[EffectTerm, ...] = ()
 
     @property
     def name(self) -> str:
@@ -77,18 +82,23 @@ class FittedJoint:
             [a.balanced_load - b.balanced_load for a, b in zip(segments, before, strict=True)]
         )
         shift = grown if self.shift is None else self.shift + grown
-        return FittedJoint(alongs, replace(self.prepared, segments=segments), self.fit, shift)
+        prepared = replace(self.prepared, segments=segments)
+        return replace(self, alongs=alongs, prepared=prepared, shift=shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
         """With the law fitted again, from where it is or from everywhere."""
         if anew:
-            found = fit(self.prepared, forms=INTEGRATED)
+            found = fit(self.prepared, self.beside, forms=INTEGRATED)
             prepared, found = reweighed(self.prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
-            return replace(self, prepared=prepared, fit=found, shift=None)
-        found = refit(self.prepared, (), self.fit.shape, ROUGH)
-        prepared, found = reweighed(self.prepared, found, ROUGH)
-        return replace(self, prepared=prepared, fit=found, shift=None)
+        else:
+            found = refit(self.prepared, self.beside, self.fit.shape, ROUGH)
+            prepared, found = reweighed(self.prepared, found, ROUGH)
+        levels = found.levels
+        if self.beside:
+            timing = tuple(t for t in found.terms if isinstance(t, Timing))
+            found = refit(prepared, timing, found.shape, steps=1)
+        return replace(self, prepared=prepared, fit=found, levels=levels, shift=None)
 
 
 def first_fit(
@@ -106,4 +116,4 @@ def first_fit(
     base = fit(prepared, forms=INTEGRATED)
     prepared, base = reweighed(prepared, base)
     prepared, base = reweighed(*settled(prepared, base))
-    return FittedJoint(alongs, prepared, base)
+    return FittedJoint(alongs, prepared, base, base.levels)

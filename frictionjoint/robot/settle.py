@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
@@ -92,6 +93,15 @@ def _followed(joint: FittedJoint) -> FittedJoint:
 
 def _again(joint: FittedJoint) -> FittedJoint:
     return joint.refitted()
+
+
+def fitted_beside(
+    joints: Sequence[FittedJoint],
+    terms: tuple[EffectTerm, ...],
+    each: Each[FittedJoint, FittedJoint],
+) -> tuple[FittedJoint, ...]:
+    """Joints with their laws fitted beside some effects."""
+    return tuple(each(_again, [replace(j, beside=terms) for j in joints]))
 
 
 def screened(

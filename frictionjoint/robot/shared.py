@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.gate import scale_is_determined
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
@@ -21,7 +22,15 @@ from frictionjoint.robot.compare import HARM
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Found, Screened, screen
-from frictionjoint.robot.settle import Each, Settled, covariance, numbers_of, screened, settle
+from frictionjoint.robot.settle import (
+    Each,
+    Settled,
+    covariance,
+    fitted_beside,
+    numbers_of,
+    screened,
+    settle,
+)
 from frictionjoint.robot.simpler import simpler
 
 _MOST_ROUNDS = 10
@@ -84,7 +93,12 @@ def shared_causes(
             now, simplified = _simplified(now, open_ones, each, beside)
             if simplified:
                 continue
-        if not new and whole:
+        terms = tuple(one.term for one, _ in common)
+        if not new and terms != now.joints[0].beside:
+            # what all joints have alike has bent their laws
+            now = _settled(_beside(now, terms, each), here, now.choices, each, beside)
+            continue
+        if not new and whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
@@ -151,6 +165,12 @@ def _settled(
 ) -> _Now:
     """With other causes, or beside other effects of single joints."""
     return _Now(settle(now.joints, found, each, beside), choices, beside)
+
+
+def _beside(now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]) -> _Now:
+    """With the laws fitted beside effects that all joints have alike."""
+    joints = fitted_beside(now.joints, terms, each)
+    return replace(now, settled=replace(now.settled, joints=joints))
 
 
 def _with(

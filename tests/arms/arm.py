@@ -18,6 +18,7 @@ class Arm:
         fall: of a joint's whole friction per K above the temperature at which a log begins, (n,).
         warming: K by which the arm warms in the end, and with which time constant, s.
         shaft: (joint, other joint, level, viscous) of a shaft that turns with the sum of both.
+        gain: by which every torque is logged larger than it acts, a fraction.
     """
 
     believed: str
@@ -31,6 +32,7 @@ class Arm:
     fall: np.ndarray
     warming: tuple[float, float] | None = None
     shaft: tuple[int, int, float, float] | None = None
+    gain: float = 0.0
     hidden: dict[str, object] = field(default_factory=dict)
 
 
@@ -151,6 +153,12 @@ def hide_warming(arm: Arm, joints: list[str], fall: float, rise: float, tau: flo
     arm.fall[[arm.joints.index(joint) for joint in joints]] = fall
     arm.warming = rise, tau
     arm.hidden["temperature-dependent"] = (joints, fall)
+
+
+def hide_supply(arm: Arm, gain: float) -> None:
+    """The supply of all drives is less than their scales were made with: every torque is."""
+    arm.gain = gain
+    arm.hidden["torque-gain"] = gain
 
 
 def hide_offset(arm: Arm, joint: str, angle: float) -> None:

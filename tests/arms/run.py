@@ -64,9 +64,9 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
             lost = shaft.torque(v[[i]] + v[[j]], 0.0)[0]
             loss[i] += lost
             loss[j] += lost
-        data.qfrc_applied[:] = command - loss
+        load = command / (1.0 + arm.gain) - loss
+        data.qfrc_applied[:] = load
         mujoco.mj_step(true, data)
-        load = command - loss
     x = np.array(rows)
     count = 2.0 * np.pi / counts
     columns = {"time_s": x[:, 0]}
