@@ -1,0 +1,57 @@
+"""Numbers with which a torque leaps: sought in finite steps, with errors that squares tell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from frictionjoint.effects import backlash, torque_bias
+from frictionjoint.identify.compass import compass
+from frictionjoint.identify.layout import Layout
+from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.terms import EffectTerm
+
+
+def rough(x):
+    """A valley of two numbers about (3, 5) with dents 2% wide."""
+    u, v = np.log(x[0] / 3.0), np.log(x[1] / 5.0)
+    return np.array([u + v, 2.0 * (u - v), 0.1 * np.sin(300.0 * u), 0.1 * np.sin(300.0 * v)])
+
+
+def test_a_dent_of_a_valley_is_not_its_end():
+    x = np.array([3.6, 4.2])
+    low, high = np.full(2, 0.1), np.full(2, 100.0)
+    stuck = least_squares(rough, x, bounds=(low, high)).x
+    found = compass(lambda x: float(np.sum(rough(x) ** 2)), x, (0, 1), low, high)
+    assert np.abs(stuck / (3.0, 5.0) - 1.0).max() > 0.05
+    np.testing.assert_allclose(found, (3.0, 5.0), rtol=0.03)
+
+
+def test_a_search_in_steps_stays_in_range_and_moves_what_it_may():
+    x, low, high = np.array([2.0, 2.0]), np.array([0.0, 0.0]), np.array([3.0, 9.0])
+    found = compass(lambda x: float(np.sum((x - 5.0) ** 2)), x, (0,), low, high)
+    np.testing.assert_allclose(found, (3.0, 2.0))
+
+
+@pytest.mark.parametrize("base", [("Fc",), ("load", "Fc")])
+def test_what_changes_the_load_is_as_large_as_the_load(base):
+    terms = (EffectTerm(torque_bias.EFFECT), EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.5)))
+    layout = Layout(base, (), terms)
+    rng = np.random.default_rng(5)
+    X = rng.normal(size=(50, len(base) + 2))
+    true = rng.uniform(0.5, 2.0, X.shape[1])
+    true[-1] = true[0] if "load" in base else 1.0
+    y = X @ true
+    free = with_load(X, layout)
+    assert not free[:, -1].any()
+    found = np.linalg.lstsq(free, less_load(X, y, layout), rcond=None)[0]
+    np.testing.assert_allclose(with_sizes(found, layout), true, rtol=1e-10)
+
+
+def test_other_effects_keep_their_sizes():
+    layout = Layout(("load", "Fc"), (), (EffectTerm(torque_bias.EFFECT),))
+    X, beta = np.ones((4, 3)), np.arange(3.0)
+    assert with_load(X, layout) is X
+    assert with_sizes(beta, layout) is beta
+    assert replace(layout).linear == slice(0, 3)
