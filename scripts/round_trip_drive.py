@@ -46,9 +46,14 @@ _COARSE, _STEPS = 1500, 6
 _TORQUE = Controller(output="torque_nm", kp="log:kp", limit=KT * SUPPLY, count_rad=COUNT)
 
 
-def _plant(name: str) -> tuple[Controller, list[JointLog]]:
-    """What is believed of the controller, and the servo's logs."""
+def _plant(name: str, seed: int) -> tuple[Controller, list[JointLog]]:
+    """What is believed of the controller, and the servo's logs; another servo with each seed."""
     made = logs(DRIVES[name])
+    if seed:
+        rng = np.random.default_rng(seed)
+        loss, damping = rng.uniform(0.03, 0.12), rng.uniform(0.01, 0.06)
+        hidden = {key: x * rng.uniform(0.8, 1.25) for key, x in DRIVES[name].items()}
+        made = logs(hidden, friction=f'frictionloss="{loss:.4f}" damping="{damping:.4f}"')
     if name != "gain-error":
         return KNOWN, made
     return _TORQUE, [replace(x, metadata={"kp": KT * SUPPLY * x.metadata["kp"]}) for x in made]
@@ -94,9 +99,9 @@ def _model_log(path: Path, controller: Controller, volts: float, like: JointLog)
     return replace(like, name=f"model of {like.name}", position=position[::_EVERY])
 
 
-def drive_trip(name: str, folder: Path) -> Trip:
+def drive_trip(name: str, folder: Path, seed: int = 0) -> Trip:
     """There and back; free runs are whole logs, simulated from the target alone."""
-    believed, made = _plant(name)
+    believed, made = _plant(name, seed)
     body = RigidBody(PLANT.format(""), "j")
     first_logs = prepare(made, body, controller=believed)
     base, found = _nominated(first_logs, name, None)
