@@ -280,7 +280,7 @@ class Search:
         return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
-        """Where some steps from x lead; what leaps is also sought in steps of its own at the end."""
+        """Where some steps from x lead; at the end what leaps is also sought in finite steps."""
         place = self._descended(x, steps, closeness)
         axes = self.leaping if closeness <= CLOSE else []
         for _ in range(_ROUNDS if axes else 0):

@@ -41,9 +41,7 @@ def with_leaps(
     return cov * np.outer(wider, wider)
 
 
-def _farthest(
-    search: Search, fitted: Fit, k: int, error: float, block: NDArray[np.int64]
-) -> float:
+def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[np.int64]) -> float:
     """The longest way, in either direction, after which a number is not told apart."""
     x = search.start
     others = np.arange(fitted.jacobian.shape[1]) != k + fitted.layout.linear.stop
@@ -67,7 +65,7 @@ def _left(search: Search, Q: Array, x: Array, block: NDArray[np.int64]) -> Array
     """Squares of each block at a point, the directions Q fitted again, shape (B,)."""
     e = search.residual(x)
     _, own = np.unique(block, return_inverse=True)
-    return np.bincount(own, (e - Q @ (Q.T @ e)) ** 2)
+    return np.bincount(own, (e - Q @ (Q.T @ e)) ** 2).astype(np.float64)
 
 
 def _basis(J: Array) -> Array:
