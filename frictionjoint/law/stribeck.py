@@ -14,9 +14,6 @@ from frictionjoint.arrays import Vector
 FS, FC, VS, DELTA, SIGMA2 = range(5)
 # exp(-x) is zero to the last bit from here on, which takes the library long to find out
 ZERO = 746.0
-# Below this exp(-x) is nine terms of its series, to 1e-16, in a third of the library's time.
-SLOW = 0.0625
-_3, _4, _5, _6, _7, _8 = (1.0 / math.factorial(k) for k in range(3, 9))
 
 
 @njit(cache=True, inline="always")
@@ -33,10 +30,6 @@ def stribeck_level(P: Vector, d: int, speed: float) -> float:
         x = x * x
     elif delta != 1.0:
         x = x**delta
-    if x < SLOW:
-        y = x * x
-        fallen = 1.0 - x + y * (0.5 - _3 * x) + y * y * (_4 - _5 * x + y * (_6 - _7 * x + _8 * y))
-        return Fc + (Fs - Fc) * fallen
     if x > ZERO:
         return Fc
     return Fc + (Fs - Fc) * math.exp(-x)
