@@ -4,13 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from round_trip_drive import DRIVES, drive_trip, nominated, servo_logs
 from scipy.optimize import least_squares
+from servo_plant import COUNT, PLANT
 
+from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.effects import backlash, torque_bias
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rough import with_leaps
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.uncertainty import covariance
 
 
 def rough(x):
@@ -55,3 +62,31 @@ def test_other_effects_keep_their_sizes():
     assert with_load(X, layout) is X
     assert with_sizes(beta, layout) is beta
     assert replace(layout).linear == slice(0, 3)
+
+
+def test_a_threshold_is_found_among_its_samples_with_an_error_that_they_allow(tmp_path):
+    """The error of a jacobian knows no samples: it was 0.0005 rad, and the number 0.006 off."""
+    trip = drive_trip("duty-drop", tmp_path)
+    for found in (trip.first["threshold"], trip.second["threshold"]):
+        assert abs(found.value - DRIVES["duty-drop"]["threshold"]) < 0.003
+        assert 0.001 < found.stderr < 0.02
+    assert max(trip.errors.values()) < 2.0, trip.errors
+
+
+def test_an_error_reaches_as_far_as_the_squares_do_not_rise():
+    believed, made = servo_logs("deadband", 0)
+    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=believed)
+    _, found = nominated(prepared, "deadband", None)
+    at = next(i for i, t in enumerate(found.terms) if t.name == "deadband")
+    k = found.layout.numbers(at).start
+    block = make_blocks(prepared, found).of_sample
+    plain = covariance(prepared, found, block)
+    # as if the jacobian knew the number to a hundredth of a count, where no sample tells
+    sure = plain.copy()
+    sure[k] *= 1e-2 * COUNT / np.sqrt(plain[k, k])
+    sure[:, k] *= 1e-2 * COUNT / np.sqrt(plain[k, k])
+    error = np.sqrt(with_leaps(prepared, found, sure, block)[k, k])
+    assert 0.05 * COUNT < error < 2.0 * COUNT
+    # and never below what the jacobian says
+    wide = with_leaps(prepared, found, plain * 1e4, block)
+    np.testing.assert_array_equal(wide, plain * 1e4)
