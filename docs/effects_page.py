@@ -69,7 +69,8 @@ def described(effect: Effect, rows: Array) -> list[str]:
     """What there is to say of an effect, with its picture."""
     picture_name = f"img/effects/{effect.effect_id}"
     pictures.write(picture_name, partial(picture, effect, rows))
-    units = [f"{c} ({u})" for c, u in zip(effect.coefficients, effect.units, strict=True)]
+    sizes = () if effect.of_load else zip(effect.coefficients, effect.units, strict=True)
+    units = [f"{c} ({u})" for c, u in sizes]
     units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
     return [
         f"{effect.cause[0].upper()}{effect.cause[1:]}.\n",

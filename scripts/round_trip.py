@@ -34,12 +34,12 @@ def round_trip(
     Args:
         folder: to write into. seconds: of each log of the joint; slow effects have longer ones.
         search: the whole search names the effect, where it is one of the joint.
-        seed: of another plant, where the effect is one of the joint.
+        seed: of another plant.
     Raises:
         ValueError: the first fit or search has not found the effect.
     """
     if name in DRIVES:
-        return drive_trip(name, folder)
+        return drive_trip(name, folder, seed)
     return joint_trip(name, folder, max(seconds, _SLOW_SECONDS * (name in SLOW)), search, seed)
 
 
@@ -65,7 +65,7 @@ def main() -> None:
     parser.add_argument("--effects", nargs="+", choices=EFFECTS, default=list(EFFECTS))
     parser.add_argument("--search", action="store_true")
     parser.add_argument("--seconds", type=float, default=12.0)
-    parser.add_argument("--seed", type=int, default=0, help="other plants of the joint's effects")
+    parser.add_argument("--seed", type=int, default=0, help="other plants")
     asked = parser.parse_args()
     warnings.simplefilter("ignore", RuntimeWarning)
     heads = ("effect", "found again", "numbers, first", "again", "worst, standard errors")

@@ -46,15 +46,20 @@ _COARSE, _STEPS = 1500, 6
 _TORQUE = Controller(output="torque_nm", kp="log:kp", limit=KT * SUPPLY, count_rad=COUNT)
 
 
-def _plant(name: str) -> tuple[Controller, list[JointLog]]:
-    """What is believed of the controller, and the servo's logs."""
+def servo_logs(name: str, seed: int) -> tuple[Controller, list[JointLog]]:
+    """What is believed of the controller, and the servo's logs; another servo with each seed."""
     made = logs(DRIVES[name])
+    if seed:
+        rng = np.random.default_rng(seed)
+        loss, damping = rng.uniform(0.03, 0.12), rng.uniform(0.01, 0.06)
+        hidden = {key: x * rng.uniform(0.8, 1.25) for key, x in DRIVES[name].items()}
+        made = logs(hidden, friction=f'frictionloss="{loss:.4f}" damping="{damping:.4f}"')
     if name != "gain-error":
         return KNOWN, made
     return _TORQUE, [replace(x, metadata={"kp": KT * SUPPLY * x.metadata["kp"]}) for x in made]
 
 
-def _nominated(prepared: Prepared, name: str, form: str | None) -> tuple[Fit, Fit]:
+def nominated(prepared: Prepared, name: str, form: str | None) -> tuple[Fit, Fit]:
     """The fit without the effect, and with it from the best of its starts, in one form or any."""
     own: tuple[Term, ...] = (_EMF,) if prepared.drive == "voltage" else ()
     base = fit(prepared, own)
@@ -94,12 +99,12 @@ def _model_log(path: Path, controller: Controller, volts: float, like: JointLog)
     return replace(like, name=f"model of {like.name}", position=position[::_EVERY])
 
 
-def drive_trip(name: str, folder: Path) -> Trip:
+def drive_trip(name: str, folder: Path, seed: int = 0) -> Trip:
     """There and back; free runs are whole logs, simulated from the target alone."""
-    believed, made = _plant(name)
+    believed, made = servo_logs(name, seed)
     body = RigidBody(PLANT.format(""), "j")
     first_logs = prepare(made, body, controller=believed)
-    base, found = _nominated(first_logs, name, None)
+    base, found = nominated(first_logs, name, None)
     term = next(t for t in found.terms if isinstance(t, DriveTerm))
     spec = body.spec()
     friction_spec(spec, "j", found)
@@ -110,7 +115,7 @@ def drive_trip(name: str, folder: Path) -> Trip:
     volts = 1.0 if believed.output == "torque_nm" else 0.0
     again = [_model_log(path, controller, volts, x) for x in made]
     second_logs = prepare(again, body, controller=believed)
-    _, refound = _nominated(second_logs, name, term.effect.form)
+    _, refound = nominated(second_logs, name, term.effect.form)
     bodies = [body] * len(made)
     courses, own = courses_of(made, bodies, believed), courses_of(again, bodies, believed)
     return Trip(

@@ -16,7 +16,7 @@ from frictionjoint.diagnose.replay import friction_spec, motor_of, replay, repla
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.fit import ROUGH, Fit, refit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
@@ -60,7 +60,7 @@ PLANTS = {
 # they show in minutes
 SLOW = ("temperature-dependent", "warm-up-drift")
 MECHANISMS = ("joint-elasticity", "backlash")
-# candidates that are refined
+# candidates that are tried
 _BEST = 3
 _TICK = 1e-3
 # of the motor that saturates: N m/A, and the part of its largest torque that it loses
@@ -123,8 +123,11 @@ def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[F
     own = [t for t in terms if t.name == name and form in (None, t.effect.effect_id)]
     gains = [_gain(base, columns_of(prepared, signals, t)) for t in own]
     best: list[Term] = [own[i] for i in np.argsort(gains)[::-1][:_BEST]]
-    fits = [refit(prepared, (t,), base.shape) for t in best]
-    return base, min(fits, key=lambda f: f.drive_rms)
+    fits = [refit(prepared, (t,), base.shape, ROUGH) for t in best]
+    nearest = min(fits, key=lambda f: f.drive_rms)
+    # the law without the effect was bent by it, and leads to no better one from there
+    again = (fit(prepared, nearest.effects), refit(prepared, nearest.effects, nearest.shape))
+    return base, min(again, key=lambda f: f.drive_rms)
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:

@@ -72,6 +72,9 @@ def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" 
     )
 
 
-def logs(hidden):
+def logs(hidden, **other):
+    """Six logs, of three targets at two gains; `other` is what else `servo` takes."""
     motions = (steps, sines, swept)
-    return [servo(f"{m.__name__} {kp}", kp, m, hidden) for kp in (0.8, 3.0) for m in motions]
+    return [
+        servo(f"{m.__name__} {kp}", kp, m, hidden, **other) for kp in (0.8, 3.0) for m in motions
+    ]

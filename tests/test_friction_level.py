@@ -143,6 +143,6 @@ def test_a_link_falls_freely_through_its_gap():
     assert transmitted[950] == pytest.approx(-pull, rel=1e-3)
     turned = int(np.argmax(signals[:, GEAR] > 0.0))
     impact = turned + int(np.argmax(transmitted[turned:] > pull))
-    assert np.all(transmitted[turned + 20 : impact - 20] == 0.0)
+    assert np.abs(transmitted[turned + 20 : impact - 20]).max() < 1e-12
     assert (impact - turned) * dt == pytest.approx(math.sqrt(2.0 * gap / pull), rel=0.05)
     assert transmitted[-1] == pytest.approx(pull, rel=1e-2)

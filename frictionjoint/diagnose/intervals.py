@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rough import with_leaps
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.uncertainty import covariance
 
@@ -13,8 +14,12 @@ _RESAMPLES = 400
 
 
 def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
-    """Covariance of a fit's parameters as it is stated, see `covariance`, by its own blocks."""
-    return covariance(prepared, fitted, make_blocks(prepared, fitted).of_sample)
+    """Covariance of a fit's parameters as it is stated, by its own blocks.
+
+    See `covariance`, and for numbers with which a torque leaps `with_leaps`.
+    """
+    block = make_blocks(prepared, fitted).of_sample
+    return with_leaps(prepared, fitted, covariance(prepared, fitted, block), block)
 
 
 def rms_interval(e: Array, block: NDArray[np.int64]) -> tuple[float, float]:

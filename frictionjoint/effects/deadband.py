@@ -60,6 +60,7 @@ EFFECT = Effect(
     shape=("deadband",),
     shape_units=("x",),
     shape_bounds=((0.0, float("inf")),),
+    leaps=True,
     drive=changed,
     controller=figures,
     drive_shapes=_bands,
@@ -68,6 +69,7 @@ EFFECT = Effect(
 SHIFTED_BAND = replace(
     EFFECT,
     form="u of the error less deadband sgn(error), 0 where |target - q| <= deadband",
+    leaps=False,
     drive=shifted,
     controller=shifted_figures,
 )

@@ -67,6 +67,7 @@ EFFECT = Effect(
     shape=("threshold", "left"),
     shape_units=("x", "1"),
     shape_bounds=((0.0, float("inf")), (0.0, 1.0)),
+    leaps=True,
     drive=of_error,
     controller=error_figures,
     drive_shapes=_errors,

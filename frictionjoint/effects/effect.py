@@ -64,6 +64,10 @@ class Effect:
         of_speed: its torque is a function of the speed alone, which a joint's damping approximates.
         plain: what each coefficient is of a joint in any simulator; none where empty.
         of_inertia: bounds are in units of the joint's inertia.
+        of_load: it changes what the load asks of the motor, all of it: its coefficient is 1, of a
+            motor whose gain is unknown as much as the load's.
+        leaps: its torque leaps with a shape number, at an impact or a threshold: the squares that a
+            fit leaves are rough, and derivatives say little of where they are least.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
         drive: of an effect of the drive, from (block, delay, shape) of a controller to block and
@@ -102,6 +106,8 @@ class Effect:
     of_speed: bool = False
     plain: tuple[Plain, ...] = ()
     of_inertia: bool = False
+    of_load: bool = False
+    leaps: bool = False
     title: str = ""
     acts: Acts = "torque"
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None

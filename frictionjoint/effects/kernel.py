@@ -167,6 +167,13 @@ def _along(
             out[k, c] = torque(numbers, 0, sig, X, 0)
 
 
+@njit(cache=True)
+def _centred(out: Array) -> None:
+    """Means over the time since the sample before each, made means around each."""
+    for k in range(len(out) - 1):
+        out[k] = 0.5 * (out[k] + out[k + 1])
+
+
 # Along a log each effect has a loop of its own, twice as fast as a choice at every sample. Other
 # threads go on: a search asks for columns side by side.
 @njit(cache=True, nogil=True)
@@ -206,6 +213,7 @@ def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: 
         _along(_dwell, numbers, n_shape, signals, out)
     elif effect_id == 19:
         _along(_backlash, numbers, n_shape, signals, out)
+        _centred(out)
     elif effect_id == 20:
         _along(_motor_side, numbers, n_shape, signals, out)
     elif effect_id == 21:

@@ -14,9 +14,11 @@ from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
+from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
+from frictionjoint.identify.of_load import less_load, with_load, with_sizes
 from frictionjoint.identify.segment import Drive, Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
@@ -26,6 +28,8 @@ from frictionjoint.threads import one_thread
 # fraction of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
 _MOST_STEPS = 20
+# times that what leaps is sought in finite steps, and what one must gain for another to follow
+_ROUNDS, _GAINED = 3, 1e-3
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 # highest resonance that still shows in the band of the balance, over its corner
@@ -102,7 +106,7 @@ class Fit:
     @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can still move in both directions, shape (n, free)."""
-        return self.jacobian[:, ~self.bound]
+        return with_load(self.jacobian, self.layout)[:, ~self.bound]
 
     @property
     def friction(self) -> Array:
@@ -276,7 +280,34 @@ class Search:
         return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
-        """Where some steps from x lead."""
+        """Where some steps from x lead; at the end what leaps is also sought in finite steps."""
+        place = self._descended(x, steps, closeness)
+        axes = self.leaping if closeness <= CLOSE else []
+        for _ in range(_ROUNDS if axes else 0):
+            there = compass(self._squares, place.x, axes, *self.bounds)
+            found = self._descended(there, steps, closeness)
+            gained = place.cost - found.cost
+            place = min(found, place, key=lambda p: p.cost)
+            if gained <= _GAINED * place.cost:
+                break
+        return place
+
+    @property
+    def leaping(self) -> list[int]:
+        """Places of the numbers with which a torque leaps."""
+        first = self.layout.linear.stop
+        return [
+            k - first
+            for i, t in enumerate(self.terms)
+            if isinstance(t, EffectTerm) and t.effect.leaps
+            for k in range(*_ends(self.layout, i))
+        ]
+
+    def _squares(self, x: Array) -> float:
+        return float(np.sum(self.residual(x) ** 2))
+
+    def _descended(self, x: Array, steps: int, closeness: float) -> Place:
+        """Where steps along derivatives lead."""
         found = least_squares(
             self.residual,
             x,
@@ -307,16 +338,16 @@ class Search:
 
     def _coefficients(self, X: Array, y: Array) -> Array:
         """Those that leave least; a contact without a level has no damping of its own either."""
-        w = self.weight
-        beta = solve(X * w[:, None], y * w, self.low, self.high)
+        columns = with_load(X, self.layout) * self.weight[:, None]
+        wanted = less_load(X, y, self.layout) * self.weight
+        beta = solve(columns, wanted, self.low, self.high)
         names = self.layout.base
         if "sigma1" in names:
             level, damping = names.index("Fc"), names.index("sigma1")
             if beta[level] <= self.low[level] and beta[damping] > 0.0:
-                without = X * w[:, None]
-                without[:, damping] = 0.0
-                return solve(without, y * w, self.low, self.high)
-        return beta
+                columns[:, damping] = 0.0
+                beta = solve(columns, wanted, self.low, self.high)
+        return with_sizes(beta, self.layout)
 
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))
@@ -337,7 +368,7 @@ class Search:
         X, y, beta, unit = self.solved(x)
         w = self.weight[:, None]
         moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
-        free = X[:, (beta > self.low) & (beta < self.high)] * w
+        free = with_load(X, self.layout)[:, (beta > self.low) & (beta < self.high)] * w
         length = np.linalg.norm(free, axis=0)
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
         Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]

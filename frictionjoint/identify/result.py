@@ -155,7 +155,7 @@ def _law_values(fitted: Fit, theta: Array) -> dict[str, float]:
 
 
 def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Estimate]:
-    """Parameters of term i by name."""
+    """Parameters of term i by name; an effect that changes the load has no size of its own."""
     term, layout = fitted.terms[i], fitted.layout
     values = fitted.term_coefficients(i)
     units = term.effect.units if isinstance(term, EffectTerm) else ("T",) * len(values)
@@ -167,6 +167,7 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
             _coefficient_unit(fitted, units[k], slide),
         )
         for k, name in enumerate(term.coefficients)
+        if not (isinstance(term, EffectTerm) and term.effect.of_load)
     }
     if isinstance(term, EffectTerm):
         at = layout.numbers(i).start

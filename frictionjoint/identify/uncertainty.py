@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Prepared
 
 # regimes: equally filled ranges of speed, each in both directions
@@ -42,7 +43,8 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
         prepared: the logs the fit is of.
         block_of_sample: blocks of time, shape (n,).
     """
-    J, e = fitted.jacobian * fitted.weight[:, None], fitted.residual * fitted.weight
+    J = with_load(fitted.jacobian, fitted.layout) * fitted.weight[:, None]
+    e = fitted.residual * fitted.weight
     scale = np.linalg.norm(J, axis=0)
     dead = scale < 1e-12 * scale.max()
     scale[dead] = 1.0

@@ -11,7 +11,7 @@ it lacks is the armature of a tendon over both joints, what it has too much goes
 the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, the deflection
 gets an armature that leaves to the motor's side just what was identified. Before other joints the
 inertia is left to the bodies, whatever the pose, and the fit gives stiffness and damping. Behind a
-gap is the whole link, however much of its torque a log shows.
+gap is the whole link.
 """
 
 import math

@@ -1,0 +1,77 @@
+"""Standard errors of numbers with which a torque leaps: as far as the squares tell them apart.
+
+Where a threshold lies between two samples nothing changes, and the squares over the width of a gap
+are rough: a jacobian knows neither. A number is distinguished from the fitted one where it leaves
+more, by more than a paired standard error over blocks of time, all else fitted again. Where squares
+are smooth that is two standard errors of the sandwich over these blocks away, so half of the
+farthest distance at which it is not is the standard error here.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.fit import Fit, Search
+from frictionjoint.identify.of_load import with_load
+from frictionjoint.identify.segment import Prepared
+
+# distances tried, over the number: half a standard error to start with, and the most
+_MORE, _MOST = 2.0**0.5, 0.5
+_LEAST = 1e-4
+_RCOND = 1e-10
+
+
+def with_leaps(
+    prepared: Prepared, fitted: Fit, cov: Array, block_of_sample: NDArray[np.int64]
+) -> Array:
+    """The covariance, wider where a torque leaps, shape (p, p).
+
+    Args:
+        cov: of all parameters, see `uncertainty.covariance`, shape (p, p).
+        block_of_sample: blocks of time, shape (n,).
+    """
+    search = Search(prepared, fitted.terms, fitted.shape)
+    wider = np.ones(len(cov))
+    for k in search.leaping:
+        at = k + fitted.layout.linear.stop
+        error = float(np.sqrt(cov[at, at]))
+        if np.isfinite(error):
+            far = _farthest(search, fitted, k, error, block_of_sample)
+            wider[at] = max(1.0, 0.5 * far / error) if error else 1.0
+    return cov * np.outer(wider, wider)
+
+
+def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[np.int64]) -> float:
+    """The longest way, in either direction, after which a number is not told apart."""
+    x = search.start
+    others = np.arange(fitted.jacobian.shape[1]) != k + fitted.layout.linear.stop
+    J = with_load(fitted.jacobian, fitted.layout)[:, others & ~fitted.bound]
+    Q = _basis(J * fitted.weight[:, None])
+    here = _left(search, Q, x, block)
+    longest = 0.0
+    for sign in (-1.0, 1.0):
+        way = max(0.5 * error, _LEAST * abs(x[k]))
+        while way < _MOST * abs(x[k]):
+            there = x.copy()
+            there[k] = np.clip(x[k] + sign * way, *(b[k] for b in search.bounds))
+            more = _left(search, Q, there, block) - here
+            if more.sum() <= np.std(more) * np.sqrt(len(more)):
+                longest = max(longest, way)
+            way *= _MORE
+    return longest
+
+
+def _left(search: Search, Q: Array, x: Array, block: NDArray[np.int64]) -> Array:
+    """Squares of each block at a point, the directions Q fitted again, shape (B,)."""
+    e = search.residual(x)
+    _, own = np.unique(block, return_inverse=True)
+    return np.bincount(own, (e - Q @ (Q.T @ e)) ** 2).astype(np.float64)
+
+
+def _basis(J: Array) -> Array:
+    """Orthonormal columns of what J spans."""
+    size = np.linalg.norm(J, axis=0)
+    J = J[:, size > 0.0] / size[size > 0.0]
+    values, vectors = np.linalg.eigh(J.T @ J)
+    known = values > _RCOND * values.max(initial=0.0)
+    return np.asarray(J @ (vectors[:, known] / np.sqrt(values[known])))
