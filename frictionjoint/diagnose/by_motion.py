@@ -132,8 +132,13 @@ def _begin(now: Refined, name: str, coefficients: Array, vector: Vector) -> list
 
 
 def _told(term: Term, other: Refined, now: Refined) -> Look:
-    """What logs of kinds left out say of an effect, a block a log."""
-    own, without = other.left_out[1], now.left_out[1]
+    """What logs of kinds left out say of an effect, a block a log.
+
+    In windows from the measured motion, where the effect was screened: a joint that sticks once too
+    early or too late is somewhere else for the rest of a whole log, by either model, and one such
+    log of many decides.
+    """
+    own, without = other.near, now.near
     p_value = sign_flips(without - own, np.random.default_rng(0))
     better = float(np.mean(own < without))
     row = Looked(Candidate(term, np.zeros((0, 0))), own**2, p_value, better)
