@@ -31,7 +31,7 @@ from frictionjoint.control import read_controller
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import STATE, one_tick
-from frictionjoint.control.reconstruct import held
+from frictionjoint.control.profile import held
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.files import joint_friction
 from frictionjoint.measured.log import JointLog, split_in_time

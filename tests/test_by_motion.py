@@ -1,10 +1,14 @@
 """Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
+from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 
-from frictionjoint.diagnose.by_motion import named_by_motion
+from frictionjoint.control.kernel import BLOCK
+from frictionjoint.control.kernel import COUNT as COUNT_AT
+from frictionjoint.diagnose.by_motion import clearly, named_by_motion, told
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
@@ -78,3 +82,37 @@ def test_a_motor_is_screened_where_the_balance_has_named_none():
     assert "sigma1" in found.names
     assert joint_model(found).back_emf == 0.2
     assert found.levels == fitted.levels
+
+
+def errors_left_out(near, whole):
+    """A refinement with its errors on logs left out, in windows and whole, rad."""
+    return SimpleNamespace(near=np.array(near), left_out=(np.array(whole), np.array(whole)))
+
+
+def log_with_a_count():
+    block = np.zeros(BLOCK)
+    block[COUNT_AT] = COUNT
+    return SimpleNamespace(run=SimpleNamespace(block=block))
+
+
+def test_a_whole_log_that_goes_astray_does_not_keep_an_effect_from_being_named():
+    rng = np.random.default_rng(5)
+    near = 0.02 * rng.uniform(0.7, 1.3, 12)
+    whole = near.copy()
+    whole[3] = 0.2  # sticks once too early with the effect, by its numbers without that kind
+    now = errors_left_out(near, near)
+    other = errors_left_out(0.7 * near, 0.7 * whole)
+    seen = told(MOTOR[0], other, now)
+    assert seen.gain(seen.rows[0]) == pytest.approx(1.0 - 0.7**2)
+    assert clearly(seen, [log_with_a_count()] * 12)
+    assert np.sum(other.left_out[1] ** 2) > np.sum(now.left_out[1] ** 2)
+
+
+def test_what_is_less_than_a_count_of_the_encoder_is_no_effect():
+    near = COUNT * np.array([1.0, 1.2, 0.9, 0.7, 0.6, 1.5])
+    seen = told(MOTOR[0], errors_left_out(0.65 * near, near), errors_left_out(near, near))
+    courses = [log_with_a_count()] * 6
+    assert not clearly(seen, courses)
+    larger = told(MOTOR[0], errors_left_out(6.5 * near, near), errors_left_out(10.0 * near, near))
+    assert larger.gain(larger.rows[0]) == pytest.approx(seen.gain(seen.rows[0]))
+    assert clearly(larger, courses)

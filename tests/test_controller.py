@@ -9,7 +9,8 @@ import pytest
 from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of
-from frictionjoint.control.reconstruct import check_drive, commands, difference, held, with_drive
+from frictionjoint.control.profile import followed_over, held, held_over
+from frictionjoint.control.reconstruct import check_drive, commands, difference, with_drive
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
@@ -123,6 +124,34 @@ def test_a_mean_command_knows_delays_finer_than_a_sample(delay):
     np.testing.assert_allclose(commands(given, c).mean_drive()[inner], expected[inner], atol=1e-12)
     at_once = commands(given, Controller(output="torque_nm", kp=1.0)).mean_drive(delay=delay)
     np.testing.assert_array_equal(at_once, commands(given, c).mean_drive())
+
+
+@pytest.mark.parametrize(("delay", "rate"), [(0.0, 1.3), (0.012, 1.3), (0.0, 0.2), (0.02, 40.0)])
+def test_a_mean_command_is_followed_at_a_limited_speed_between_samples(delay, rate):
+    target = 0.3 * np.sign(np.sin(9.0 * T)) + 0.2 * np.sin(5.0 * T)
+    given = log(target=target, position=np.zeros(len(T)))
+    # as firmware at 100 kHz follows it, averaged over a sample
+    h = 1e-5
+    fine = np.arange(T[0] - 0.1, T[-1] + 0.1, h)
+    command, follows = held(T, target, fine - delay), np.empty(len(fine))
+    here = target[0]
+    for i, wanted in enumerate(command):
+        here += min(rate * h, max(-rate * h, wanted - here))
+        follows[i] = here
+    area = np.concatenate([[0.0], np.cumsum(follows) * h])
+    edges = np.interp(
+        np.concatenate([T - 0.005, T[-1:] + 0.005]), np.append(fine, fine[-1] + h), area
+    )
+    c = Controller(output="torque_nm", kp=1.0, delay_s=delay, target_rate=rate)
+    drive = commands(given, c).mean_drive()
+    np.testing.assert_allclose(drive, np.diff(edges) / 0.01, atol=2e-4)
+
+
+def test_a_target_of_any_speed_is_the_command_itself():
+    begin = T - 0.004
+    found = [followed_over(T, np.sin(7.0 * T), begin, 0.01, rate) for rate in (1e9, math.inf)]
+    np.testing.assert_allclose(found[0], found[1], atol=1e-6)
+    np.testing.assert_array_equal(found[1], held_over(T, np.sin(7.0 * T), begin, 0.01))
 
 
 def test_a_limited_target_rate_makes_a_ramp_of_a_step():

@@ -12,6 +12,7 @@ from frictionjoint.refine.guard import (
     kinds,
     missing_width,
     of_logs,
+    on_each,
     spread,
     without_each,
 )
@@ -86,6 +87,17 @@ def test_what_is_left_out_is_predicted_by_the_rest_alone():
     assert of_logs(left[:, mask], [log(n=int(mask.sum()))]) == pytest.approx([0.7] * 4, rel=1e-6)
     # the fit to all of them flatters itself
     assert np.mean(np.abs(line.errors(z)[mask])) < 0.5 * 0.7
+
+
+def test_numbers_fitted_without_each_kind_are_judged_by_another_measure_too():
+    line, steeper = Line(np.arange(4.0), np.zeros(4)), Line(2.0 * np.arange(4.0), np.zeros(4))
+    masks = [np.array([True, True, False, False]), np.array([False, False, True, True])]
+    moved = np.array([[0.0, 1.0], [1.0, 0.0]])
+    left = on_each(line, moved, masks)
+    assert left[0, :2] == pytest.approx([0.0, 1.0])
+    assert left[1, 2:] == pytest.approx([1.0, 1.0])
+    assert np.array_equal(np.isnan(left), ~np.array(masks))
+    assert on_each(steeper, moved, masks)[0, :2] == pytest.approx([0.0, 2.0])
 
 
 class Bent(Line):

@@ -14,6 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
+from frictionjoint.control.profile import followed_over, held
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
@@ -52,12 +53,15 @@ class Commands:
 
         The command is the mean over half a sample on either side: a drive behind a filter has no
         more than that of it, is half a sample early otherwise, and knows no delay but of whole
-        samples.
+        samples. A target that follows it at a limited speed does so between samples too.
         """
         delay = self.delay if delay is None else delay
+        block = (self.block if block is None else block).copy()
         width = np.gradient(self.time)
-        target = held_over(self.time, self.target, self.time - delay - 0.5 * width, width)
-        return self._along(target, self.block if block is None else block)
+        begin = self.time - delay - 0.5 * width
+        target = followed_over(self.time, self.target, begin, width, block[k.SLEW])
+        block[k.SLEW] = np.inf
+        return self._along(target, block)
 
     def _along(self, target: Array, block: Array) -> Array:
         drive = np.empty_like(self.time)
@@ -72,29 +76,6 @@ class Commands:
             np.zeros(k.STATE),
         )
         return np.where(self.on, drive, 0.0)
-
-
-def held(time: Array, x: Array, at: Array) -> Array:
-    """A command at other times: each holds until the next one."""
-    index = np.searchsorted(time, at + 1e-9, side="right") - 1
-    return np.asarray(x[np.clip(index, 0, len(x) - 1)])
-
-
-def held_over(time: Array, command: Array, begin: Array, length: Array | float) -> Array:
-    """Mean of a command that holds until the next one, over stretches of time, shape of `begin`.
-
-    It depends smoothly on when they begin, and so on a delay that is finer than a sample.
-
-    Args:
-        begin, length: of the stretches, s.
-    """
-    area = np.concatenate([[0.0], np.cumsum(np.diff(time) * command[:-1])])
-
-    def until(t: Array) -> Array:
-        before, after = np.minimum(t - time[0], 0.0), np.maximum(t - time[-1], 0.0)
-        return np.asarray(np.interp(t, time, area) + before * command[0] + after * command[-1])
-
-    return (until(begin + length) - until(begin)) / length
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:

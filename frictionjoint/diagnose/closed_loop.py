@@ -13,7 +13,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import held, held_over
+from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change

@@ -70,15 +70,22 @@ def _groups(courses: Sequence[Course]) -> list[list[int]]:
 def without_each(
     objective: Objective, z: Array, J: Array, masks: Sequence[Mask]
 ) -> tuple[Array, Array]:
-    """Numbers fitted without each kind, (kinds, p), and their errors on it, rad (m), (kinds, n).
-
-    The errors are NaN elsewhere.
+    """Numbers fitted without each kind, (kinds, p), and their errors on it, see `on_each`.
 
     Args:
         objective: of whole logs. z: refined numbers in its units. J: its derivatives there.
     """
     moved = np.array([_without(objective, z, J, mask) for mask in masks])
-    return moved, np.where(masks, [objective.errors(x) for x in moved], np.nan)
+    return moved, on_each(objective, moved, masks)
+
+
+def on_each(objective: Objective, moved: Array, masks: Sequence[Mask]) -> Array:
+    """Errors of numbers fitted without each kind on it, rad (m), NaN elsewhere, (kinds, n).
+
+    Args:
+        moved: in units of the objective, which may be another one of the same numbers, (kinds, p).
+    """
+    return np.where(masks, [objective.errors(x) for x in moved], np.nan)
 
 
 def balanced_without_each(

@@ -21,6 +21,7 @@ from frictionjoint.refine.guard import (
     kinds,
     missing_width,
     of_logs,
+    on_each,
     spread,
     without_each,
 )
@@ -45,6 +46,7 @@ class Refined:
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
         left_out: mean absolute error of each log, see `guard.of_logs`, by what was fitted to other
             kinds of logs, before and after, shape (logs,) each, rad (m).
+        near: the same of the refined numbers in windows from the measured motion, shape (logs,).
     """
 
     fit: Fit
@@ -52,6 +54,7 @@ class Refined:
     values: Array
     cov: Array
     left_out: tuple[Array, Array]
+    near: Array
     vector: Vector
 
     @property
@@ -88,28 +91,30 @@ def refine(
             fit's own, by way of windows.
     """
     vector = Vector(prepared, fitted, cov, courses[0].run.load.armature)
-    starts = begin(vector) if begin else [vector.start]
-    if not begin:
-        objective = Objective(vector, courses, WINDOW_S, vector.start)
-        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * objective.size:.3g} mrad")
-        starts = [_search(objective, vector.start)[0]]
+    windows = Objective(vector, courses, WINDOW_S, vector.start)
+    if begin:
+        starts = begin(vector)
+    else:
+        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * windows.size:.3g} mrad")
+        starts = [_search(windows, vector.start)[0]]
     objective = Objective(vector, courses, None, starts[0])
     progress(f"refine: whole logs, {1e3 * objective.size:.3g} mrad")
     costs = [_cost(objective, start) for start in starts]
-    near = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
-    x, J = min([_search(objective, x) for x in near], key=lambda end: _cost(objective, end[0]))
+    some = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
+    x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
     progress("refine: guard")
     masks = kinds(courses)
     before = of_logs(balanced_without_each(prepared, fitted, courses, masks), courses)
     z = objective.units(x)
     moved, errors = without_each(objective, z, J, masks)
     after = of_logs(errors, courses)
+    near = of_logs(on_each(windows, moved, masks), courses)
     uncertain = np.linalg.pinv(J.T @ J) + spread(z, moved, masks)
     uncertain *= missing_width(objective, z, uncertain, errors) ** 2
     uncertain *= np.outer(vector.unit, vector.unit)
     taken = clearly_less(after, before)
     refined = vector.fit(x) if taken else fitted
-    return Refined(refined, taken, x, np.asarray(uncertain), (before, after), vector)
+    return Refined(refined, taken, x, np.asarray(uncertain), (before, after), near, vector)
 
 
 def _cost(objective: Objective, x: Array) -> float:
