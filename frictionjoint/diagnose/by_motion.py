@@ -94,7 +94,8 @@ def _with_armature(
     """Refined with the armature of the MJCF free, where that predicts logs left out better.
 
     A rotor's inertia is rarely measured, and the balance can mistake it for a delay. But it stands
-    in for much that whole motions ask for, and so it comes after that.
+    in for much that whole motions ask for, and so it comes after that; and as of an effect, it is
+    asked of windows too.
     """
     if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
         return now
@@ -104,7 +105,8 @@ def _with_armature(
     begin = partial(_begin, now, ARMATURE.name, np.zeros(1))
     other = _refined(prepared, fitted, courses, lambda text: None, begin)
     left_out = now.left_out[0], other.left_out[1]
-    if not clearly_less(left_out[1], now.stands):
+    asked = clearly_less(other.near, now.near)
+    if not (asked and clearly_less(left_out[1], now.stands)):
         return now
     return replace(other, fit=other.vector.fit(other.values), taken=True, left_out=left_out)
 
