@@ -15,9 +15,10 @@ from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_co
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term

@@ -16,10 +16,11 @@ from frictionjoint.diagnose.replay import friction_spec, motor_of, replay, repla
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term

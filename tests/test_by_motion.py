@@ -14,9 +14,9 @@ from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.fit import ROUGH, refit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.refine.vector import with_term

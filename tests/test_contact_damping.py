@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.identify.fit import Search
+from frictionjoint.identify.search import Search
 from frictionjoint.identify.shape import INTEGRATED
 
 

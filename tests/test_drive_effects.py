@@ -9,9 +9,9 @@ from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_co
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
-from frictionjoint.identify.fit import ROUGH, refit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog

@@ -10,10 +10,11 @@ from scipy.ndimage import gaussian_filter1d
 
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
-from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import MOST_LEFT, check, check_fit, scale_is_determined
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured import JointLog, read_log

@@ -9,9 +9,9 @@ from trial_logs import PENDULUM, prepared_logs
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.effects import back_emf, load_dependent, measurement_delay, spring
-from frictionjoint.identify.fit import refit, timed
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.search import refit, timed
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Timing, delay_of

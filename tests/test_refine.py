@@ -6,9 +6,9 @@ from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
-from frictionjoint.identify.fit import ROUGH, refit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.refine import refine

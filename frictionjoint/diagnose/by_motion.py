@@ -26,7 +26,8 @@ from frictionjoint.diagnose.library import Candidate, effect_terms, library
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed

@@ -15,7 +15,8 @@ from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.score import Scored, scored
-from frictionjoint.identify.fit import ROUGH, Fit, Place, Search, refit, timed
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm
 from frictionjoint.threads import side_by_side

@@ -4,8 +4,9 @@ from collections.abc import Callable
 
 from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import ripened

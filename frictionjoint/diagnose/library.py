@@ -15,9 +15,10 @@ from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import GX, GY, LOAD, TEMP, A, Q
 from frictionjoint.identify.design import term_bounds
-from frictionjoint.identify.fit import HEARD, Fit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
+from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import (
     VARIABLES,

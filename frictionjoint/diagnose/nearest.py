@@ -8,7 +8,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.weights import reweighed
 

@@ -11,9 +11,10 @@ from frictionjoint.diagnose.library import is_unnamed
 from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm
 from frictionjoint.identify.result import units_of
+from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled

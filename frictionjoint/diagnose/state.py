@@ -6,7 +6,8 @@ from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, 
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term

@@ -39,8 +39,9 @@ from frictionjoint.diagnose.state import (
     numbers_of,
 )
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
-from frictionjoint.identify.fit import ROUGH, Fit, nearer
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.search import ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.fit import Fit, Search
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.of_load import with_load
+from frictionjoint.identify.search import Search
 from frictionjoint.identify.segment import Prepared
 
 # distances tried, over the number: half a standard error to start with, and the most

@@ -16,8 +16,9 @@ from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import Balance, law_track, lengths, load_torque
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.reversals import path_of
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swing_columns, swings

@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from frictionjoint.identify.fit import CLOSE, ROUGH, Fit, Place, Search, nearer, timed
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term

@@ -14,8 +14,9 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import law_track
-from frictionjoint.identify.fit import CLOSE, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.search import CLOSE, refit
 from frictionjoint.identify.segment import Prepared, Segment
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have

@@ -20,8 +20,9 @@ from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.effects.signals import TIME
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import load_shows
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.motion import errors
 from frictionjoint.refine.objective import Objective

@@ -7,9 +7,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
-from frictionjoint.identify.fit import Fit, shape_limits
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.prepare import inertia_of
+from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
 

@@ -14,11 +14,12 @@ from frictionjoint.diagnose.replay import replay
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.fit import Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled

@@ -8,10 +8,11 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import kept
-from frictionjoint.identify.fit import ROUGH, Fit, refit
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled

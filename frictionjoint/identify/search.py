@@ -1,0 +1,323 @@
+"""Least squares of the torque balance: friction law plus terms, on one or several logs.
+
+Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
+point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import V
+from frictionjoint.identify.compass import compass
+from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.layout import Layout, layout_of
+from frictionjoint.identify.motor_torque import solutions
+from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.swing import swings, swings_of
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
+from frictionjoint.threads import one_thread
+
+# fraction of a range within which a search has arrived at the range's end
+_ON_BOUND = 1e-4
+_MOST_STEPS = 20
+# times that what leaps is sought in finite steps, and what one must gain for another to follow
+_ROUNDS, _GAINED = 3, 1e-3
+# relative change of the squares at which a search ends
+CLOSE, ROUGH = 1e-6, 1e-3
+# highest resonance that still shows in the band of the balance, over its corner
+HEARD = 2.0
+
+
+def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
+    """Physical range of each shape number that a search may move."""
+    return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
+
+
+def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms, and when in a sample a torque belongs to its position where no effect says so.
+
+    A controller holds its torque from one tick to the next, and channels are read one after the
+    other: a property of a log, never quite known.
+    """
+    if any(isinstance(t, Timing) or t.delay or _delays(t) for t in terms):
+        return terms
+    return (*terms, Timing(min(s.sample for s in prepared.segments)))
+
+
+def _ends(layout: Layout, k: int) -> tuple[int, int]:
+    at = layout.numbers(k)
+    return at.start, at.stop
+
+
+def _delays(term: Term) -> bool:
+    return isinstance(term, EffectTerm) and term.effect.delays
+
+
+@one_thread
+def refit(
+    prepared: Prepared,
+    terms: tuple[Term, ...],
+    start: Shape,
+    closeness: float = CLOSE,
+    steps: int = _MOST_STEPS,
+) -> Fit:
+    """Fit the terms and a law from one start.
+
+    Args:
+        start: shape to start from; terms start from their own shapes.
+        closeness: fraction of the squares by which the last step may still lower them.
+        steps: at most.
+    """
+    search = Search(prepared, timed(prepared, terms), start)
+    return search.result(search.run(search.start, steps, closeness).x)
+
+
+def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:
+    """Of some shapes of a law the one that leaves least beside some terms as they are."""
+    whole = timed(prepared, terms)
+    searches = [Search(prepared, whole, law) for law in laws]
+    left = [float(np.sum(search.residual(search.start) ** 2)) for search in searches]
+    return laws[int(np.argmin(left))]
+
+
+class Solution(NamedTuple):
+    """Columns, target and coefficients at a point of a search, in units of the drive.
+
+    Attributes:
+        unit: by which an error is multiplied before it is made small.
+    """
+
+    X: Array
+    y: Array
+    beta: Array
+    unit: float
+
+
+class Place(NamedTuple):
+    """Where a search has come to: half the sum of squares there, its search, the numbers."""
+
+    cost: float
+    search: "Search"
+    x: Array
+
+
+class Search:
+    """The search over shapes, from a law and terms; the rest is solved for at each point."""
+
+    def __init__(self, prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> None:
+        self.prepared = prepared
+        self.terms = terms
+        self.law = law
+        self.layout = layout_of(prepared, law, terms)
+        self.balance = Balance(prepared, law, terms)
+        speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
+        self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
+        self.bounds = self._ranges(law, terms)
+        self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
+        self.low, self.high = coefficient_bounds(prepared, self.layout)
+        self.weight = np.concatenate([s.kept_weight for s in prepared.segments])
+        # what an effect of the drive takes away must not pass for a small error
+        self.size = self._size(
+            np.concatenate([s.balanced_drive()[s.kept] for s in prepared.segments])
+        )
+        self._last: tuple[bytes, Solution] | None = None
+
+    def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
+        """Of the numbers of a law, and of those of terms from where they are."""
+        low, high = (list(x) for x in law.bounds(self.vmax, self.balance.span))
+        for term in terms:
+            for (least, most), (x, reach) in zip(
+                self._limits(term), reaches(term, self.balance.span), strict=True
+            ):
+                low.append(max(x - reach, least))
+                high.append(min(x + reach, most))
+        return np.array(low), np.array(high)
+
+    def _limits(self, term: Term) -> list[tuple[float, float]]:
+        """Physical ranges; a frequency in time no higher than the band of the balance shows."""
+        limits = list(shape_limits(term))
+        if isinstance(term, EffectTerm):
+            top = HEARD * self.prepared.band.balance
+            for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
+                if unit == "Hz":
+                    limits[i] = (limits[i][0], max(min(limits[i][1], top), 1.01 * limits[i][0]))
+        return limits
+
+    @property
+    def start(self) -> Array:
+        """Where the law and the terms given lie."""
+        return self.vector(self.law)
+
+    def vector(self, law: Shape) -> Array:
+        """Numbers of a law and of the terms given, inside their bounds."""
+        x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
+        span = self.bounds[1] - self.bounds[0]
+        # a number at zero may go as far up as physics lets it: its range may have no end
+        inside = 1e-6 * np.where(np.isfinite(span), span, 1.0 + np.abs(x))
+        return np.clip(x, self.bounds[0] + inside, self.bounds[1] - inside)
+
+    def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
+        """The law and the terms at a point."""
+        first = self.layout.linear.stop
+        terms = []
+        for i, term in enumerate(self.terms):
+            at = self.layout.numbers(i)
+            moved = tuple(float(n) for n in x[at.start - first : at.stop - first])
+            terms.append(term.with_shape(moved) if moved else term)
+        return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
+
+    def run(self, x: Array, steps: int, closeness: float) -> Place:
+        """Where some steps from x lead; at the end what leaps is also sought in finite steps."""
+        place = self._descended(x, steps, closeness)
+        axes = self.leaping if closeness <= CLOSE else []
+        for _ in range(_ROUNDS if axes else 0):
+            there = compass(self._squares, place.x, axes, *self.bounds)
+            found = self._descended(there, steps, closeness)
+            gained = place.cost - found.cost
+            place = min(found, place, key=lambda p: p.cost)
+            if gained <= _GAINED * place.cost:
+                break
+        return place
+
+    @property
+    def leaping(self) -> list[int]:
+        """Places of the numbers with which a torque leaps."""
+        first = self.layout.linear.stop
+        return [
+            k - first
+            for i, t in enumerate(self.terms)
+            if isinstance(t, EffectTerm) and t.effect.leaps
+            for k in range(*_ends(self.layout, i))
+        ]
+
+    def _squares(self, x: Array) -> float:
+        return float(np.sum(self.residual(x) ** 2))
+
+    def _descended(self, x: Array, steps: int, closeness: float) -> Place:
+        """Where steps along derivatives lead."""
+        found = least_squares(
+            self.residual,
+            x,
+            jac=self.derivative,
+            bounds=self.bounds,
+            x_scale=self.scale,
+            max_nfev=steps,
+            xtol=1e-4,
+            ftol=closeness,
+        )
+        return Place(float(found.cost), self, found.x)
+
+    def solved(self, x: Array) -> Solution:
+        """Columns, target and coefficients at a point."""
+        key = x.tobytes()
+        last = self._last  # searches from several starts run side by side
+        if last and last[0] == key:
+            return last[1]
+        shape, terms = self.split(x)
+        X, y = self.balance.columns(shape, terms)
+        beta = self._coefficients(X, y)
+        for _ in range(solutions(terms) - 1):
+            X, _ = self.balance.columns(shape, terms, beta)
+            beta = self._coefficients(X, y)
+        found = Solution(X, y, beta, self._unit(y))
+        self._last = (key, found)
+        return found
+
+    def _coefficients(self, X: Array, y: Array) -> Array:
+        """Those that leave least; a contact without a level has no damping of its own either."""
+        columns = with_load(X, self.layout) * self.weight[:, None]
+        wanted = less_load(X, y, self.layout) * self.weight
+        beta = solve(columns, wanted, self.low, self.high)
+        names = self.layout.base
+        if "sigma1" in names:
+            level, damping = names.index("Fc"), names.index("sigma1")
+            if beta[level] <= self.low[level] and beta[damping] > 0.0:
+                columns[:, damping] = 0.0
+                beta = solve(columns, wanted, self.low, self.high)
+        return with_sizes(beta, self.layout)
+
+    def _size(self, y: Array) -> float:
+        return float(np.linalg.norm(y * self.weight))
+
+    def _unit(self, y: Array) -> float:
+        """What an error counts: over what the effects of the drive have left of it."""
+        changed = any(isinstance(t, DriveTerm) for t in self.terms) and self.prepared.gain_unknown
+        return self.size / max(self._size(y), 1e-9 * self.size) if changed else 1.0
+
+    def residual(self, x: Array) -> Array:
+        """Target less model, weighted."""
+        X, y, beta, unit = self.solved(x)
+        out: Array = (y - X @ beta) * (self.weight * unit)
+        return out
+
+    def derivative(self, x: Array) -> Array:
+        """Of the residual by the numbers searched, the coefficients solved for all along."""
+        X, y, beta, unit = self.solved(x)
+        w = self.weight[:, None]
+        moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
+        free = with_load(X, self.layout)[:, (beta > self.low) & (beta < self.high)] * w
+        length = np.linalg.norm(free, axis=0)
+        Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
+        Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]
+        found = unit * (Q_ @ (Q_.T @ moves) - moves)
+        if unit != 1.0:
+            left, y = unit * (y - X @ beta) * self.weight, y * self.weight
+            for k, term in enumerate(self.terms):
+                if isinstance(term, DriveTerm):
+                    at = slice(*(n - self.layout.linear.stop for n in _ends(self.layout, k)))
+                    # these move the drive alone, whose size is in the unit
+                    found[:, at] += np.outer(left, y @ moves[:, at]) / (y @ y)
+        return np.asarray(found)
+
+    def result(self, x: Array) -> Fit:
+        """The fit at a point."""
+        X, y, beta, unit = self.solved(x)
+        shape, terms = self.split(x)
+        gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
+        index = np.concatenate(
+            [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
+        )
+        total = y if self.prepared.gain_unknown else y + self._load()
+        moves = self.balance.moves(shape, terms, beta)
+        low, high = self._ranges(shape, terms)
+        return Fit(
+            shape=shape,
+            terms=terms,
+            drive=self.prepared.drive,
+            beta=beta,
+            gain=gain,
+            layout=layout_of(self.prepared, shape, terms),
+            residual=(y - X @ beta) * gain,
+            jacobian=np.column_stack([X, moves]) * gain,
+            weight=self.weight,
+            bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
+            low=np.concatenate([self.low, low - x]),
+            high=np.concatenate([self.high, high - x]),
+            log_index=index,
+            begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
+            target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
+            unit=unit,
+        )
+
+    def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
+        """Columns of the swings that the logs may have begun with."""
+        return [
+            swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
+            for i, term in enumerate(terms)
+            if swings(term)
+        ]
+
+    def _near_bound(self, x: Array) -> NDArray[np.bool_]:
+        near = _ON_BOUND * (self.bounds[1] - self.bounds[0])
+        return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)
+
+    def _load(self) -> Array:
+        return np.concatenate([load_torque(s) for s in self.prepared.segments])
