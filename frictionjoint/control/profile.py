@@ -46,7 +46,7 @@ def followed_over(
     if math.isinf(rate):
         return held_over(time, command, begin, length)
     at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
-    corners(time, command, max(rate, 1e-9), at, x)
+    _corners(time, command, max(rate, 1e-9), at, x)
     step = np.diff(at)
     slope = np.append(np.where(step > 0.0, np.diff(x) / np.maximum(step, 1e-300), 0.0), 0.0)
     area = np.concatenate([[0.0], np.cumsum(0.5 * step * (x[1:] + x[:-1]))])
@@ -60,7 +60,7 @@ def followed_over(
 
 
 @compiled
-def corners(time: Vector, command: Vector, rate: float, at: Vector, x: Vector) -> None:
+def _corners(time: Vector, command: Vector, rate: float, at: Vector, x: Vector) -> None:
     """Fill times and places between which such a target moves evenly, shape (2 n,) each."""
     here = command[0]
     for k in range(len(time)):

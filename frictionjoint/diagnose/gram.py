@@ -18,6 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whitened
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
+from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import Timing
@@ -253,9 +254,7 @@ def _unit(X: Array) -> Array:
 
 def _without(X: Array, known: Array) -> Array:
     """Columns with others projected out of them on all samples."""
-    values, vectors = np.linalg.eigh(known.T @ known)
-    independent = values > 1e-10 * values.max(initial=0.0)
-    basis = known @ (vectors[:, independent] / np.sqrt(values[independent]))
+    basis = orthonormal(known)
     for _ in range(2):  # once leaves the rounding of the squares
         X = X - basis @ (basis.T @ X)
     return X

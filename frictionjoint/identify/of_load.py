@@ -18,7 +18,7 @@ def with_load(X: Array, layout: Layout) -> Array:
     Returns:
         `X` itself where there are none; else theirs are zero, shape (n, p).
     """
-    at = own(layout)
+    at = _own(layout)
     if not at:
         return X
     found = X.copy()
@@ -30,20 +30,20 @@ def with_load(X: Array, layout: Layout) -> Array:
 
 def less_load(X: Array, y: Array, layout: Layout) -> Array:
     """A target less what such effects make of a load that is known, shape (n,)."""
-    at = own(layout)
+    at = _own(layout)
     return y - X[:, at].sum(axis=1) if at and "load" not in layout.base else y
 
 
 def with_sizes(beta: Array, layout: Layout) -> Array:
     """Coefficients with those of such effects: as much as the load's, shape (k,)."""
-    at = own(layout)
+    at = _own(layout)
     if at:
         beta = beta.copy()
         beta[at] = beta[layout.base.index("load")] if "load" in layout.base else 1.0
     return beta
 
 
-def own(layout: Layout) -> list[int]:
+def _own(layout: Layout) -> list[int]:
     """Places of their coefficients."""
     return [
         k

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.search import Search
@@ -19,7 +21,6 @@ from frictionjoint.identify.segment import Prepared
 # distances tried, over the number: half a standard error to start with, and the most
 _MORE, _MOST = 2.0**0.5, 0.5
 _LEAST = 1e-4
-_RCOND = 1e-10
 
 
 def with_leaps(
@@ -47,7 +48,8 @@ def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[
     x = search.start
     others = np.arange(fitted.jacobian.shape[1]) != k + fitted.layout.linear.stop
     J = with_load(fitted.jacobian, fitted.layout)[:, others & ~fitted.bound]
-    Q = _basis(J * fitted.weight[:, None])
+    J = J * fitted.weight[:, None]
+    Q = orthonormal(J / lengths(J))
     here = _left(search, Q, x, block)
     longest = 0.0
     for sign in (-1.0, 1.0):
@@ -67,12 +69,3 @@ def _left(search: Search, Q: Array, x: Array, block: NDArray[np.int64]) -> Array
     e = search.residual(x)
     _, own = np.unique(block, return_inverse=True)
     return np.bincount(own, (e - Q @ (Q.T @ e)) ** 2).astype(np.float64)
-
-
-def _basis(J: Array) -> Array:
-    """Orthonormal columns of what J spans."""
-    size = np.linalg.norm(J, axis=0)
-    J = J[:, size > 0.0] / size[size > 0.0]
-    values, vectors = np.linalg.eigh(J.T @ J)
-    known = values > _RCOND * values.max(initial=0.0)
-    return np.asarray(J @ (vectors[:, known] / np.sqrt(values[known])))

@@ -84,7 +84,7 @@ def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -
     """Of some shapes of a law the one that leaves least beside some terms as they are."""
     whole = timed(prepared, terms)
     searches = [Search(prepared, whole, law) for law in laws]
-    left = [float(np.sum(search.residual(search.start) ** 2)) for search in searches]
+    left = [search.squares(search.start) for search in searches]
     return laws[int(np.argmin(left))]
 
 
@@ -179,7 +179,7 @@ class Search:
         place = self._descended(x, steps, closeness)
         axes = self.leaping if closeness <= CLOSE else []
         for _ in range(_ROUNDS if axes else 0):
-            there = compass(self._squares, place.x, axes, *self.bounds)
+            there = compass(self.squares, place.x, axes, *self.bounds)
             found = self._descended(there, steps, closeness)
             gained = place.cost - found.cost
             place = min(found, place, key=lambda p: p.cost)
@@ -198,7 +198,8 @@ class Search:
             for k in range(*_ends(self.layout, i))
         ]
 
-    def _squares(self, x: Array) -> float:
+    def squares(self, x: Array) -> float:
+        """Sum of them that is left at a point."""
         return float(np.sum(self.residual(x) ** 2))
 
     def _descended(self, x: Array, steps: int, closeness: float) -> Place:
