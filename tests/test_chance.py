@@ -63,6 +63,14 @@ def test_chance_is_seldom_significant(kind):
     assert np.mean(least_by_chance([KINDS[kind]]) < 0.05) < 0.12
 
 
+def test_chance_that_reaches_into_the_next_block_is_seldom_significant():
+    rng, window = np.random.default_rng(4), np.ones(12) / np.sqrt(12.0)
+    sets = list(KINDS.values())
+    noise = [np.convolve(rng.standard_normal(N + 11), window, "valid") for _ in range(100)]
+    found = np.array([p_of(sets, e, seed=i).min() for i, e in enumerate(noise)])
+    assert np.mean(found < 0.05) < 0.12
+
+
 def test_the_least_of_a_family_is_uniform_by_chance():
     found = least_by_chance(list(KINDS.values()))
     assert np.mean(found < 0.05) < 0.12

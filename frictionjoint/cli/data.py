@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from frictionjoint.cli.output import Json
 from frictionjoint.cli.terminal import console, progress
 
 data = typer.Typer(
@@ -18,7 +19,6 @@ data = typer.Typer(
         "Examples: `frictionjoint data list`, `frictionjoint data get xl330`"
     ),
 )
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
 @data.command("list")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError
 
@@ -96,7 +96,7 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
 
 def check(
     mjcf: Carrying,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Say what friction an MJCF carries and whether its time step suits it.
 

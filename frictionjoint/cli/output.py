@@ -12,6 +12,7 @@ from frictionjoint.errors import FrictionJointError
 Force = Annotated[
     bool, typer.Option("--force", help="Let --out overwrite a file that it is made from.")
 ]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
 def require_writable(

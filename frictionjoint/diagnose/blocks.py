@@ -26,8 +26,6 @@ _FEWEST_BLOCKS = 48
 _MOST_BLOCKS = 240
 _CORRELATION_TIMES = 5.0
 _AR_ORDER = 6
-# pieces of a block that are independent once a residual is whitened
-_PIECES = 5
 # logs from which on a fold is a log, and kinds of motion where there are fewer
 _LOGS, _KINDS = 3, 4
 # logs from which on alike ones make a fold together
@@ -57,25 +55,15 @@ class Blocks:
         """Number of blocks."""
         return len(self.fold)
 
-    @property
-    def pieces(self) -> int:
-        """Number of pieces of blocks."""
-        return _PIECES * self.count
-
-    def gram(self, U: Array, at: Index, fine: bool = False) -> Array:
+    def gram(self, U: Array, at: Index) -> Array:
         """Gram matrix of some columns of U in each block.
 
         Args:
             U: shape (n, c), each column of one piece in memory. at: of the columns, shape (m,).
         Returns:
-            shape (B, m, m); fine: of the pieces of each block, shape (5 B, m, m).
+            shape (B, m, m).
         """
         edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
-        if fine:
-            parts = np.arange(_PIECES) / _PIECES
-            edges = np.append(
-                (edges[:-1, None] + parts * np.diff(edges)[:, None]).astype(int).ravel(), len(U)
-            )
         out = np.empty((len(edges) - 1, len(at), len(at)))
         gram_matrices(U, at, edges, out)
         return out

@@ -39,13 +39,11 @@ def p_values(
     """
     if not found.candidates:
         return np.zeros(0), 0.0
-    blocks = found.blocks.count
-    signs = rng.choice([-1.0, 1.0], size=(FLIPS, blocks))
-    fine = rng.choice([-1.0, 1.0], size=(FLIPS, found.blocks.pieces))
+    signs = rng.choice([-1.0, 1.0], size=(FLIPS, found.blocks.count))
 
     def surprise(at: Columns, lines: float) -> Array:
-        larger = np.maximum(_surprise(found, at, signs), _surprise(found, at, fine))
-        return np.asarray(larger - np.log(lines))
+        both = [_surprise(found, found.products(at, white), at, signs) for white in (False, True)]
+        return np.asarray(np.maximum(*both) - np.log(lines))
 
     with side_by_side() as each:
         surprises = np.array(list(each(surprise, found.candidates, among)))
@@ -54,10 +52,8 @@ def p_values(
     return p, float(np.quantile(null, 0.95))
 
 
-def _surprise(found: Screen, at: Columns, signs: Array) -> Array:
+def _surprise(found: Screen, grams: Array, at: Columns, signs: Array) -> Array:
     """How far out a candidate's score is, and by chance, in nats, shape (1 + FLIPS,)."""
-    fine = signs.shape[1] != found.blocks.count
-    grams = found.products(at, whitened=fine)
     A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
     own = b - np.einsum("bij,bj->bi", A, found.elsewhere(A, b))
     scores = np.vstack([b.sum(axis=0), signs @ own])
@@ -73,6 +69,11 @@ def _surprise(found: Screen, at: Columns, signs: Array) -> Array:
         return np.zeros(len(scores))
     k = mean**2 / half_variance
     statistic = np.maximum(explained, 0.0) * k / mean
+    # signs make blocks independent; neighbours in a log are not quite (Newey and West 1987)
+    log = found.blocks.log
+    together = own[:-1] * (log[:-1] == log[1:])[:, None]
+    covariance = 2.0 * float(np.trace(inverse @ together.T @ own[1:]))
+    statistic[0] *= mean / (mean + max(covariance, 0.0))
     # a few blocks know their spread roughly, and what signs make of it does not show that
     known = max(1.0, _independent(A) - 1.0)
     tails = np.append(fdtrc(k, known, statistic[0] / k), chdtrc(k, statistic[1:]))

@@ -88,12 +88,12 @@ class Screen:
             return np.asarray(2 * fold + self.blocks.halves)
         return fold
 
-    def _grams(self, columns: Array, at: Columns, fine: bool = False) -> Array:
+    def _grams(self, columns: Array, at: Columns) -> Array:
         """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
 
         Less what the logs held when they began, which has no row of its own.
         """
-        grams = self.blocks.gram(columns, np.append(at, columns.shape[1] - 1), fine)
+        grams = self.blocks.gram(columns, np.append(at, columns.shape[1] - 1))
         begun = np.append(self.begun[at], False)
         if not begun.any():
             return grams
@@ -107,9 +107,9 @@ class Screen:
         """Gram matrices of a candidate's columns and the residual, by block, shape (B, k, k).
 
         Args:
-            whitened: of whitened columns, by the smaller pieces of the blocks.
+            whitened: of whitened columns.
         """
-        return self._grams(self.white if whitened else self.tested, at, fine=whitened)
+        return self._grams(self.white if whitened else self.tested, at)
 
     def ranges(self, at: Columns) -> tuple[Array, Array]:
         """Least and largest coefficient of each of some columns that `products` has, shape (k,)."""
@@ -117,14 +117,12 @@ class Screen:
         return self.low[at], self.high[at]
 
     def elsewhere(self, A: Array, b: Array) -> Array:
-        """Coefficients of each block, or piece, fitted to the other folds, shape (B, k).
+        """Coefficients of each block, fitted to the other folds, shape (B, k).
 
         Args:
             A: Gram matrices, shape (B, k, k). b: products with the target, shape (B, k).
         """
-        pieces = len(A) // self.blocks.count
-        whole = A.reshape(self.blocks.count, pieces, *A.shape[1:]).sum(axis=1)
-        folds = np.repeat(self._folds(whole), pieces)
+        folds = self._folds(A)
         names, place = np.unique(folds, return_inverse=True)
         rest = np.stack([A[folds != fold].sum(axis=0) for fold in names])
         sums = np.stack([b[folds != fold].sum(axis=0) for fold in names])

@@ -143,8 +143,8 @@ def replayed_whole(
 def simulated_whole(fitted: Fit, armature: float, thermometer: bool = False) -> bool:
     """Whether a simulation started from measured motion holds all that a fit says.
 
-    No log holds where a link behind a spring or a gap is when a run begins; and an armature is
-    never below nothing.
+    Where a link is behind a gap when a run begins no log holds; behind a spring it follows from the
+    motion before. And an armature is never below nothing.
 
     Args:
         armature: of the MJCF. thermometer: whether runs are given the temperature of their logs.
@@ -154,7 +154,8 @@ def simulated_whole(fitted: Fit, armature: float, thermometer: bool = False) -> 
             continue
         less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
         warmer = TEMP in term.effect.needs and not thermometer
-        if less or warmer or term.effect.acts == "mechanism":
+        gap = term.effect.acts == "mechanism" and term.effect.leaps
+        if less or warmer or gap:
             return False
     return True
 

@@ -7,6 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.gram import screen
+from frictionjoint.diagnose.possible import impossible
 from frictionjoint.identify.fit import Fit
 
 
@@ -16,11 +17,13 @@ class Scored:
 
     Attributes:
         noise: of all squares, those that the instruments' noise leaves to a perfect model.
+        impossible: names of effects with a number that the logs take beyond what is possible.
     """
 
     fit: Fit
     squares: Array = field(repr=False)
     noise: float = 0.0
+    impossible: frozenset[str] = frozenset()
 
     @property
     def total(self) -> float:
@@ -58,4 +61,5 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
     noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
-    return Scored(fitted, squares / fitted.scale**2, noise / fitted.scale**2)
+    beyond = impossible(fitted, blocks)
+    return Scored(fitted, squares / fitted.scale**2, noise / fitted.scale**2, beyond)

@@ -1,0 +1,177 @@
+"""The command `close-loop`, of one joint, a robot, or several robots of one kind."""
+
+import json
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from frictionjoint.cli.logs import (
+    Columns,
+    ControllerFile,
+    Fixed,
+    Gain,
+    Model,
+    Reading,
+    Signals,
+    Wrap,
+    joints_of,
+    models_of,
+    paths_of,
+    poses,
+    split,
+)
+from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.robot import (
+    RobotRequest,
+    Wanted,
+    close_loop_of_robot,
+    close_loop_of_units,
+    units_of,
+)
+from frictionjoint.cli.terminal import progress, show_report
+from frictionjoint.errors import LogError, ModelError
+from frictionjoint.laws import LAWS
+
+Logs = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags. None with --unit."
+    ),
+]
+Joints = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joint",
+        metavar="NAME",
+        help="A joint in the model and in the logs. Repeatable. Default: all with a drive.",
+    ),
+]
+Law = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        help=f"Friction law to fit: {', '.join(LAWS)}. Default: {LAWS[0]}, in the result another "
+        "where clearly better.",
+    ),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Of the random tests; equal seeds, equal reports.")]
+
+
+def close_loop_command(
+    model: Model,
+    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the report goes.")],
+    logs: Logs = None,
+    joint: Joints = None,
+    held_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--held-out",
+            metavar="LOG|FRACTION",
+            help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
+        ),
+    ] = None,
+    law: Law = None,
+    fixed: Fixed = None,
+    controller: ControllerFile = None,
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine",
+            help="Fit all numbers of the named model to the simulated motion in the end; it is "
+            "taken where it predicts logs left out better.",
+        ),
+    ] = False,
+    gain: Gain = None,
+    column: Columns = None,
+    signal: Signals = None,
+    wrap: Wrap = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--unit",
+            metavar="NAME=LOG",
+            help="A log of one of several robots of a kind, in place of LOG; a unit may have "
+            "several. Repeatable.",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Dask scheduler, tcp://HOST:PORT, whose workers take the joints of a robot. The "
+            "numbers are the same.",
+        ),
+    ] = None,
+    seed: Seed = 0,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Fit, find what is missing, add it, report before and after.
+
+    Writes FOLDER/report.html (for people), report.json (for scripts) and model.xml (to simulate).
+
+    Examples:
+
+    `frictionjoint close-loop a.csv b.csv --held-out c.csv --model arm.xml --joint elbow --out out`
+
+    `frictionjoint close-loop a.csv --held-out 0.3 --column time_s=t --model arm.xml --joint elbow
+    --out out --json`
+
+    A whole robot, every joint whose drive the logs hold: `frictionjoint close-loop a.csv b.csv
+    --held-out c.csv --model arm.urdf --out out`
+
+    Several robots of one kind: `frictionjoint close-loop --unit left=a.csv --unit right=b.csv
+    --model arm.urdf --out out`
+    """
+    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.report.write import FILES, write_report
+
+    logs, held_out = logs or [], held_out or ["0.25"]
+    if not (logs or unit):
+        raise LogError("no log: give one or more, or units with --unit NAME=LOG")
+    if not (unit or joint) and len(only := joints_of(model)) == 1:
+        joint = only
+    if unit or joint is None or len(joint) != 1:
+        reading = Reading.of("", column, signal, wrap, gain)
+        robot = models_of(model)
+        if controller or refine:
+            raise ModelError("--controller and --refine are for one joint: name it with --joint")
+        if isinstance(robot, dict):
+            raise ModelError("--model: several joints share one model, give one without a pattern")
+        request = RobotRequest(logs, held_out, Path(robot), joint or [], reading)
+        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler)
+        if unit:
+            close_loop_of_units(request, units_of(unit), wanted)
+        else:
+            close_loop_of_robot(request, wanted)
+        return
+    if scheduler:
+        raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")
+    with progress() as say:
+        read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
+        require_writable(out, read, force, FILES)
+        reading = Reading.of(joint[0], column, signal, wrap, gain)
+        fitted, kept = split(logs, held_out, reading)
+        report = close_loop(
+            fitted,
+            models_of(model),
+            joint[0],
+            kept,
+            seed,
+            say,
+            law,
+            poses(fixed),
+            controller,
+            refine,
+        )
+        say("writing the report")
+        write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if as_json:
+        typer.echo(json.dumps(report.to_dict(), indent=2))
+    else:
+        show_report(report)
+        typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")

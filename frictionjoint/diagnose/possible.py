@@ -1,0 +1,61 @@
+"""Numbers of a model that its logs would take beyond what is physically possible."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY
+from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.design import lengths
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.terms import EffectTerm
+
+# fraction of a bound within which a number lies on it
+_ON_BOUND = 1e-3
+
+
+def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
+    """Names of effects that would leave the physical range of one of their numbers.
+
+    A number on its bound that the logs would take beyond it, by more than its standard error and by
+    more torque than a law is wrong by, says that what they hold is something else. At zero or at
+    infinity an effect has only another form, or is none.
+    """
+    return frozenset(
+        term.name
+        for i, term in enumerate(fitted.terms)
+        if isinstance(term, EffectTerm)
+        for k, outward in _at_ends(fitted, i, term)
+        if _leaves(fitted, blocks, k, outward)
+    )
+
+
+def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:
+    """Numbers of term i on a finite bound other than zero, and the sign of what lies beyond."""
+    at = fitted.layout.numbers(i)
+    for k, limits in zip(range(at.start, at.stop), term.limits, strict=False):
+        for limit, room, outward in zip(
+            limits, (fitted.low[k], fitted.high[k]), (-1.0, 1.0), strict=True
+        ):
+            physical = math.isfinite(limit) and limit != 0.0
+            if physical and fitted.bound[k] and abs(room) <= _ON_BOUND * abs(limit):
+                yield k, outward
+
+
+def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
+    """Whether parameter k would move beyond its bound, the free parameters fitted along.
+
+    To first order; the standard error comes of the spread over blocks of time (White 1980).
+    """
+    w = fitted.weight
+    free = fitted.free_jacobian * w[:, None]
+    basis = orthonormal(free / lengths(free))
+    column = fitted.jacobian[:, k] * w
+    column = column - basis @ (basis.T @ column)
+    products = np.bincount(blocks.of_sample, column * fitted.residual * w, blocks.count)
+    total, error = outward * products.sum(), np.linalg.norm(products)
+    moved = total / max(np.linalg.norm(column), 1e-300)
+    least = DISCREPANCY * np.linalg.norm(fitted.friction * w)
+    return bool(total > SURELY * error and moved > least)
