@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
-from frictionjoint.diagnose.decisions import CLEARLY
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.decisions import CLEARLY, SURELY
+from frictionjoint.diagnose.score import scored
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
@@ -62,7 +64,10 @@ class Laws:
             self.shapes[forms[0].variables] = place.search.split(place.x)[0]
 
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
-        """A fit of the same effects with another law where that is clearly better."""
+        """A fit of the same effects with another law where that is clearly better.
+
+        By more than the spread over blocks of time, too: a few of them are not all motion.
+        """
         self.shapes[fitted.shape.variables] = fitted.shape
 
         def refitted(shape: Shape) -> Fit:
@@ -72,10 +77,15 @@ class Laws:
         with side_by_side() as each:
             others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
         self.shapes |= {other.shape.variables: other.shape for other in others}
-        best = min([fitted, *others], key=lambda f: f.drive_rms)
-        if best is fitted or best.drive_rms >= (1.0 - CLEARLY) * fitted.drive_rms:
+        most = (1.0 - CLEARLY) * fitted.drive_rms
+        clear = sorted((f for f in others if f.drive_rms < most), key=lambda f: f.drive_rms)
+        if not clear:
             return prepared, fitted
-        return reweighed(prepared, best)
+        blocks = make_blocks(prepared, fitted)
+        now = scored(fitted, blocks)
+        sure = (f for f in clear if scored(f, blocks).better(now, SURELY))
+        best = next(sure, None)
+        return (prepared, fitted) if best is None else reweighed(prepared, best)
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.

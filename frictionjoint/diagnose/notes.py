@@ -75,7 +75,7 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
 
 def _hold_note(found: Trace) -> tuple[str, ...]:
     """A drive that ticks with the samples."""
-    if not found.prepared.band.held:
+    if not found.prepared.band.zero_order_hold:
         return ()
     return ("The torque is held from one sample to the next. The fit accounts for it.",)
 

@@ -23,8 +23,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Prepared, Segment
-from frictionjoint.identify.smooth import elastic_plastic
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
 # then. Good logs leave 0.88 at most, noise leaves 0.96 at least.
@@ -43,10 +43,6 @@ _TOO_LARGE, _ALIKE = 10.0, 2.0
 _STANDS_OUT = 1.0
 # Samples that the balance is solved on, and blocks of them that count as independent.
 _SAMPLES, _BLOCKS = 6000, 30
-# Speed over the top speed below which friction is changing its side.
-_TURNS = 0.02
-# Displacements over the travel at which the elastic-plastic elements of friction slip.
-_REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
 
 class Balance(NamedTuple):
@@ -235,8 +231,8 @@ def _columns(prepared: Prepared) -> tuple[str, str]:
 
 def _balance(prepared: Prepared) -> Balance:
     thin = prepared.thinned(_SAMPLES)
-    top = float(np.quantile(np.concatenate([np.abs(s.signals[:, V]) for s in thin.segments]), 0.99))
-    rows = [_of_segment(s, top or 1.0) for s in thin.segments]
+    top = top_speed(thin.segments)
+    rows = [_of_segment(s, top) for s in thin.segments]
     motion, other, drive = (np.concatenate(part) for part in zip(*rows, strict=True))
     sizes = [len(row[2]) for row in rows]
     return Balance(
@@ -258,10 +254,7 @@ def _of_segment(s: Segment, top: float) -> tuple[Array, Array, Array]:
     """What is made of derivatives, what is not, and the drive, on the kept samples."""
     jerk = np.gradient(s.signals[:, A], s.dt)
     motion = np.column_stack([s.signals[:, [LOAD, GX, GY, V, A]], jerk])
-    q, v = s.signals[:, Q], s.signals[:, V]
-    side = np.clip(v / (_TURNS * top), -1.0, 1.0)
-    reaches = _REACHES * (np.ptp(q) or 1.0)
-    other = np.column_stack([q, side, elastic_plastic(np.ascontiguousarray(q), reaches)])
+    other = np.column_stack([s.signals[:, Q], plain_friction(s, top)])
     return (
         s.lowpass(motion)[s.kept],
         s.lowpass(other)[s.kept],

@@ -28,11 +28,11 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Commanded
-from frictionjoint.identify.hold import holds, of_acceleration, of_drive
 from frictionjoint.identify.noise import count_of, noise_of
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment
+from frictionjoint.identify.zero_order_hold import holds, of_acceleration, of_drive
 from frictionjoint.measured.derivatives import (
     HIGHEST,
     motion_band,
@@ -100,7 +100,7 @@ def prepare(
         band = Band(_balance_hz(segments(wide), main, motion), motion)
         found = segments(band)
         if _may_be_held(found, band):
-            held = replace(band, held=True)
+            held = replace(band, zero_order_hold=True)
             other = segments(held)
             if holds(found, other):
                 band, found = held, other
@@ -146,7 +146,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     n = -(-((len(grid) - 1) * up + 1) // step)
     t = grid[0] + dt * np.arange(n)
 
-    held = band.held and log is measured_log
+    held = band.zero_order_hold and log is measured_log
 
     def track(position: Array) -> tuple[Array, Array, Array]:
         spectrum = smooth.spectrum(position)

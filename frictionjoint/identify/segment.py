@@ -32,12 +32,12 @@ Drive = Literal["torque", "voltage", "current"]
 class Band:
     """Corners of the two filters, Hz: of the balance, and of the motion that makes it.
 
-    held: whether a measured drive holds its torque from one sample to the next.
+    zero_order_hold: whether a measured drive holds its torque from one sample to the next.
     """
 
     balance: float
     motion: float
-    held: bool = False
+    zero_order_hold: bool = False
 
 
 @dataclass(frozen=True)

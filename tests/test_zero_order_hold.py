@@ -32,7 +32,7 @@ HELD = [
 @pytest.mark.parametrize("spec", HELD, ids=lambda spec: spec.name)
 def test_a_held_torque_leaves_no_more_than_the_noise(spec, tmp_path):
     logs = logs_of(tmp_path, spec)
-    assert logs.band.held
+    assert logs.band.zero_order_hold
     found = fit(logs)
     assert found.rms < 1.2 * noise_floor(logs, 1.0)
     (delay,) = found.terms[-1].shape
@@ -41,8 +41,8 @@ def test_a_held_torque_leaves_no_more_than_the_noise(spec, tmp_path):
 
 @pytest.mark.parametrize("spec", SMOOTH, ids=lambda spec: spec.name)
 def test_a_smooth_torque_is_left_as_it_is(spec, tmp_path):
-    assert not logs_of(tmp_path, spec).band.held
+    assert not logs_of(tmp_path, spec).band.zero_order_hold
 
 
 def test_of_a_fast_log_it_is_not_asked(tmp_path):
-    assert not logs_of(tmp_path, Spec("sine-1-hz", 4000.0, 20, False, True)).band.held
+    assert not logs_of(tmp_path, Spec("sine-1-hz", 4000.0, 20, False, True)).band.zero_order_hold

@@ -17,8 +17,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
+from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.smooth import elastic_plastic
 
 # part of what is left without any delay that a held drive must take away
 _CLEARLY = 0.05
@@ -28,9 +28,6 @@ _LARGEST = 1.4
 _LATE, _NEAR = np.linspace(-0.5, 2.0, 26), 0.15
 # samples of a coarse balance
 _SAMPLES = 6000
-# displacements over the travel at which the elastic-plastic elements of friction slip, and speed
-# over the top speed below which it changes its side
-_REACHES, _TURNS = np.array([1e-3, 1e-2, 0.1, 1.0]), 0.02
 
 
 def of_acceleration(omega: Array, sample: float) -> Array:
@@ -66,7 +63,7 @@ def _half_angle(omega: Array, sample: float) -> Array:
 
 def _left(segments: Sequence[Segment]) -> Array:
     """rms of the drive that a linear balance leaves with each delay."""
-    top = float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
+    top = top_speed(segments)
     rows = [_balanced(s, top) for s in segments]
     X, late = (np.concatenate(x) for x in zip(*rows, strict=True))
     every = max(1, len(X) // _SAMPLES)
@@ -80,14 +77,7 @@ def _left(segments: Sequence[Segment]) -> Array:
 
 def _balanced(s: Segment, top: float) -> tuple[Array, Array]:
     """Columns of a linear balance, shape (m, k), and the drive with each delay, on kept samples."""
-    q, v = s.signals[:, Q], s.signals[:, V]
-    reaches = _REACHES * (float(np.ptp(q)) or 1.0)
-    columns = [
-        s.signals[:, [LOAD, GX, GY, V, A]],
-        np.clip(v / (_TURNS * top), -1.0, 1.0),
-        elastic_plastic(np.ascontiguousarray(q), reaches),
-        q,
-        np.ones_like(q),
-    ]
+    motion = s.signals[:, [LOAD, GX, GY, V, A, Q]]
+    columns = [motion, plain_friction(s, top), np.ones(len(motion))]
     late = [s.balanced_drive(delay * s.sample)[s.kept] for delay in _LATE]
     return s.lowpass(np.column_stack(columns))[s.kept], np.column_stack(late)
