@@ -10,9 +10,11 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.diagnose import close_loop as loop
 from frictionjoint.diagnose.notes import DIVERGES
-from frictionjoint.diagnose.replay import Replay, replay
+from frictionjoint.diagnose.replay import Replay, replay, simulated_whole
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.diagnose.verdict import verdict
+from frictionjoint.effects import backlash, duty_drop, joint_elasticity
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured import JointLog
 
 N, DT = 2000, 4e-3
@@ -67,3 +69,16 @@ def test_each_run_counts_for_itself_and_none_for_more_than_all_travel():
     runs = Replay((lost, np.full(3, np.nan)), travel=2.0).runs
     np.testing.assert_allclose(runs, [0.01, 4.0])
     assert Replay((), travel=1.0).runs.size == 0
+
+
+@pytest.mark.parametrize(
+    ("term", "whole"),
+    [
+        (EffectTerm(joint_elasticity.EFFECT, (8.0, 0.03)), True),
+        (EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.3)), False),
+        (EffectTerm(duty_drop.EFFECT, (0.3, 0.5)), True),
+    ],
+)
+def test_a_link_behind_a_spring_is_simulated_and_one_in_a_gap_is_not(term, whole):
+    fitted: Any = SimpleNamespace(terms=(term,), term_coefficients=lambda i: np.ones(1))
+    assert simulated_whole(fitted, armature=0.0) == whole
