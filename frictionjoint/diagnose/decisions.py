@@ -26,8 +26,7 @@ CLEARLY = 0.05
 PROMISING = 0.1
 # part of a coefficient's columns that may lie in one fold: beyond it that fold is halved
 CONCENTRATED = 0.9
-# standard errors over blocks by which another law must be better, and by which the logs must take a
-# number beyond what is possible
+# standard errors by which the logs must take a number beyond what is possible
 SURELY = 2.0
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.decisions import CLEARLY, SURELY
+from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.score import scored
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
@@ -83,7 +83,7 @@ class Laws:
             return prepared, fitted
         blocks = make_blocks(prepared, fitted)
         now = scored(fitted, blocks)
-        sure = (f for f in clear if scored(f, blocks).better(now, SURELY))
+        sure = (f for f in clear if scored(f, blocks).better(now))
         best = next(sure, None)
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
