@@ -14,16 +14,18 @@ _LEAST, _LONGEST = 0.02, 0.2
 
 
 def first_velocity(time: Array, position: Array, count: float) -> float:
-    """rad/s (m/s) at the first sample: of a parabola through the first samples.
+    """rad/s (m/s) at the first sample: none where the joint stands, else of a parabola.
 
-    Through as many as it follows to within half a count: rounding makes a velocity uncertain by
-    about a count over the length of the stretch.
+    Through as many samples as it follows to within half a count: rounding makes a velocity
+    uncertain by about a count over the length of the stretch.
 
     Args:
         count: step of the position, rad (m); 0: the least stretch is taken.
     """
     t, q = time - time[0], position - position[0]
     least = max(3, int(np.searchsorted(t, _LEAST, side="right")))
+    if np.max(np.abs(q[:least])) <= 0.5 * count:
+        return 0.0
     found = 0.0
     for n in range(least, max(least, int(np.searchsorted(t, _LONGEST, side="right"))) + 1):
         parabola = np.polynomial.Polynomial.fit(t[:n], q[:n], 2)
