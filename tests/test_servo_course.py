@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
-from servo_plant import COUNT, KNOWN, PLANT, moved, servo, sines, steps, swept
+from servo_plant import COUNT, KNOWN, KT, PLANT, moved, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import KP
+from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import courses_of
+from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.gate import load_shows
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.log import JointLog
@@ -79,3 +82,23 @@ def test_a_joint_that_moves_already_begins_so(velocity):
     t = 0.005 * np.arange(100)
     position = np.round((0.2 + velocity * t - 0.5 * t**2) / COUNT) * COUNT
     assert first_velocity(t, position, COUNT) == pytest.approx(velocity, abs=0.1)
+
+
+def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
+    """Their law alone finds no load in the drive; the found model does."""
+    friction = 'frictionloss="0.1417" damping="0.0948"'
+    hidden = {"delay": 0.032}
+    fit, kept = (
+        [
+            servo(f"{m.__name__} {kp}", kp, m, hidden, friction=friction)
+            for kp in kps
+            for m in motion
+        ]
+        for kps, motion in (((0.6, 1.7), (steps, sines, swept)), ((1.0,), (sines,)))
+    )
+    report, found = explain(fit, kept, Bodies(PLANT.format(""), "j", None), controller=KNOWN)
+    assert not load_shows(found.base)
+    assert found.base.gain == found.final.gain == pytest.approx(KT, rel=0.05)
+    assert report.closed_loops is not None
+    before, after = (loops.mae.held_out for loops in report.closed_loops)
+    assert after < 0.1 * before
