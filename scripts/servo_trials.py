@@ -11,13 +11,16 @@ where there is nothing; its number where it is within 10%.
 
 --bands also refines the model, draws a hundred parameter sets from its posterior, simulates the
 held-out log with each, and counts how many of its positions lie between the 2.5th and the 97.5th
-percentile, a count of the encoder added on either side.
+percentile, a count of the encoder added on either side. The refined model's error on the held-out
+logs is stated over a true model's: the plant itself, begun as the simulations of the model are and
+given the log's own target.
 """
 
 import argparse
 import json
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +29,14 @@ import numpy as np
 
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.close_loop import explain
-from frictionjoint.diagnose.closed_loop import changes_of, closed_loop, courses_of, joint_model
+from frictionjoint.diagnose.closed_loop import (
+    Course,
+    changes_of,
+    closed_loop,
+    courses_of,
+    joint_model,
+)
+from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
@@ -34,7 +44,7 @@ from frictionjoint.refine import refine
 from frictionjoint.simulate.one_joint import simulate
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
-from servo_plant import COUNT, KNOWN, KT, PLANT, SUPPLY, servo, sines, steps, swept
+from servo_plant import COUNT, KNOWN, KT, PLANT, SUPPLY, moved, servo, sines, steps, swept
 
 # what is hidden: the effect's name, the number that is compared, and its range
 KINDS: dict[str, tuple[str, str, float, float]] = {
@@ -96,13 +106,18 @@ def trial(kind: str, rng: np.random.Generator, bands: bool) -> dict[str, Any]:
         "mae": [x.mae.held_out for x in loops] if loops else None,
     }
     if bands:
-        told |= _bands(found, fit, kept, bodies, known)
+        held = courses_of(kept, bodies.of(kept), known)
+        told |= _bands(found, courses_of(fit, bodies.of(fit), known), held)
+        off_true = [
+            np.abs(moved(c.target, gains[1], hidden, friction, c.run.start) - c.position)
+            for c in held
+        ]
+        told["true_mae"] = float(np.mean(np.concatenate(off_true)))
     return told
 
 
-def _bands(found: Any, fit: Any, kept: Any, bodies: Bodies, known: Controller) -> dict[str, Any]:
+def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> dict[str, Any]:
     """Share of held-out positions within the band, and the error of the refined model."""
-    courses = courses_of(fit, bodies.of(fit), known)
     cov = stated_covariance(found.prepared, found.final)
     outcome = refine(found.prepared, found.final, cov, courses)
     vector, x, spread = outcome.vector, outcome.values, outcome.cov
@@ -110,7 +125,6 @@ def _bands(found: Any, fit: Any, kept: Any, bodies: Bodies, known: Controller) -
     draws = rng.multivariate_normal(x, spread, DRAWS, method="eigh")
     models = [vector.fit(np.clip(draw, vector.low, vector.high)) for draw in draws]
     inside = []
-    held = courses_of(kept, bodies.of(kept), known)
     for course in held:
         runs = np.array(
             [
@@ -154,6 +168,9 @@ def main() -> None:
         held = [x["inside"] for x in told]
         print(f"held-out positions within their band of 95%: {np.mean(held):.1%}, each of "
               f"{min(held):.1%} to {max(held):.1%}")  # fmt: skip
+        over = [x["refined_mae"] / x["true_mae"] for x in told]
+        print(f"refined error over a true model's: {min(over):.2f} at least, "
+              f"{np.median(over):.2f} the median, {max(over):.2f} at most")  # fmt: skip
 
 
 if __name__ == "__main__":

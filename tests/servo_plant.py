@@ -34,19 +34,38 @@ def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" 
     Args:
         friction: attributes of the joint, MuJoCo's own.
     """
+    time = 0.01 * np.arange(round(duration * 100))
+    command = target(time)  # sent a hundred times a second
+    position = moved(command, kp, hidden, friction)
+    return JointLog(
+        name=name,
+        joint="j",
+        time=time,
+        position=np.round(position / COUNT) * COUNT,
+        target=command,
+        metadata={"kp": kp},
+    )
+
+
+def moved(command, kp, hidden, friction, start=(0.0, 0.0)):
+    """Position of the servo at each of its commands, a hundredth of a second apart, rad.
+
+    Args:
+        start: position and velocity at first.
+    """
     model = mujoco.MjModel.from_xml_string(PLANT.format(friction))
     data = mujoco.MjData(model)
-    n = int(duration * 1000)
-    time = 1e-3 * np.arange(n)
-    command = target(0.01 * np.floor(time / 0.01))  # sent a hundred times a second
+    data.qpos[0], data.qvel[0] = start
+    n = 10 * len(command)
     late = round(1000 * hidden.get("delay", 0.0))
     position, inner = np.empty(n), command[0]
     for i in range(n):
-        position[i] = round(data.qpos[0] / COUNT) * COUNT
-        wanted = command[max(0, i - late)]
+        position[i] = data.qpos[0]
+        seen = round(data.qpos[0] / COUNT) * COUNT
+        wanted = command[max(0, i - late) // 10]
         way = hidden.get("rate", math.inf) * 1e-3
         inner += min(way, max(-way, wanted - inner))
-        error = inner - position[i]
+        error = inner - seen
         duty = kp * hidden.get("factor", 1.0) * error
         if abs(error) < hidden.get("deadband", 0.0):
             duty = 0.0
@@ -61,15 +80,7 @@ def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" 
         volts /= 1.0 + sag * duty * duty
         data.qfrc_applied[0] = KT * duty * volts - emf * data.qvel[0]
         mujoco.mj_step(model, data)
-    some = slice(0, n, 10)
-    return JointLog(
-        name=name,
-        joint="j",
-        time=time[some],
-        position=position[some],
-        target=command[some],
-        metadata={"kp": kp},
-    )
+    return position[::10]
 
 
 def logs(hidden, **other):

@@ -157,8 +157,20 @@ def test_a_target_of_any_speed_is_the_command_itself():
 def test_a_limited_target_rate_makes_a_ramp_of_a_step():
     given = log(target=np.where(T > 0.5, 1.0, 0.0), position=1e-3 * np.sin(T))
     drive = drive_of(given, Controller(output="torque_nm", kp=1.0, target_rate=2.0))
-    ramp = np.clip(2.0 * (T - 0.5), 0.0, 1.0)
-    np.testing.assert_allclose(drive + given.position, ramp, atol=0.021)
+    begin = T[np.argmax(T > 0.5)]
+    ramp = np.clip(2.0 * (T - begin), 0.0, 1.0)
+    np.testing.assert_allclose(drive + given.position, ramp, atol=1e-9)
+
+
+def test_a_drive_and_its_mean_follow_one_limited_target():
+    """A drive at samples and its mean around them follow one and the same target."""
+    target = np.where(np.floor(T / 0.3) % 2 == 1, 0.8, -0.1)
+    given = log(target=target, position=np.zeros(len(T)))
+    c = Controller(output="torque_nm", kp=1.0, target_rate=3.0, delay_s=0.017)
+    seen = commands(given, c)
+    there = followed_over(T, target, T - 0.017 - 5e-7, 1e-6, 3.0)
+    np.testing.assert_allclose(seen.drive(), there, atol=5e-6)
+    assert np.max(np.abs(seen.drive() - seen.mean_drive())) < 0.5 * 3.0 * 0.01
 
 
 def test_an_integral_does_not_wind_up():

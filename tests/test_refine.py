@@ -22,10 +22,14 @@ TERMS = (
 )
 
 
+def fitted_logs():
+    return [servo(f"{m.__name__} 3", 3.0, m, HIDDEN, 3.0) for m in (steps, sines, swept)]
+
+
 @pytest.fixture(scope="module")
 def case():
     body = RigidBody(PLANT.format(""), "j")
-    seen = [servo(f"{m.__name__} 3", 3.0, m, HIDDEN, 3.0) for m in (steps, sines, swept)]
+    seen = fitted_logs()
     unseen = [servo("swept 1", 1.0, swept, HIDDEN, 3.0)]
     prepared = prepare(seen, body, controller=KNOWN)
     fitted = refit(prepared, TERMS, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
@@ -102,7 +106,7 @@ def test_numbers_are_carried_into_a_model_with_one_effect_more(case):
     small = found.vector
     spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
     body = RigidBody(PLANT.format(""), "j")
-    prepared = prepare([servo("sines 3", 3.0, sines, HIDDEN, 3.0)], body, controller=KNOWN)
+    prepared = prepare(fitted_logs(), body, controller=KNOWN)
     more = refit(prepared, (*fitted.effects, spring), fitted.shape, ROUGH)
     cov = np.diag(np.full(more.jacobian.shape[1], 1e-4))
     large = Vector(prepared, more, cov, body.armature)

@@ -64,6 +64,11 @@ class Line:
 
     def __init__(self, x, y):
         self.A, self.y = np.column_stack([np.ones_like(x), x]), y
+        self.courses = [log(n=len(y))]
+
+    def of(self, courses):
+        assert courses == self.courses
+        return self
 
     def errors(self, z):
         return self.A @ z - self.y
@@ -107,6 +112,7 @@ class Bent(Line):
 
     def __init__(self, y):
         self.y = y
+        self.courses = [log(n=len(y))]
 
     def errors(self, z):
         return z[0] + z[0] ** 3 - self.y
@@ -120,6 +126,38 @@ def test_numbers_without_a_kind_are_searched_however_far_away_they_are():
     moved, left = without_each(bent, np.zeros(1), J, [mask])
     assert moved[0, 0] == pytest.approx(2.0, rel=0.02)
     assert left[0, mask] == pytest.approx([10.0], rel=0.05)
+
+
+class Levels:
+    """Errors of one level for logs of some samples each; remembers which logs it was asked for."""
+
+    bounds = np.full(1, -np.inf), np.full(1, np.inf)
+
+    def __init__(self, courses, asked):
+        self.courses, self.asked = courses, asked
+
+    def of(self, courses):
+        return Levels(courses, self.asked)
+
+    def errors(self, z):
+        return np.concatenate([z[0] - c.position for c in self.courses])
+
+    def __call__(self, z):
+        self.asked.append([c.figures["number"] for c in self.courses])
+        return np.concatenate([self.errors(z), 1e-9 * z])
+
+
+def test_a_log_that_is_left_out_is_not_simulated_to_find_numbers_without_it():
+    courses = [log(n=n, number=n) for n in (3, 4, 5)]
+    for c, level in zip(courses, (1.0, 2.0, 6.0), strict=True):
+        c.position += level
+    asked = []
+    levels = Levels(courses, asked)
+    z = np.array([np.mean(np.concatenate([c.position for c in courses]))])
+    moved, left = without_each(levels, z, np.append(np.ones((12, 1)), [[1e-9]], 0), kinds(courses))
+    assert {tuple(names) for names in asked} == {(4, 5), (3, 5), (3, 4)}
+    assert moved[:, 0] == pytest.approx([38 / 9, 33 / 8, 11 / 7], rel=1e-6)
+    assert left[0, :3] == pytest.approx(np.full(3, 38 / 9 - 1.0), rel=1e-6)
 
 
 def test_a_refined_model_is_taken_where_logs_left_out_say_so_beyond_their_scatter():

@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
-from servo_plant import KNOWN, PLANT
+from servo_plant import COUNT, KNOWN, KT, PLANT, moved, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import KP
+from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import courses_of
+from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.gate import load_shows
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.log import JointLog
 
 
@@ -49,3 +53,52 @@ def test_what_tells_logs_of_one_kind_comes_along(course):
     changed = course.changed([lambda block, delay: (np.full_like(block, 0.5), delay)])
     assert changed.block[KP] == 0.5
     assert course.run.block[KP] == 2.0
+
+
+@pytest.mark.parametrize("motion", [steps, sines, swept])
+def test_a_plant_run_again_from_its_log_does_as_it_did(motion):
+    """The log holds the target that the plant followed, and its beginning the velocity."""
+    hidden = {"delay": 0.02}
+    log = servo("again", 3.0, motion, hidden)
+    course = courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
+    friction = 'frictionloss="0.06" damping="0.03"'
+    exact = moved(log.target, 3.0, hidden, friction)
+    assert np.max(np.abs(exact - log.position)) <= 0.5 * COUNT + 1e-12
+    again = moved(log.target, 3.0, hidden, friction, course.run.start)
+    assert np.mean(np.abs(again - log.position)) < 0.5 * COUNT
+
+
+@pytest.mark.parametrize("count", [0.0, COUNT])
+def test_a_joint_that_is_sent_off_from_rest_begins_at_rest(count):
+    t = 0.01 * np.arange(60)
+    sent = 1.2 * (1.0 - (1.0 + t / 0.05) * np.exp(-t / 0.05))  # up to 9 rad/s within 0.05 s
+    position = np.round(sent / count) * count if count else sent
+    assert abs(first_velocity(t, position, count)) < 1.0
+    assert abs(np.gradient(position, t)[0]) > 2.0
+
+
+@pytest.mark.parametrize("velocity", [-2.0, 0.3])
+def test_a_joint_that_moves_already_begins_so(velocity):
+    t = 0.005 * np.arange(100)
+    position = np.round((0.2 + velocity * t - 0.5 * t**2) / COUNT) * COUNT
+    assert first_velocity(t, position, COUNT) == pytest.approx(velocity, abs=0.1)
+
+
+def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
+    """Their law alone finds no load in the drive; the found model does."""
+    friction = 'frictionloss="0.1417" damping="0.0948"'
+    hidden = {"delay": 0.032}
+    fit, kept = (
+        [
+            servo(f"{m.__name__} {kp}", kp, m, hidden, friction=friction)
+            for kp in kps
+            for m in motion
+        ]
+        for kps, motion in (((0.6, 1.7), (steps, sines, swept)), ((1.0,), (sines,)))
+    )
+    report, found = explain(fit, kept, Bodies(PLANT.format(""), "j", None), controller=KNOWN)
+    assert not load_shows(found.base)
+    assert found.base.gain == found.final.gain == pytest.approx(KT, rel=0.05)
+    assert report.closed_loops is not None
+    before, after = (loops.mae.held_out for loops in report.closed_loops)
+    assert after < 0.1 * before

@@ -45,8 +45,7 @@ def followed_over(
     """
     if math.isinf(rate):
         return held_over(time, command, begin, length)
-    at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
-    _corners(time, command, max(rate, 1e-9), at, x)
+    at, x = _corners(time, command, rate)
     step = np.diff(at)
     slope = np.append(np.where(step > 0.0, np.diff(x) / np.maximum(step, 1e-300), 0.0), 0.0)
     area = np.concatenate([[0.0], np.cumsum(0.5 * step * (x[1:] + x[:-1]))])
@@ -59,9 +58,23 @@ def followed_over(
     return (until(begin + length) - until(begin)) / length
 
 
+def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
+    """Where such a target is at other times; inf: `held`."""
+    if math.isinf(rate):
+        return held(time, command, at)
+    return np.interp(at, *_corners(time, command, rate))
+
+
+def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
+    """Times and places between which such a target moves evenly, shape (2 n,) each."""
+    at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
+    _fill_corners(time, command, max(rate, 1e-9), at, x)
+    return at, x
+
+
 @compiled
-def _corners(time: Vector, command: Vector, rate: float, at: Vector, x: Vector) -> None:
-    """Fill times and places between which such a target moves evenly, shape (2 n,) each."""
+def _fill_corners(time: Vector, command: Vector, rate: float, at: Vector, x: Vector) -> None:
+    """Fill `at` and `x`, see `_corners`."""
     here = command[0]
     for k in range(len(time)):
         at[2 * k], x[2 * k] = time[k], here

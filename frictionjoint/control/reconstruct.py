@@ -14,7 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
-from frictionjoint.control.profile import followed_over, held
+from frictionjoint.control.profile import followed, followed_over
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
@@ -43,9 +43,8 @@ class Commands:
 
     def drive(self) -> Array:
         """Drive at each sample, as the controller's tick there makes it."""
-        target = self.target
-        if self.delay:
-            target = held(self.time, target, self.time - self.delay)
+        at = self.time - self.delay
+        target = followed(self.time, self.target, at, self.block[k.SLEW])
         return self._along(target, self.block)
 
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
@@ -56,14 +55,16 @@ class Commands:
         samples. A target that follows it at a limited speed does so between samples too.
         """
         delay = self.delay if delay is None else delay
-        block = (self.block if block is None else block).copy()
+        block = self.block if block is None else block
         width = np.gradient(self.time)
         begin = self.time - delay - 0.5 * width
         target = followed_over(self.time, self.target, begin, width, block[k.SLEW])
-        block[k.SLEW] = np.inf
         return self._along(target, block)
 
     def _along(self, target: Array, block: Array) -> Array:
+        """Drive for a target that is followed already."""
+        block = block.copy()
+        block[k.SLEW] = np.inf
         drive = np.empty_like(self.time)
         k.along(
             block,

@@ -34,8 +34,9 @@ from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
-from frictionjoint.refine.refine import Refined, refine
+from frictionjoint.refine.refine import Refined, judged, outcome, refine
 from frictionjoint.refine.secant import differences
+from frictionjoint.refine.tried import Tried, tried
 from frictionjoint.refine.vector import Vector, with_term
 
 # of the torque's rms, by which a coefficient moves it for a difference
@@ -63,7 +64,8 @@ def _asked_for(
     found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
 ) -> tuple[Trace, Refined]:
     """With the effects that whole motions ask for."""
-    now = _refined(found.prepared, found.final, courses, progress)
+    cov = stated_covariance(found.prepared, found.final)
+    now = refine(found.prepared, found.final, cov, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
     for _ in range(_MOST_LOOKS):
@@ -72,8 +74,7 @@ def _asked_for(
         for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
-            begin = partial(_begin, now, term.name, coefficients)
-            other = _refined(prepared, fitted, courses, lambda text: None, begin)
+            other = _tried(prepared, fitted, courses, armature, partial(_begin, now, coefficients))
             seen = told(term, other, now)
             (row,) = seen.rows
             gain = seen.gain(row)
@@ -83,7 +84,8 @@ def _asked_for(
                 best = own, prepared, other
         if best is None:
             break
-        own, prepared, now = best
+        own, prepared, chosen = best
+        now = judged(prepared, chosen, courses)
         findings = (*_moved(found.findings, own.fit), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
     return found, now
@@ -103,39 +105,39 @@ def _with_armature(
     terms = (*found.final.effects, EffectTerm(ARMATURE))
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
     progress("refine: armature")
-    begin = partial(_begin, now, ARMATURE.name, np.zeros(1))
-    other = _refined(prepared, fitted, courses, lambda text: None, begin)
-    left_out = now.left_out[0], other.left_out[1]
+    begin = partial(_begin, now, np.zeros(1))
+    other = _tried(prepared, fitted, courses, now.vector.armature, begin)
     asked = clearly_less(other.near, now.near)
-    if not (asked and clearly_less(left_out[1], now.stands)):
+    if not (asked and clearly_less(other.left_out, now.stands)):
         return now
-    return replace(other, fit=other.vector.fit(other.values), taken=True, left_out=left_out)
+    return outcome(other, True, now.left_out[0])
 
 
-def _refined(
+def _tried(
     prepared: Prepared,
     fitted: Fit,
     courses: Sequence[Course],
-    progress: Callable[[str], None],
-    begin: Callable[[Vector], list[Array]] | None = None,
-) -> Refined:
-    cov = stated_covariance(prepared, fitted)
-    return refine(prepared, fitted, cov, courses, progress, begin)
+    armature: float,
+    begin: Callable[[Vector], list[Array]],
+) -> Tried:
+    vector = Vector(prepared, fitted, stated_covariance(prepared, fitted), armature)
+    return tried(vector, courses, begin=begin)
 
 
-def _begin(now: Refined, name: str, coefficients: Array, vector: Vector) -> list[Array]:
+def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
     """Where a model with one effect more begins: where the balance has it, and refined numbers.
 
     Args:
-        name, coefficients: of that effect, beside the refined numbers, N m.
+        coefficients: of that effect, the last one, beside the refined numbers, N m.
     """
     x = vector.carried(now.vector, now.values)
+    name = vector.fitted.effects[-1].name
     (at,) = (i for i, term in enumerate(vector.layout.terms) if term.name == name)
     x[vector.layout.coefficients(at)] = coefficients
     return [vector.start, np.clip(x, vector.low, vector.high)]
 
 
-def told(term: Term, other: Refined, now: Refined) -> Look:
+def told(term: Term, other: Tried, now: Refined) -> Look:
     """What logs of kinds left out say of an effect, a block a log.
 
     In windows from the measured motion, where the effect was screened: a joint that sticks once too

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
@@ -168,7 +169,10 @@ def explain(
         return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
-    shows = load_shows(found.base) and load_shows(found.final)
+    shows = load_shows(found.final)
+    if shows and not load_shows(found.base):
+        # without the effects the drive may hide the load: the motor is that of the found model
+        found = replace(found, base=with_gain(found.base, found.final.gain))
     scaled = shows and scale_is_determined(found.prepared, found.final)
     outcome, closed, refined = None, None, None
     if loops and shows:

@@ -13,6 +13,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import COUNT
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
 from frictionjoint.errors import LogError
@@ -22,6 +23,7 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.identify.terms import delay_of as late_by
+from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, load_of, simulate
@@ -135,7 +137,8 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
     if log.torque_enabled is not None:
         on = held(log.time, log.torque_enabled.astype(float), time) > 0.5
     delay = delay_of(controller)
-    start = float(log.position[0]), float(velocity[0])
+    block = block_of(controller, log)
+    start = first_velocity(log.time, log.position, block[COUNT])
     return Course(
         name=log.name,
         time=log.time,
@@ -146,9 +149,9 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
             target=held_over(log.time, log.target, time - delay, h),
             supply=held(log.time, supply_of(controller, log), time),
             on=on,
-            start=start,
+            start=(float(log.position[0]), start),
             load=_load(body, velocity, others),
-            block=block_of(controller, log),
+            block=block,
             temperature=(
                 None if log.temperature is None else np.interp(time, log.time, log.temperature)
             ),

@@ -106,13 +106,18 @@ class Fit:
         return self.beta[self.layout.coefficients(i)] * self.gain
 
 
-def without_scale(fitted: Fit) -> Fit:
-    """The same fit stated in units of its drive, for logs that do not determine the gain."""
+def with_gain(fitted: Fit, gain: float) -> Fit:
+    """The same fit with a gain of the drive that another fit has determined."""
+    factor = gain / fitted.gain
     return replace(
         fitted,
-        gain=1.0,
-        residual=fitted.residual / fitted.gain,
-        jacobian=fitted.jacobian / fitted.gain,
-        target_rms=fitted.target_rms / fitted.gain,
-        in_drive_units=True,
+        gain=gain,
+        residual=fitted.residual * factor,
+        jacobian=fitted.jacobian * factor,
+        target_rms=fitted.target_rms * factor,
     )
+
+
+def without_scale(fitted: Fit) -> Fit:
+    """The same fit stated in units of its drive, for logs that do not determine the gain."""
+    return replace(with_gain(fitted, 1.0), in_drive_units=True)

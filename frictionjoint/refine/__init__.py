@@ -7,7 +7,8 @@ The balance of torques finds and names in seconds; what a user wants right is th
 ``objective`` what is made small: errors of that motion, and the prior
 ``secant``    its derivatives, by differences and by the steps of a search
 ``guard``     errors on kinds of logs left out
-``refine``    least squares, and whether its result is taken
+``tried``     the least squares, and what logs say of them
+``refine``    whether their result is taken
 """
 
 from frictionjoint.refine.refine import Refined, refine

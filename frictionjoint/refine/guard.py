@@ -166,14 +166,22 @@ def clearly_less(after: Array, before: Array) -> bool:
 
 
 def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
-    """Where the numbers would be without some samples."""
-    kept = np.concatenate([~mask, np.ones(len(z), dtype=bool)])
+    """Where the numbers would be without some samples; a log of which none is kept is not run."""
+    ends = np.cumsum([len(c.position) for c in objective.courses])[:-1]
+    some = [not part.all() for part in np.split(mask, ends)]
+    there = np.concatenate(
+        [np.full(len(c.position), kept) for c, kept in zip(objective.courses, some, strict=True)]
+    )
+    rest = objective.of([c for c, kept in zip(objective.courses, some, strict=True) if kept])
+    numbers = np.ones(len(z), dtype=bool)
+    kept = np.concatenate([~mask[there], numbers])
 
     def residual(x: Array) -> Array:
-        return np.asarray(objective(x)[kept])
+        return np.asarray(rest(x)[kept])
 
+    known = J[np.concatenate([~mask, numbers])]
     # differences would cost more than all the rest, and move the numbers little further
-    secant = Secant(residual, objective.bounds, (z, residual(z), J[kept]), np.inf)
+    secant = Secant(residual, objective.bounds, (z, residual(z), known), np.inf)
     found = least_squares(
         residual, z, jac=secant, bounds=objective.bounds, max_nfev=_STEPS, ftol=1e-3, xtol=1e-3
     )

@@ -1,6 +1,7 @@
 """What a refinement makes small: errors of simulated motion, and what the balance said before."""
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -33,6 +34,12 @@ class Objective:
         self.vector, self.courses, self.window_s = vector, courses, window_s
         self.size = max(float(np.median(np.abs(self.errors(self.units(x))))), _LEAST)
         self._last: tuple[bytes, Array] | None = None
+
+    def of(self, courses: Sequence[Course]) -> "Objective":
+        """The same of some of the logs alone."""
+        some = copy(self)
+        some.courses, some._last = courses, None
+        return some
 
     def units(self, x: Array) -> Array:
         """Numbers of the vector in units of the prior from its start."""

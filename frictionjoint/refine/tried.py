@@ -1,0 +1,128 @@
+"""Numbers at the least squares of simulated motion, before anything is made of them.
+
+Windows come first: short runs from the measured motion are smooth in the parameters where a whole
+log is not, for a joint that sticks once too early is somewhere else for the rest of it. Whole logs
+come last, for they are what is judged.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.closed_loop import Course
+from frictionjoint.refine.guard import (
+    Mask,
+    kinds,
+    missing_width,
+    of_logs,
+    on_each,
+    spread,
+    without_each,
+)
+from frictionjoint.refine.motion import WINDOW_S
+from frictionjoint.refine.objective import Objective
+from frictionjoint.refine.secant import Secant
+from frictionjoint.refine.vector import Vector
+
+# steps of each round of a stage, rounds, and the fraction of the squares that one must take away
+_MOST, _ROUNDS, _ENOUGH = 10, 4, 2e-2
+# squares of a start over those of the nearest one, up to which it is searched from too
+_AS_NEAR = 1.25
+
+
+class Tried:
+    """Numbers found, and what logs say of them: each is worked out when it is first asked for.
+
+    A model that is tried and not taken is mostly asked for one thing.
+
+    Attributes:
+        vector, values: the numbers, shape (p,).
+    """
+
+    def __init__(
+        self, vector: Vector, windows: Objective, objective: Objective, values: Array, J: Array
+    ) -> None:
+        self.vector, self.values = vector, values
+        self._windows, self._objective = windows, objective
+        self._z, self._J = objective.units(values), J
+
+    @cached_property
+    def masks(self) -> list[Mask]:
+        """See `guard.kinds`."""
+        return kinds(self._objective.courses)
+
+    @cached_property
+    def _without(self) -> tuple[Array, Array]:
+        return without_each(self._objective, self._z, self._J, self.masks)
+
+    @cached_property
+    def near(self) -> Array:
+        """Of each log in windows from the measured motion by what was fitted to other kinds."""
+        found = on_each(self._windows, self._without[0], self.masks)
+        return of_logs(found, self._windows.courses)
+
+    @cached_property
+    def left_out(self) -> Array:
+        """Of each whole log by what was fitted to other kinds, rad (m), shape (logs,)."""
+        return of_logs(self._without[1], self._objective.courses)
+
+    @cached_property
+    def cov(self) -> Array:
+        """Covariance of the numbers, shape (p, p)."""
+        moved, errors = self._without
+        uncertain = np.linalg.pinv(self._J.T @ self._J) + spread(self._z, moved, self.masks)
+        uncertain *= missing_width(self._objective, self._z, uncertain, errors) ** 2
+        return np.asarray(uncertain * np.outer(self.vector.unit, self.vector.unit))
+
+
+def tried(
+    vector: Vector,
+    courses: Sequence[Course],
+    progress: Callable[[str], None] = lambda text: None,
+    begin: Callable[[Vector], list[Array]] | None = None,
+) -> Tried:
+    """Search the numbers of a model that move nearest.
+
+    Args:
+        begin: numbers to begin with on whole logs, wherever they are near; None: the vector's own,
+            by way of windows.
+    """
+    windows = Objective(vector, courses, WINDOW_S, vector.start)
+    if begin:
+        starts = begin(vector)
+    else:
+        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * windows.size:.3g} mrad")
+        starts = [_search(windows, vector.start)[0]]
+    objective = Objective(vector, courses, None, starts[0])
+    progress(f"refine: whole logs, {1e3 * objective.size:.3g} mrad")
+    costs = [_cost(objective, start) for start in starts]
+    some = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
+    x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
+    return Tried(vector, windows, objective, x, J)
+
+
+def _cost(objective: Objective, x: Array) -> float:
+    return float(np.sum(objective(objective.units(x)) ** 2))
+
+
+def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
+    """Numbers at the least squares nearby, and the derivatives there in units of the prior.
+
+    A search on derivatives that its steps keep up to date may end early: it begins again with new
+    ones until that brings nothing.
+    """
+    bounds = objective.bounds
+    z = np.clip(objective.units(x), *bounds)
+    cost = np.inf
+    for _ in range(_ROUNDS):
+        found = least_squares(
+            objective, z, jac=Secant(objective, bounds), bounds=bounds, max_nfev=_MOST,
+            ftol=1e-3, xtol=1e-3,
+        )  # fmt: skip
+        z, before, cost = found.x, cost, found.cost
+        if before - cost < _ENOUGH * cost:
+            break
+    return objective.numbers(z), np.asarray(found.jac)
