@@ -21,11 +21,6 @@ _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# a richer form of a body's parameters must explain more than this fraction of what a simpler one
-# leaves: its columns are taken where the laws are still distorted
-_FORMS = 0.3
-# forms with this many numbers or more count as equally rich: the catalogue has the likelier first
-_RICH = 4
 # blocks of time for each column of a candidate whose chance is judged
 _BLOCKS_A_COLUMN = 4
 # random halves of the blocks on which the leaders are compared, and how many leaders
@@ -123,12 +118,13 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     """The cause in the model that is needed least, if it is not needed.
 
     Args:
+        screened: the candidates are effects that stand beside the causes.
         without: each cause taken, one after the other: the same without it.
     """
     stack, found = screened.stack, []
-    now = stack.held_out(columns_of(screened.taken))
+    now = stack.held_out(columns_of((*screened.taken, *screened.candidates)))
     for i, rest in enumerate(without):
-        left = rest.stack.held_out(columns_of(rest.taken))
+        left = rest.stack.held_out(columns_of((*rest.taken, *rest.candidates)))
         gain = joint_gain(left, now)
         if not (enough(stack, left, now) and better(now, left)):
             found.append((gain, i))
@@ -167,9 +163,6 @@ def _next(
         for r in good
         if r is best
         or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - TIE) * gain)
-        or (
-            r.candidate.changed == best.candidate.changed and best.total >= (1.0 - _FORMS) * r.total
-        )
     ]
     simplest = min(near, key=_simplicity)
     label = simplest.candidate.label
@@ -236,7 +229,7 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
 
 def _simplicity(row: _Row) -> tuple[int, bool, int]:
     """Fewest numbers first; of as many, a cause of the robot first, in the catalogue's order."""
-    return min(len(row.candidate.at), _RICH), row.candidate.cause is None, row.candidate.order
+    return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:

@@ -107,8 +107,10 @@ def fitted_beside(
 def screened(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Screened:
-    """Columns of the causes in the model and of some effects of single joints, by label."""
-    return screen(joints, blocks, found, (), lambda label: label in beside)
+    """Columns of the causes in the model, of some effects of single joints, by label, and of those
+    of all joints alike that the laws were fitted beside.
+    """
+    return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
 
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
