@@ -5,13 +5,14 @@ joints' own effects compete for the same residual, so that a cause of one joint 
 one of the robot; those that win are projected out here, and named by each joint's own search.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
 from frictionjoint.robot.screen import Candidate, Screened
@@ -71,10 +72,23 @@ class _Row:
         return float(self.left.sum())
 
 
-def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
-    """Candidates one after the other, the joints' own among them, until none is justified."""
+def choose(
+    screened: Screened, rng: np.random.Generator, standing: Sequence[EffectTerm] = ()
+) -> list[Choice]:
+    """Candidates one after the other, the joints' own among them, until none is justified.
+
+    Args:
+        standing: effects of all joints alike that the laws were fitted beside. They come before
+            all others, in the shape that is best now, unless they are no longer justified.
+    """
     taken: list[Candidate] = list(screened.taken)
     choices: list[Choice] = []
+    names = {term.name for term in standing}
+    if names:
+        choice = _next(screened, taken, rng, lambda c: bool(c.common) and c.effect in names)
+        if choice:
+            choices.append(choice)
+            taken.append(choice.candidate)
     for _ in range(_MOST_CHANGES):
         choice = _next(screened, taken, rng)
         if choice is None:
@@ -118,22 +132,32 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     """The cause in the model that is needed least, if it is not needed.
 
     Args:
-        screened: the candidates are effects that stand beside the causes.
+        screened: effects of all joints alike among its candidates stand beside the causes. Those of
+            single joints do not: they would explain what a cause harms.
         without: each cause taken, one after the other: the same without it.
     """
     stack, found = screened.stack, []
-    now = stack.held_out(columns_of((*screened.taken, *screened.candidates)))
+    now = stack.held_out(_of_robot(screened))
     for i, rest in enumerate(without):
-        left = rest.stack.held_out(columns_of((*rest.taken, *rest.candidates)))
+        left = rest.stack.held_out(_of_robot(rest))
         gain = joint_gain(left, now)
         if not (enough(stack, left, now) and better(now, left)):
             found.append((gain, i))
     return min(found)[1] if found else None
 
 
+def _of_robot(screened: Screened) -> Columns:
+    """Columns of causes in the model and of effects of all joints alike."""
+    return columns_of((*screened.taken, *(c for c in screened.candidates if c.shared)))
+
+
 def _next(
-    screened: Screened, taken: Sequence[Candidate], rng: np.random.Generator
+    screened: Screened,
+    taken: Sequence[Candidate],
+    rng: np.random.Generator,
+    wanted: Callable[[Candidate], bool] = lambda c: True,
 ) -> Choice | None:
+    """The best candidate that is wanted, if it is justified, among all."""
     stack, known = screened.stack, columns_of(taken)
     now = stack.held_out(known)
     open_ones = [
@@ -153,10 +177,10 @@ def _next(
     ]
     rows.sort(key=lambda r: r.total)
     good = [r for r in rows if _justified(stack, r, now)]
+    best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
-    if not good or not (shared or gain_of(now, good[0].left) > _BENT):
+    if best is None or not (shared or gain_of(now, best.left) > _BENT):
         return None
-    best = good[0]
     gain = float(now.sum()) - best.total
     near = [
         r
@@ -164,7 +188,7 @@ def _next(
         if r is best
         or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - TIE) * gain)
     ]
-    simplest = min(near, key=_simplicity)
+    simplest = min((r for r in near if wanted(r.candidate)), key=_simplicity)
     label = simplest.candidate.label
     others = [r for r in rows if r.candidate.label != label]
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)

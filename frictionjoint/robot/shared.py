@@ -84,10 +84,10 @@ def shared_causes(
         here = now.settled.found
         candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
-        seen = choose(looked, rng)
+        seen = choose(looked, rng, now.joints[0].beside)
         new = [c for c in seen if c.candidate.cause is not None]
-        others = [c.candidate for c in seen if c.candidate.cause is None]
-        beside = frozenset(f"{c.effect} of {joint}" for c in others for joint in c.joints)
+        single = [c.candidate for c in seen if not c.candidate.shared]
+        beside = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
         common = _common(looked, seen)
         if not new:
             now, simplified = _simplified(now, open_ones, alike, each, beside)
