@@ -85,10 +85,10 @@ def _followed(joint: FittedJoint) -> FittedJoint:
     if joint.shift is not None and not np.any(joint.shift):
         return replace(joint, shift=None)
     again = joint.refitted()
-    if again.fit.rms**2 > (1.0 - _CHANGED) * joint.fit.rms**2:
+    if again.rms**2 > (1.0 - _CHANGED) * joint.rms**2:
         return again
     anew = again.refitted(anew=True)
-    return anew if anew.fit.rms < again.fit.rms else again
+    return anew if anew.rms < again.rms else again
 
 
 def _again(joint: FittedJoint) -> FittedJoint:
@@ -115,7 +115,7 @@ def screened(
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
     """Squares left over those left before, joints counted alike."""
-    return float(np.mean([(a.fit.rms / b.fit.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
+    return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
 
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:
