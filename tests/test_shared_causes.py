@@ -6,6 +6,7 @@ import pytest
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
+    hide_coupling,
     hide_load_dependence,
     hide_mass,
     hide_payload,
@@ -20,9 +21,9 @@ from tests.arms.fitted import fitted_joints
 SECONDS = 8.0
 
 
-def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2)) -> Shared:
+def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2), seconds: float = SECONDS) -> Shared:
     """Shared causes in two short logs of an arm."""
-    return shared_causes(fitted_joints(arm, seeds, SECONDS), arm.joints, map)
+    return shared_causes(fitted_joints(arm, seeds, seconds), arm.joints, map)
 
 
 def values(found: Shared) -> list[tuple[str, dict[str, str], dict[str, float]]]:
@@ -136,3 +137,49 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     ((common, _),) = found.common
     assert (common.term.name, common.joints) == ("torque-gain", ("j1", "j2"))
     assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)
+
+
+def test_a_gain_of_all_drives_is_not_the_payload_that_imitates_it():
+    """A payload of five numbers explains as much of two joints as a gain, one number."""
+    arm = random_arm(104950810, 2)
+    hide_supply(arm, 0.067)
+    found = found_in(arm, (20, 21), 12.0)
+    assert not found.choices
+    ((common, _),) = found.common
+    assert common.term.name == "torque-gain"
+    assert common.parameters["gain"].value == pytest.approx(0.067, rel=0.05)
+
+
+def test_a_payload_has_its_mass_beside_a_gain_of_all_drives():
+    """Neither holds a part of the other once both are seen."""
+    arm = random_arm(415900170, 3)
+    hide_payload(arm, 1.2, [0.02, -0.02, 0.03])
+    hide_supply(arm, -0.12)
+    found = found_in(arm)
+    ((name, place, payload),) = values(found)
+    assert (name, place) == ("payload", {"body": "link3"})
+    assert payload["mass"] == pytest.approx(1.2, rel=0.02)
+    ((common, _),) = found.common
+    assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)
+
+
+def test_a_link_with_another_centre_is_not_wrong_in_all_its_ten_parameters():
+    arm = random_arm(901, 3)
+    hide_mass(arm, "link2", 1.3, [-0.04, 0.01, -0.03])
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("body-inertia", {"body": "link2"})
+    assert "Ixx" not in found
+    assert found["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
+
+
+def test_a_coupled_wrist_is_found_beside_a_gain_of_all_drives():
+    """A gain stands in every look: what imitates it must not hide what else is there."""
+    arm = random_arm(1767823156, 3)
+    hide_coupling(arm, 0.0077)
+    hide_supply(arm, -0.18)
+    found = found_in(arm, (40, 41), 12.0)
+    ((name, place, shaft),) = values(found)
+    assert (name, place) == ("gear-coupling", {"joint": "j2", "other_joint": "j3"})
+    assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
+    ((common, _),) = found.common
+    assert common.parameters["gain"].value == pytest.approx(-0.18, rel=0.05)

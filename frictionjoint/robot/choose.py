@@ -5,13 +5,14 @@ joints' own effects compete for the same residual, so that a cause of one joint 
 one of the robot; those that win are projected out here, and named by each joint's own search.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
 from frictionjoint.robot.screen import Candidate, Screened
@@ -21,11 +22,6 @@ _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# a richer form of a body's parameters must explain more than this fraction of what a simpler one
-# leaves: its columns are taken where the laws are still distorted
-_FORMS = 0.3
-# forms with this many numbers or more count as equally rich: the catalogue has the likelier first
-_RICH = 4
 # blocks of time for each column of a candidate whose chance is judged
 _BLOCKS_A_COLUMN = 4
 # random halves of the blocks on which the leaders are compared, and how many leaders
@@ -76,10 +72,23 @@ class _Row:
         return float(self.left.sum())
 
 
-def choose(screened: Screened, rng: np.random.Generator) -> list[Choice]:
-    """Candidates one after the other, the joints' own among them, until none is justified."""
+def choose(
+    screened: Screened, rng: np.random.Generator, standing: Sequence[EffectTerm] = ()
+) -> list[Choice]:
+    """Candidates one after the other, the joints' own among them, until none is justified.
+
+    Args:
+        standing: effects of all joints alike that the laws were fitted beside. They come before
+            all others, in the shape that is best now, unless they are no longer justified.
+    """
     taken: list[Candidate] = list(screened.taken)
     choices: list[Choice] = []
+    names = {term.name for term in standing}
+    if names:
+        choice = _next(screened, taken, rng, lambda c: bool(c.common) and c.effect in names)
+        if choice:
+            choices.append(choice)
+            taken.append(choice.candidate)
     for _ in range(_MOST_CHANGES):
         choice = _next(screened, taken, rng)
         if choice is None:
@@ -123,21 +132,32 @@ def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
     """The cause in the model that is needed least, if it is not needed.
 
     Args:
+        screened: effects of all joints alike among its candidates stand beside the causes. Those of
+            single joints do not: they would explain what a cause harms.
         without: each cause taken, one after the other: the same without it.
     """
     stack, found = screened.stack, []
-    now = stack.held_out(columns_of(screened.taken))
+    now = stack.held_out(_of_robot(screened))
     for i, rest in enumerate(without):
-        left = rest.stack.held_out(columns_of(rest.taken))
+        left = rest.stack.held_out(_of_robot(rest))
         gain = joint_gain(left, now)
         if not (enough(stack, left, now) and better(now, left)):
             found.append((gain, i))
     return min(found)[1] if found else None
 
 
+def _of_robot(screened: Screened) -> Columns:
+    """Columns of causes in the model and of effects of all joints alike."""
+    return columns_of((*screened.taken, *(c for c in screened.candidates if c.shared)))
+
+
 def _next(
-    screened: Screened, taken: Sequence[Candidate], rng: np.random.Generator
+    screened: Screened,
+    taken: Sequence[Candidate],
+    rng: np.random.Generator,
+    wanted: Callable[[Candidate], bool] = lambda c: True,
 ) -> Choice | None:
+    """The best candidate that is wanted, if it is justified, among all."""
     stack, known = screened.stack, columns_of(taken)
     now = stack.held_out(known)
     open_ones = [
@@ -157,21 +177,18 @@ def _next(
     ]
     rows.sort(key=lambda r: r.total)
     good = [r for r in rows if _justified(stack, r, now)]
+    best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
-    if not good or not (shared or gain_of(now, good[0].left) > _BENT):
+    if best is None or not (shared or gain_of(now, best.left) > _BENT):
         return None
-    best = good[0]
     gain = float(now.sum()) - best.total
     near = [
         r
         for r in good
         if r is best
         or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - TIE) * gain)
-        or (
-            r.candidate.changed == best.candidate.changed and best.total >= (1.0 - _FORMS) * r.total
-        )
     ]
-    simplest = min(near, key=_simplicity)
+    simplest = min((r for r in near if wanted(r.candidate)), key=_simplicity)
     label = simplest.candidate.label
     others = [r for r in rows if r.candidate.label != label]
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
@@ -236,7 +253,7 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
 
 def _simplicity(row: _Row) -> tuple[int, bool, int]:
     """Fewest numbers first; of as many, a cause of the robot first, in the catalogue's order."""
-    return min(len(row.candidate.at), _RICH), row.candidate.cause is None, row.candidate.order
+    return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:

@@ -15,6 +15,7 @@ from scipy.optimize import least_squares
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.common import common_columns
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Found, gram_of, own_effects
@@ -36,8 +37,9 @@ def descended(
     """The causes with the numbers that leave least of these joints.
 
     Args:
-        joints: under the corrections of `found`. blocks: of time. own: effects of single joints,
-            by label, that move along as the laws do.
+        joints: under the corrections of `found`; effects that their laws were fitted beside move
+            along, alike in all. blocks: of time. own: effects of single joints, by label, that
+            move along as the laws do.
     """
     here = found.state
     places = _places(found)
@@ -136,24 +138,31 @@ def _squares(
 ) -> tuple[Array, Array]:
     """Factor F and target y: |F dz - y|^2 is what all joints leave, up to a constant.
 
-    Laws and effects of single joints are projected out.
+    Laws, effects of single joints and effects of all joints alike are projected out.
     """
     pairs = [(p.moved(here, -_STEP), p.moved(here, _STEP), 2.0 * _STEP) for p in places]
-    n = len(places)
-    A, b = np.zeros((n, n)), np.zeros(n)
+    n, grams = len(places), []
     for joint in joints:
+        alike = common_columns(joint, joint.beside)
         beside = [x for _, x in own_effects(joint, blocks, own)]
-        columns = np.column_stack([joint.columns(pairs), *beside])
+        columns = np.column_stack([joint.columns(pairs), *alike, *beside])
         G = gram_of(joint, columns, np.arange(columns.shape[1]), blocks).grams.sum(axis=0)
-        if beside:
-            inner = G[n:-1, n:-1]
-            through = np.linalg.pinv(inner, rcond=1e-9, hermitian=True) @ G[n:-1]
-            G = G - G[:, n:-1] @ through
-        A += G[:n, :n]
-        b += G[:n, -1]
+        grams.append(_apart(G, n + sum(x.shape[1] for x in alike)))
+    G = _apart(np.sum(grams, axis=0), n)
+    A, b = G[:n, :n], G[:n, -1]
     scale = roots(A)
     values, vectors = np.linalg.eigh(A / np.outer(scale, scale))
     kept = values > _NOTHING * values[-1]
     root = np.sqrt(values[kept])
     factor = root[:, None] * vectors[:, kept].T * scale
     return factor, (vectors[:, kept].T @ (b / scale)) / root
+
+
+def _apart(G: Array, first: int) -> Array:
+    """A Gram matrix, the residual last, with the columns from a number on projected out."""
+    inner, own = G[first:-1, first:-1], G[first:-1]
+    kept = np.r_[:first, len(G) - 1]
+    if not len(inner):
+        return G
+    through = np.linalg.pinv(inner, rcond=1e-9, hermitian=True) @ own
+    return np.asarray((G - own.T @ through)[np.ix_(kept, kept)])

@@ -34,12 +34,14 @@ class FittedJoint:
             nothing.
         beside: effects that the law was fitted beside, so that they do not bend it; what they
             explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
+        rms: of what the law leaves with them, N m.
     """
 
     alongs: tuple[Along, ...]
     prepared: Prepared
     fit: Fit
     levels: tuple[float, float]
+    rms: float
     shift: Array | None = None
     beside: tuple[EffectTerm, ...] = ()
 
@@ -95,11 +97,11 @@ class FittedJoint:
         else:
             found = refit(self.prepared, self.beside, self.fit.shape, ROUGH)
             prepared, found = reweighed(self.prepared, found, ROUGH)
-        levels = found.levels
+        levels, rms = found.levels, found.rms
         if self.beside:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
             found = refit(prepared, timing, found.shape, steps=1)
-        return replace(self, prepared=prepared, fit=found, levels=levels, shift=None)
+        return replace(self, prepared=prepared, fit=found, levels=levels, rms=rms, shift=None)
 
 
 def first_fit(
@@ -117,4 +119,4 @@ def first_fit(
     base = fit(prepared, forms=INTEGRATED)
     prepared, base = reweighed(prepared, base)
     prepared, base = reweighed(*settled(prepared, base))
-    return FittedJoint(alongs, prepared, base, base.levels)
+    return FittedJoint(alongs, prepared, base, base.levels, base.rms)

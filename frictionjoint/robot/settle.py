@@ -85,10 +85,10 @@ def _followed(joint: FittedJoint) -> FittedJoint:
     if joint.shift is not None and not np.any(joint.shift):
         return replace(joint, shift=None)
     again = joint.refitted()
-    if again.fit.rms**2 > (1.0 - _CHANGED) * joint.fit.rms**2:
+    if again.rms**2 > (1.0 - _CHANGED) * joint.rms**2:
         return again
     anew = again.refitted(anew=True)
-    return anew if anew.fit.rms < again.fit.rms else again
+    return anew if anew.rms < again.rms else again
 
 
 def _again(joint: FittedJoint) -> FittedJoint:
@@ -107,13 +107,15 @@ def fitted_beside(
 def screened(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Screened:
-    """Columns of the causes in the model and of some effects of single joints, by label."""
-    return screen(joints, blocks, found, (), lambda label: label in beside)
+    """Columns of the causes in the model, of some effects of single joints, by label, and of those
+    of all joints alike that the laws were fitted beside.
+    """
+    return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
 
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
     """Squares left over those left before, joints counted alike."""
-    return float(np.mean([(a.fit.rms / b.fit.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
+    return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
 
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:

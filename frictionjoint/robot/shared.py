@@ -84,19 +84,20 @@ def shared_causes(
         here = now.settled.found
         candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
-        seen = choose(looked, rng)
+        seen = choose(looked, rng, now.joints[0].beside)
         new = [c for c in seen if c.candidate.cause is not None]
-        others = [c.candidate for c in seen if c.candidate.cause is None]
-        beside = frozenset(f"{c.effect} of {joint}" for c in others for joint in c.joints)
+        single = [c.candidate for c in seen if not c.candidate.shared]
+        beside = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
         common = _common(looked, seen)
         if not new:
-            now, simplified = _simplified(now, open_ones, each, beside)
+            now, simplified = _simplified(now, open_ones, alike, each, beside)
             if simplified:
                 continue
         terms = tuple(one.term for one, _ in common)
         if not new and terms != now.joints[0].beside:
             # what all joints have alike has bent their laws
             now = _settled(_beside(now, terms, each), here, now.choices, each, beside)
+            now = _without_idle(now, each, beside)
             continue
         if not new and whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
@@ -179,11 +180,15 @@ def _with(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """With causes that come in; a richer change of a thing goes in the simpler one's place."""
+    """With what comes in; a richer change of a thing goes in the simpler one's place."""
+    terms = tuple(c.candidate.common for c in new if c.candidate.common)
+    if terms:
+        now = _beside(now, terms, each)
     found, choices = now.settled.found, now.choices
     for choice in new:
         cause = choice.candidate.cause
-        assert cause is not None
+        if cause is None:
+            continue
         numbers = numbers_of(choice.candidate, choice.numbers, cause.start)
         for part, own in parts_of(cause, numbers):
             at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
@@ -196,21 +201,21 @@ def _with(
 def _simplified(
     now: _Now,
     causes: Sequence[Cause],
+    common: Sequence[EffectTerm],
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> tuple[_Now, bool]:
-    """With fewer numbers that explain as much in the place of a rich cause, and whether so."""
+    """With fewer numbers that explain as much in the place of a cause, and whether so."""
     found = now.settled.found
-    better = simpler(now.joints, now.clock, found, now.choices, causes, beside)
-    if better is None:
-        return now, False
-    i, several = better
-    choices = now.choices[:i] + now.choices[i + 1 :]
-    rest = _Now(replace(now.settled, found=found.without(i)), choices)
-    trial = _without_idle(_with(rest, several, each, beside), each, beside)
-    # fewer numbers leave a joint a little more of the data they are fitted to
-    as_near = float(_left(trial, now, beside).mean()) < 1.0 + HARM
-    return (trial, True) if as_near else (now, False)
+    proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, beside)
+    for i, several in proposed:
+        choices = now.choices[:i] + now.choices[i + 1 :]
+        rest = _Now(replace(now.settled, found=found.without(i)), choices)
+        trial = _without_idle(_with(rest, several, each, beside), each, beside)
+        # fewer numbers leave a joint a little more of the data they are fitted to
+        if float(_left(trial, now, beside).mean()) < 1.0 + HARM:
+            return trial, True
+    return now, False
 
 
 def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:

@@ -1,25 +1,28 @@
-"""Fewer numbers that explain as much: one or two simpler causes in the place of a rich one.
+"""Fewer numbers that explain as much: one or two simpler causes in the place of one with more.
 
 A search that takes the best single cause first may take a body with all its ten parameters for what
-are a mass and a rotor. Once the laws are straight, both are compared.
+are a mass and a rotor, or a payload for the scale of all torques. While the laws are bent by what
+is missing, squares do not tell which; once they are straight, the fewest numbers are enough.
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.arrays import Array
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, columns_of, within_bounds
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.compare import as_much, gain_of
+from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Candidate, Found, Screened, screen
+from frictionjoint.robot.settle import screened
 from frictionjoint.robot.stack import Columns
 
-# numbers from which on a cause is rich
-RICH = 4
 # single causes of which pairs are tried, those that explain most
 _LEADERS = 8
 # part of the squares by which sets differ that no log distinguishes
@@ -32,35 +35,77 @@ def simpler(
     found: Found,
     choices: Sequence[Choice],
     causes: Sequence[Cause],
+    common: Sequence[EffectTerm],
     beside: frozenset[str],
-) -> tuple[int, tuple[Choice, ...]] | None:
-    """A cause of the model, and what explains as much with fewer numbers; None: there is none.
+) -> Iterator[tuple[int, tuple[Choice, ...]]]:
+    """Causes of the model, each with what explains as much with fewer numbers, if anything does.
 
     Args:
         joints: with their laws fitted under `found`; choices: of its causes.
-        causes: all that may come. beside: labels of effects of single joints that compete.
+        causes: all that may come; common: effects of all joints alike that may.
+        beside: labels of effects of single joints that compete.
     """
-    if all(len(cause.start) < RICH for cause in found.causes):
-        return None
-    own = beside.__contains__
-    now = screen(joints, clock, found, (), own)
-    left = now.stack.held_out(columns_of((*now.taken, *now.candidates)))
+    left = _left(joints, clock, found, beside)
     for i, cause in enumerate(found.causes):
-        size = len(cause.start)
-        if size < RICH:
-            continue
-        rest = found.without(i)
+        rest, size = found.without(i), len(cause.start)
         fewer = [c for c in causes if len(c.start) < size and c not in rest.causes]
-        seen = screen([j.corrected(rest.state) for j in joints], clock, rest, fewer, own)
-        known = columns_of((*seen.taken, *(c for c in seen.candidates if c.cause is None)))
-        tried = [
-            (sum(len(c.at) for c in several), float(squares.sum()), several)
-            for several in _sets(seen, known, size)
-            if as_much(squares := seen.stack.held_out(_with(known, several)), left)
-        ]
+        # effects of all joints alike come one at a time
+        terms = () if joints[0].beside else [t for t in common if len(t.coefficients) < size]
+        if not fewer and not terms:
+            continue
+        at = [j.corrected(rest.state) for j in joints]
+        known, seen = _opened(at, clock, rest, fewer, terms, beside)
+        tried = []
+        for several in _sets(seen, known, size):
+            if len(several) == 1 and several[0].changed == cause.changed:
+                # far from the model's own figures its forms are not linear in their numbers
+                squares = _settled(at, clock, rest, several[0], beside)
+            else:
+                squares = seen.stack.held_out(_with(known, several))
+            if as_much(squares, left):
+                numbers = sum(len(c.at) for c in several)
+                tried.append((numbers, float(squares.sum()), several))
         if tried:
-            return i, _choices(seen, known, _simplest(tried), choices[i])
-    return None
+            yield i, _choices(seen, known, _simplest(tried), choices[i])
+
+
+def _left(
+    joints: Sequence[FittedJoint], clock: Clock, found: Found, beside: frozenset[str]
+) -> Array:
+    """Squares of joints under causes, (J, B)."""
+    seen = screened(joints, clock, found, beside)
+    return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
+
+
+def _opened(
+    joints: Sequence[FittedJoint],
+    clock: Clock,
+    rest: Found,
+    causes: Sequence[Cause],
+    terms: Sequence[EffectTerm],
+    beside: frozenset[str],
+) -> tuple[Columns, Screened]:
+    """What stands beside causes and effects that may come, and these as candidates."""
+    here = joints[0].beside
+    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms))
+    stands = [not c.shared or c.common in here for c in seen.candidates]
+    known = columns_of((*seen.taken, *itertools.compress(seen.candidates, stands)))
+    open_ones = [c for c, stood in zip(seen.candidates, stands, strict=True) if not stood]
+    return known, replace(seen, candidates=tuple(open_ones))
+
+
+def _settled(
+    joints: Sequence[FittedJoint],
+    clock: Clock,
+    rest: Found,
+    candidate: Candidate,
+    beside: frozenset[str],
+) -> Array:
+    """Squares of joints with a cause beside others, its numbers as exact as theirs, (J, B)."""
+    assert candidate.cause is not None
+    start = rest.with_cause(candidate.cause, candidate.cause.start)
+    found = descended(joints, clock, start, beside.__contains__)
+    return _left([j.corrected(found.state) for j in joints], clock, found, beside)
 
 
 def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tuple[Candidate, ...]:
@@ -76,15 +121,19 @@ def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ..
     singles = [
         inside
         for c in seen.candidates
-        if c.cause and (inside := within_bounds(seen.stack, c, known)) is not None
+        if (inside := within_bounds(seen.stack, c, known)) is not None
     ]
     singles.sort(key=lambda c: float(seen.stack.held_out(_with(known, (c,))).sum()))
     pairs = itertools.product(singles[:_LEADERS], singles)
     return [(c,) for c in singles] + [
         (a, b)
         for a, b in pairs
-        if len(a.at) + len(b.at) < size and a.changed != b.changed and _possible(seen, known, a, b)
+        if len(a.at) + len(b.at) < size and _apart(a, b) and _possible(seen, known, a, b)
     ]
+
+
+def _apart(a: Candidate, b: Candidate) -> bool:
+    return a.changed != b.changed and not (a.common and b.common)
 
 
 def _possible(seen: Screened, known: Columns, a: Candidate, b: Candidate) -> bool:

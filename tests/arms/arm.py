@@ -121,13 +121,14 @@ def hide_rotor(arm: Arm, joint: str) -> None:
     arm.believed = written(spec)
 
 
-def hide_mass(arm: Arm, body: str, factor: float) -> None:
-    """A link is heavier than believed, all of it."""
+def hide_mass(arm: Arm, body: str, factor: float, shift=(0.0, 0.0, 0.0)) -> None:
+    """A link is heavier than believed, all of it, and its centre lies elsewhere by `shift`, m."""
     spec = reread(arm.true)
     found = spec.body(body)
     arm.hidden["body-inertia"] = (body, float(found.mass) * factor)
     found.mass = float(found.mass) * factor
     found.inertia = np.array(found.inertia) * factor
+    found.ipos = np.array(found.ipos) + shift
     arm.true = written(spec)
 
 
