@@ -21,12 +21,12 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
 
     A number on its bound that the logs would take beyond it, by more than its standard error and by
     more torque than a law is wrong by, says that what they hold is something else. At zero or at
-    infinity an effect has only another form, or is none.
+    infinity an effect has only another form, or is none. Of what leaps derivatives say too little.
     """
     return frozenset(
         term.name
         for i, term in enumerate(fitted.terms)
-        if isinstance(term, EffectTerm)
+        if isinstance(term, EffectTerm) and not term.effect.leaps
         for k, outward in _at_ends(fitted, i, term)
         if _leaves(fitted, blocks, k, outward)
     )
