@@ -9,7 +9,7 @@ SIGNIFICANCE = 0.05
 # fraction of the squares left that a change must take away: an effect is believed that is about as
 # large as all that remains unexplained beside it, for no law is exact, and what is left of one has
 # some likeness to many an effect. Changes that differ by less are compared once more.
-SMALLEST_GAIN = 0.3
+SMALLEST_GAIN = 0.33
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
 DISCREPANCY = 0.004
