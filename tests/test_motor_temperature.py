@@ -136,4 +136,4 @@ def test_the_loop_names_it_with_its_size():
     assert motor.gain * there == pytest.approx(GAIN, rel=0.05)
     assert motor.saturation == 0.0
     assert not simulated_whole(found.final, body.armature)
-    assert simulated_whole(found.final, body.armature, thermometer=True)
+    assert simulated_whole(found.final, body.armature, in_closed_loop=True)

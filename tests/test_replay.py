@@ -82,3 +82,5 @@ def test_each_run_counts_for_itself_and_none_for_more_than_all_travel():
 def test_a_link_behind_a_spring_is_simulated_and_one_in_a_gap_is_not(term, whole):
     fitted: Any = SimpleNamespace(terms=(term,), term_coefficients=lambda i: np.ones(1))
     assert simulated_whole(fitted, armature=0.0) == whole
+    in_closed_loop = simulated_whole(fitted, armature=0.0, in_closed_loop=True)
+    assert in_closed_loop == (term.effect.acts != "mechanism")

@@ -188,7 +188,7 @@ def _promising(
     ]
     for term, coefficients in [*screened, *left_open]:
         fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
-        if not simulated_whole(fitted, armature, thermometer=True):
+        if not simulated_whole(fitted, armature, in_closed_loop=True):
             continue
         if coefficients is None:
             coefficients = fitted.term_coefficients(len(final.effects))
@@ -258,7 +258,7 @@ def _changed(
             continue
         steps = _STEP * fitted.target_rms / size
         moved = [with_term(prepared, fitted, term, step) for step in np.diag(steps)]
-        if all(simulated_whole(f, armature, thermometer=True) for f in moved):
+        if all(simulated_whole(f, armature, in_closed_loop=True) for f in moved):
             yield term, moved, steps
 
 

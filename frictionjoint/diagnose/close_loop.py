@@ -165,7 +165,7 @@ def explain(
             return replayed_whole(fitted_on, mine, fitted) if known else None
         if not load_shows(fitted):
             return None
-        whole = simulated_whole(fitted, body.armature, thermometer=True)
+        whole = simulated_whole(fitted, body.armature, in_closed_loop=True)
         return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)

@@ -140,22 +140,23 @@ def replayed_whole(
     return replay(prepared, body, fitted).runs
 
 
-def simulated_whole(fitted: Fit, armature: float, thermometer: bool = False) -> bool:
+def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) -> bool:
     """Whether a simulation started from measured motion holds all that a fit says.
 
     Where a link is behind a gap when a run begins no log holds; behind a spring it follows from the
     motion before. And an armature is never below nothing.
 
     Args:
-        armature: of the MJCF. thermometer: whether runs are given the temperature of their logs.
+        armature: of the MJCF. in_closed_loop: by `one_joint`, which is given the temperature of the
+            log, and has no link behind the joint.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
         less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
-        warmer = TEMP in term.effect.needs and not thermometer
-        gap = term.effect.acts == "mechanism" and term.effect.leaps
-        if less or warmer or gap:
+        warmer = TEMP in term.effect.needs and not in_closed_loop
+        behind = term.effect.acts == "mechanism" and (term.effect.leaps or in_closed_loop)
+        if less or warmer or behind:
             return False
     return True
 
