@@ -9,6 +9,8 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.logs import (
+    LAW_TO_FIT,
+    LOG_FORMATS,
     Columns,
     ControllerFile,
     Fixed,
@@ -37,9 +39,7 @@ from frictionjoint.laws import LAWS
 
 Logs = Annotated[
     list[Path] | None,
-    typer.Argument(
-        metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags. None with --unit."
-    ),
+    typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --unit."),
 ]
 Joints = Annotated[
     list[str] | None,
@@ -53,8 +53,7 @@ Law = Annotated[
     str | None,
     typer.Option(
         "--law",
-        help=f"Friction law to fit: {', '.join(LAWS)}. Default: {LAWS[0]}, in the result another "
-        "where clearly better.",
+        help=f"{LAW_TO_FIT} Default: {LAWS[0]}, in the result another where clearly better.",
     ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Of the random tests; equal seeds, equal reports.")]

@@ -7,6 +7,8 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.logs import (
+    LAW_TO_FIT,
+    LOG_FORMATS,
     Columns,
     ControllerFile,
     Fixed,
@@ -26,7 +28,7 @@ from frictionjoint.laws import LAWS
 
 Logs = Annotated[
     list[Path],
-    typer.Argument(metavar="LOG", help="CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."),
+    typer.Argument(metavar="LOG", help=LOG_FORMATS),
 ]
 Joint = Annotated[
     str | None,
@@ -36,7 +38,7 @@ Joint = Annotated[
         help="The joint in the MJCF and in the logs. Default: the model's only one.",
     ),
 ]
-Law = Annotated[str, typer.Option("--law", help=f"Friction law to fit: {', '.join(LAWS)}.")]
+Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
 
 
 def identify(

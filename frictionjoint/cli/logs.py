@@ -7,9 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from frictionjoint.errors import LogError, ModelError
+from frictionjoint.laws import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.measured.log import JointLog
+
+# texts of options
+LOG_FORMATS = "CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."
+LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 
 Columns = Annotated[
     list[str] | None,

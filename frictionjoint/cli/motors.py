@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console
 
 motors = typer.Typer(
@@ -19,7 +19,6 @@ motors = typer.Typer(
         "`frictionjoint motors get ur10_j1 --out j1.toml`, for `frictionjoint install`"
     ),
 )
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="File to write.")]
 Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM.")]
 

@@ -18,7 +18,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, whitened
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
-from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import Timing
@@ -214,15 +214,15 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     X = X / size
     low, high = _ranges(fitted, own, candidates) * size
     columns = np.column_stack([X, target * fitted.weight])
-    columns = _without(columns, law)
+    columns = without(columns, law)
     tested = white = columns[:, :0]
     if candidates:
         n_own = int(edges[len(own)])
         known = np.column_stack([law, X[:, :n_own]])
         U = np.column_stack([X, fitted.residual * fitted.weight])
-        tested = _without(U, known)
+        tested = without(U, known)
         V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index, blocks.noise)
-        white = _without(V[:, known.shape[1] :], V[:, : known.shape[1]])
+        white = without(V[:, known.shape[1] :], V[:, : known.shape[1]])
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,
@@ -248,11 +248,3 @@ def _ranges(fitted: Fit, own: Sequence[Columns], candidates: Sequence[Candidate]
 
 def _unit(X: Array) -> Array:
     return X / lengths(X)
-
-
-def _without(X: Array, known: Array) -> Array:
-    """Columns with others projected out of them on all samples."""
-    basis = orthonormal(known)
-    for _ in range(2):  # once leaves the rounding of the squares
-        X = X - basis @ (basis.T @ X)
-    return X

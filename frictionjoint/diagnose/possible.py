@@ -7,9 +7,10 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY
-from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.terms import EffectTerm
 
 # fraction of a bound within which a number lies on it
@@ -34,13 +35,11 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
 
 def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:
     """Numbers of term i on a finite bound other than zero, and the sign of what lies beyond."""
-    at = fitted.layout.numbers(i)
-    for k, limits in zip(range(at.start, at.stop), term.limits, strict=False):
-        for limit, room, outward in zip(
-            limits, (fitted.low[k], fitted.high[k]), (-1.0, 1.0), strict=True
-        ):
+    first = fitted.layout.numbers(i).start
+    for k, (x, limits) in enumerate(zip(term.free_shape, shape_limits(term), strict=True), first):
+        for limit, outward in zip(limits, (-1.0, 1.0), strict=True):
             physical = math.isfinite(limit) and limit != 0.0
-            if physical and fitted.bound[k] and abs(room) <= _ON_BOUND * abs(limit):
+            if physical and fitted.bound[k] and abs(x - limit) <= _ON_BOUND * abs(limit):
                 yield k, outward
 
 
@@ -51,9 +50,7 @@ def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
     """
     w = fitted.weight
     free = fitted.free_jacobian * w[:, None]
-    basis = orthonormal(free / lengths(free))
-    column = fitted.jacobian[:, k] * w
-    column = column - basis @ (basis.T @ column)
+    column = without(fitted.jacobian[:, k] * w, free / lengths(free))
     products = np.bincount(blocks.of_sample, column * fitted.residual * w, blocks.count)
     total, error = outward * products.sum(), np.linalg.norm(products)
     moved = total / max(np.linalg.norm(column), 1e-300)
