@@ -5,7 +5,7 @@ tested on motion unlike that it was fitted to: on other logs where there are thr
 another kind of motion: blocks alike in speed, acceleration, position and direction.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,7 @@ class Blocks:
         halves: first and second half of each log, for what acts in one fold alone, shape (B,).
         log: shape (B,). noise: variance of white noise of the torque instrument's density, N m^2.
         floor: square that the instruments' noise leaves of a sample of each log, N m^2, shape (k,).
+        law_errors: directions in which the law may be wrong, see `Laws.errors`, N m, shape (n, m).
     """
 
     of_sample: Index
@@ -49,6 +50,7 @@ class Blocks:
     log: Index
     floor: Array
     noise: float = 0.0
+    law_errors: Array | None = field(default=None, repr=False)
 
     @property
     def count(self) -> int:
@@ -121,7 +123,7 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     return out
 
 
-def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
+def make_blocks(prepared: Prepared, fitted: Fit, law_errors: Array | None = None) -> Blocks:
     """Cut the logs into blocks, and sort the blocks into folds.
 
     Blocks span several correlation times of the residual, as far as enough blocks remain: what
@@ -153,7 +155,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     noise = float(np.mean(variance)) * fitted.gain**2
     left = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
     floor = np.array(left) * fitted.gain**2
-    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise)
+    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise, law_errors)
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:

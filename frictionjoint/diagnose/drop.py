@@ -2,7 +2,6 @@
 
 from functools import partial
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import comes_first, is_unnamed
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, all_but, compared, needed
@@ -25,7 +24,7 @@ def drop_idle(state: State) -> None:
         refitted = partial(compared, state.prepared, law=state.fit.shape)
         with side_by_side() as each:
             fits = dict(zip(models, each(refitted, models), strict=True)) | {own: state.fit}
-        blocks = make_blocks(state.prepared, state.fit)
+        blocks = state.blocks
         scores = {terms: scored(found, blocks) for terms, found in fits.items()}
         idle = []
         for t, terms, rest in zip(own, beside, fewer, strict=True):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import Blocks, make_blocks
+from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
@@ -36,7 +36,7 @@ def best_forms(state: State) -> bool:
         others = other_forms(state.prepared, state.fit, state.fit.effects[i])
         if not others:
             continue
-        blocks = make_blocks(state.prepared, state.fit)
+        blocks = state.blocks
         other = _in_place_of(state, blocks, i, others)[1]
         if scored(other, blocks).better(scored(state.fit, blocks)):
             state.prepared, state.fit = reweighed(state.prepared, other)
@@ -49,7 +49,7 @@ def weigh_others(state: State) -> None:
     A simpler one that explains as much stays; one as simple is a tie.
     """
     for i in range(len(state.fit.effects)):
-        own, blocks = state.fit.effects, make_blocks(state.prepared, state.fit)
+        own, blocks = state.fit.effects, state.blocks
         others = _no_richer(state, blocks, own[i])
         if not others or is_unnamed(own[i]):
             continue
@@ -74,7 +74,7 @@ def exchange_bent(state: State) -> bool:
     for i, term in enumerate(own):
         if is_unnamed(term) or not term.follows_law:
             continue
-        blocks = make_blocks(state.prepared, state.fit)
+        blocks = state.blocks
         now = scored(state.fit, blocks)
         if now.above_noise < DISCREPANCY:
             return False
@@ -89,7 +89,7 @@ def exchange_bent(state: State) -> bool:
                 continue
             # weights that one model gives the logs favour it: the other one must do well there too
             prepared, other = reweighed(*settled(state.prepared, other))
-            after = make_blocks(prepared, other)
+            after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             if needed(scored(other, after), same):
                 state.findings = [_instead(f, term, candidate) for f in state.findings]

@@ -1,9 +1,10 @@
 """All questions about candidates, answered from their columns and the residual, block by block.
 
 The law's own sensitivities are projected out of every candidate and of the residual on all data
-(Frisch and Waugh 1933): the law may know a fold, the effect may not. What a model predicts of a
-fold then follows from coefficients fitted to the other folds. Only the Gram matrices that a
-question needs are made: those of all pairs of candidates would not fit into memory.
+(Frisch and Waugh 1933): the law may know a fold, the effect may not. With them go the directions
+in which the law may be wrong: what another law would explain as well speaks for no effect. What a
+model predicts of a fold then follows from coefficients fitted to the other folds. Only the Gram
+matrices that a question needs are made: those of all pairs of candidates would not fit into memory.
 """
 
 import itertools
@@ -200,7 +201,8 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         if not isinstance(term, Timing):
             at = layout.coefficients(i)
             target += fitted.jacobian[:, at] @ fitted.beta[at]
-    law = _unit(np.hstack([fitted.jacobian[:, base], fitted.begun]) * w)
+    wrong = () if blocks.law_errors is None else (blocks.law_errors,)
+    law = _unit(np.hstack([fitted.jacobian[:, base], fitted.begun, *wrong]) * w)
     sets = [fitted.jacobian[:, k] for k in own]
     sets += [c.columns if c.begun is None else np.hstack([c.columns, c.begun]) for c in candidates]
     edges = np.cumsum([0, *(x.shape[1] for x in sets)])

@@ -2,6 +2,9 @@
 
 from collections.abc import Callable
 
+import numpy as np
+
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.score import scored
@@ -37,9 +40,11 @@ LAW_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
 class Laws:
     """The best shape known of each law, to start from when the model has changed.
 
+    What the laws differ by tells in which directions one of them may be wrong, since none is exact.
+
     Args:
         prepared: the logs. base: the law that is fitted first.
-        asked: only that law is wanted.
+        asked: only that law is wanted: the others tell where it may be wrong.
     """
 
     def __init__(
@@ -51,8 +56,9 @@ class Laws:
     ) -> None:
         self.own = base.shape.variables
         self.shapes: dict[tuple[str, ...], Shape] = {self.own: base.shape}
-        self._forms = (LAW_FORMS[self.own], *(() if asked else _RIVALS))
-        self._rivals = self._forms[1:]
+        self._asked = asked
+        self._rivals = [forms for forms in _RIVALS if forms[0].variables != self.own]
+        self._columns: dict[tuple[str, ...], Array] = {}
         self._progress = progress
         self.ripen(prepared, base.effects)
 
@@ -77,9 +83,10 @@ class Laws:
         with side_by_side() as each:
             others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
         self.shapes |= {other.shape.variables: other.shape for other in others}
+        self._columns = {f.shape.variables: _of_law(f) for f in (fitted, *others)}
         most = (1.0 - CLEARLY) * fitted.drive_rms
         clear = sorted((f for f in others if f.drive_rms < most), key=lambda f: f.drive_rms)
-        if not clear:
+        if self._asked or not clear:
             return prepared, fitted
         blocks = make_blocks(prepared, fitted)
         now = scored(fitted, blocks)
@@ -87,13 +94,22 @@ class Laws:
         best = next(sure, None)
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
+    def errors(self, fitted: Fit) -> Array:
+        """Directions in which the law of a fit may be wrong, N m, shape (n, m).
+
+        Those of every other law as last fitted: its torque, and how that moves with its numbers.
+        """
+        others = [X for names, X in self._columns.items() if names != fitted.shape.variables]
+        return np.hstack([np.zeros((len(fitted.residual), 0)), *others])
+
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.
 
         As a coarse look has them, which is near enough to be simulated.
         """
         self._progress("fit: laws that leave as much")
-        places = [p for f in self._forms for p in ripened(prepared, fitted.effects, f)]
+        forms = [LAW_FORMS[self.own], *([] if self._asked else self._rivals)]
+        places = [p for f in forms for p in ripened(prepared, fitted.effects, f)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
@@ -102,3 +118,11 @@ class Laws:
         if final.shape.variables == base.shape.variables:
             return None
         return refit(prepared, final.effects, self.shapes[self.own], ROUGH)
+
+
+def _of_law(fitted: Fit) -> Array:
+    """Torque of the law at unit level and damping, and its derivatives by the shape, (n, k)."""
+    linear = [fitted.names.index(n) for n in ("Fc", "sigma1") if n in fitted.names]
+    return fitted.jacobian[
+        :, [*linear, *range(fitted.layout.shape.start, fitted.layout.shape.stop)]
+    ]

@@ -6,7 +6,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import CLEARLY
-from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
@@ -45,7 +44,7 @@ def _nearer(errors: Array, now: Array) -> bool:
     return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 
-def moving_nearest(state: State, laws: Laws, replayed: Replayed) -> None:
+def moving_nearest(state: State, replayed: Replayed) -> None:
     """Another law, or the same from another valley, where the simulated motion is nearer.
 
     What else is wrong with a drive that a controller reconstructs bends the law: several leave as
@@ -55,7 +54,7 @@ def moving_nearest(state: State, laws: Laws, replayed: Replayed) -> None:
     if now is None:
         return
     best, least = None, now
-    for other in laws.near(state.prepared, state.fit):
+    for other in state.laws.near(state.prepared, state.fit):
         errors = replayed(other)
         if errors is not None and _nearer(errors, now) and errors.sum() < least.sum():
             best, least = other, errors

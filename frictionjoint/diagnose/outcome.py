@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding, Trace, sight
-from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.library import is_unnamed
 from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest
 from frictionjoint.diagnose.score import scored
@@ -22,11 +20,11 @@ from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
 
-def told(state: State, base: Fit, laws: Laws, replayed: Replayed, law_by_motion: bool) -> Trace:
+def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     hints: list[str] = []
-    blocks = make_blocks(state.prepared, state.fit)
+    blocks = state.blocks
     whole = scored(state.fit, blocks)
     for i, term in enumerate(state.fit.terms):
         if isinstance(term, SmoothTerm):
@@ -43,13 +41,13 @@ def told(state: State, base: Fit, laws: Laws, replayed: Replayed, law_by_motion:
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
     if law_by_motion:
-        moving_nearest(state, laws, replayed)
+        moving_nearest(state, replayed)
     drop_what_moves_worse(state, replayed)
     found: list[Finding] = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
         found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
-    other = laws.unchosen(state.prepared, state.fit, base)
+    other = state.laws.unchosen(state.prepared, state.fit, base)
     same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
     base = state.fit if same else refit(state.prepared, (), base.shape)
     return Trace(

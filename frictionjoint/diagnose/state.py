@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.fit import Fit
@@ -18,12 +20,22 @@ _TRIED_STEPS = 8
 
 @dataclass
 class State:
-    """Logs as they are weighted now, the model, what was found and what was looked at last."""
+    """Logs as they are weighted now, the model, what was found, what was looked at last, laws."""
 
     prepared: Prepared
     fit: Fit
     findings: list[Finding]
     look: Look
+    laws: Laws
+
+    @property
+    def blocks(self) -> Blocks:
+        """Of the model as it is now."""
+        return self.blocks_of(self.prepared, self.fit)
+
+    def blocks_of(self, prepared: Prepared, fitted: Fit) -> Blocks:
+        """Of another model of these logs, which may be weighted otherwise."""
+        return make_blocks(prepared, fitted, self.laws.errors(fitted))
 
     def forget_dropped(self) -> None:
         """Keep only the findings of effects that the model still has."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import Blocks, make_blocks
+from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import (
     APART,
     DRIVE_DISCREPANCY,
@@ -95,7 +95,7 @@ def trace(
     prepared, base = _base(prepared, law or INTEGRATED_LAW, progress)
     laws = Laws(prepared, base, asked=law is not None, progress=progress)
     prepared, current = laws.better(prepared, base)
-    state = State(prepared, current, [], Look((), np.zeros(0), 0.0))
+    state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"step {change}: trying candidates")
         left = state.fit.drive_rms
@@ -104,10 +104,10 @@ def trace(
             progress(f"step {change}: {', '.join(taken)}")
         if state.fit.drive_rms**2 < (1.0 - APART) * left**2:
             # what is named now may have bent the laws
-            laws.ripen(state.prepared, state.fit.effects)
-        if not (_other_law(state, laws) or taken or exchange_bent(state)):
+            state.laws.ripen(state.prepared, state.fit.effects)
+        if not (_other_law(state) or taken or exchange_bent(state)):
             break
-    return told(state, base, laws, replayed, law_by_motion)
+    return told(state, base, replayed, law_by_motion)
 
 
 def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
@@ -125,7 +125,7 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     taken = _of_drive(state, rng) if effects and early else []
     if taken:
         return taken
-    blocks = make_blocks(state.prepared, state.fit)
+    blocks = state.blocks
     candidates = library(state.prepared, state.fit, blocks)
     first = [c for c in candidates if c.comes_first] if not effects else []
     return (
@@ -150,7 +150,7 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
         Finding(term, seen, seen.find(c), seen.gain(seen.find(c)), (), (), fitted)
         for term, c in zip(fitted.effects, first, strict=True)
     ]
-    own = State(*reweighed(state.prepared, fitted), findings, seen)
+    own = State(*reweighed(state.prepared, fitted), findings, seen, state.laws)
     taken = _of_drive(own, rng)
     if taken:
         state.prepared, state.fit, state.look = own.prepared, own.fit, own.look
@@ -255,7 +255,7 @@ def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored
         )
         for candidate in taken.move.added
     ]
-    changed = State(prepared, fitted, [*state.findings, *found], seen)
+    changed = State(prepared, fitted, [*state.findings, *found], seen, state.laws)
     drop_idle(changed)
     return changed
 
@@ -280,7 +280,7 @@ def _looked_at_again(
     anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
     first = min(first, anew, key=lambda f: f.drive_rms)
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
-    blocks = make_blocks(prepared, first)
+    blocks = state.blocks_of(prepared, first)
 
     def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
         found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
@@ -355,12 +355,12 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
     )
 
 
-def _other_law(state: State, laws: Laws) -> bool:
+def _other_law(state: State) -> bool:
     """Take another law where that is clearly better together with the effects found.
 
     What an effect stood in for may have been the former law's error: what is idle now goes.
     """
-    prepared, found = laws.better(state.prepared, state.fit)
+    prepared, found = state.laws.better(state.prepared, state.fit)
     if found is state.fit:
         return False
     state.prepared, state.fit = prepared, found
