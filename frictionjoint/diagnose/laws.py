@@ -58,7 +58,7 @@ class Laws:
         self.shapes: dict[tuple[str, ...], Shape] = {self.own: base.shape}
         self._asked = asked
         self._rivals = [forms for forms in _RIVALS if forms[0].variables != self.own]
-        self._columns: dict[tuple[str, ...], Array] = {}
+        self._friction: dict[tuple[str, ...], Array] = {}
         self._progress = progress
         self.ripen(prepared, base.effects)
 
@@ -83,7 +83,7 @@ class Laws:
         with side_by_side() as each:
             others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
         self.shapes |= {other.shape.variables: other.shape for other in others}
-        self._columns = {f.shape.variables: _of_law(f) for f in (fitted, *others)}
+        self._friction = {f.shape.variables: f.friction for f in (fitted, *others)}
         most = (1.0 - CLEARLY) * fitted.drive_rms
         clear = sorted((f for f in others if f.drive_rms < most), key=lambda f: f.drive_rms)
         if self._asked or not clear:
@@ -97,10 +97,12 @@ class Laws:
     def errors(self, fitted: Fit) -> Array:
         """Directions in which the law of a fit may be wrong, N m, shape (n, m).
 
-        Those of every other law as last fitted: its torque, and how that moves with its numbers.
+        The torque of every other law as last fitted: a law is wrong by a part of what they differ
+        by. How they move with their numbers would make a law of no parsimony, which explains much
+        that is none of it.
         """
-        others = [X for names, X in self._columns.items() if names != fitted.shape.variables]
-        return np.hstack([np.zeros((len(fitted.residual), 0)), *others])
+        others = [x for names, x in self._friction.items() if names != fitted.shape.variables]
+        return np.array(others).T.reshape(len(fitted.residual), -1)
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.
@@ -118,11 +120,3 @@ class Laws:
         if final.shape.variables == base.shape.variables:
             return None
         return refit(prepared, final.effects, self.shapes[self.own], ROUGH)
-
-
-def _of_law(fitted: Fit) -> Array:
-    """Torque of the law at unit level and damping, and its derivatives by the shape, (n, k)."""
-    linear = [fitted.names.index(n) for n in ("Fc", "sigma1") if n in fitted.names]
-    return fitted.jacobian[
-        :, [*linear, *range(fitted.layout.shape.start, fitted.layout.shape.stop)]
-    ]
