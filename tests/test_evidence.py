@@ -131,6 +131,28 @@ def test_what_the_law_knows_is_no_effect():
     assert with_it.sum() > 0.98 * without.sum()
 
 
+def test_what_another_law_would_explain_speaks_for_no_effect():
+    """A candidate that resembles the law's own error; an effect beside an error larger than it."""
+    rng = np.random.default_rng(8)
+    X, found = rng.standard_normal((N, 3)), candidates(rng)
+    error = 2.0 * rng.standard_normal(N)
+    alike = Candidate(found[2].term, 0.5 * (error + 0.2 * rng.standard_normal(N))[:, None])
+    y = error + 0.8 * found[1].columns[:, 0] + 0.2 * rng.standard_normal(N)
+    fit, tried = fitted(y, X), [found[1], alike]
+
+    def rows(law_errors):
+        known = replace(blocks(), law_errors=law_errors)
+        seen, _ = look(fit, known, tried, np.random.default_rng(1))
+        return {row.name: (seen.gain(row), row.p_value) for row in seen.rows}
+
+    blind, seeing = rows(None), rows(error[:, None])
+    assert blind[NAMES[1]][0] < 0.3
+    assert blind[NAMES[2]][0] > 0.7
+    assert seeing[NAMES[1]][0] > 0.9
+    assert seeing[NAMES[1]][1] <= 0.002
+    assert seeing[NAMES[2]][0] < 0.05
+
+
 def test_what_a_log_held_when_it_began_is_known_on_all_data():
     """An effect that begins in motion is seen at its size, and its beginning alone is none."""
     rng = np.random.default_rng(6)
