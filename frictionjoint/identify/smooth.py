@@ -22,6 +22,8 @@ VARIABLES = {
     "time": TIME,
     "temperature_c": TEMP,
 }
+# quantities whose own multiple a model holds: the torque's gain, viscous friction
+_PROPORTIONAL = ("load", "velocity")
 
 
 def quantity(segment: Segment, signals: Array, variable: str) -> Array:
@@ -90,8 +92,9 @@ class SplineTerm(SmoothTerm):
         low, high: range the knots span; the curve goes on as a constant outside.
         odd: multiplied by H, the direction of friction.
         means, slopes: of the columns over the logs, taken off. What is constant is a bias, which
-            has a name, and a curve that held it would outdo every other effect; what is linear in
-            the load is a gain, and together with a curve that held it no gain is determined.
+            has a name, and a curve that held it would outdo every other effect. What is linear in
+            the load is a gain and in the velocity viscous friction: beside a curve that held it
+            neither is determined, and their difference is a bias wherever the mean is not zero.
     """
 
     low: float
@@ -142,16 +145,16 @@ class SplineTerm(SmoothTerm):
         return out[:, :-1]
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
-        """The same curve without its mean over what is kept of the logs, and in the load without
-        its slope; an odd one has neither.
+        """The same curve without its mean over what is kept of the logs, and without the slope that
+        is the model's own; an odd one has neither.
         """
         if self.odd:
             return self
         pairs = list(zip(segments, signals, strict=True))
         columns = np.concatenate([self.columns(s, x)[s.mask] for s, x in pairs])
         known = np.ones((len(columns), 1))
-        if self.variable == "load":
-            x = np.concatenate([quantity(s, x, "load")[s.mask] for s, x in pairs])
+        if self.variable in _PROPORTIONAL:
+            x = np.concatenate([quantity(s, x, self.variable)[s.mask] for s, x in pairs])
             known = np.column_stack([known, x])
         means, *slopes = np.linalg.lstsq(known, columns, rcond=None)[0].tolist()
         return replace(self, means=tuple(means), slopes=tuple(slopes[0]) if slopes else ())
