@@ -53,11 +53,7 @@ def rows(prepared, body, names):
     for segment in prepared.segments:
         along = Along(body, segment, Corrections.none(body.model))
         v = segment.signals[:, V]
-        shafts = [
-            along.shaft(Shaft(pair, ratio))
-            for pair in itertools.pairwise(names)
-            for ratio in (1.0, -1.0)
-        ]
+        shafts = [shaft(along, *pair, c) for pair in itertools.pairwise(names) for c in (1.0, -1.0)]
         bodies = [along.bodies(b) for b in range(1, body.model.nbody)]
         common.append(kept(segment, np.column_stack([*bodies, *shafts])))
         root = direction(v) * np.sqrt(np.abs(v))
@@ -66,6 +62,12 @@ def rows(prepared, body, names):
         torque.append(segment.balanced_drive()[segment.kept])
     weight = np.concatenate([s.kept_weight for s in prepared.segments])
     return Rows(np.concatenate(common), np.concatenate(own), np.concatenate(torque), weight)
+
+
+def shaft(along, one, other, ratio):
+    """Columns of a shaft that turns with two joints, concave friction up to its top speed."""
+    v = along.motion(one)[1] + ratio * along.motion(other)[1]
+    return along.shaft(Shaft((one, other), ratio, float(np.abs(v).max())))
 
 
 def solved(X, y):

@@ -20,7 +20,13 @@ from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.joint_offset import JointOffset
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
-from frictionjoint.robot.corrections import Corrections, Shaft, write_corrections
+from frictionjoint.robot.corrections import (
+    Corrections,
+    Shaft,
+    levelling,
+    tendons_bend,
+    write_corrections,
+)
 from frictionjoint.robot.inertia import of_model, possible
 from tests.arms.arm import random_arm
 from tests.arms.run import motion
@@ -100,8 +106,9 @@ def test_columns_are_the_change_of_the_load_with_the_numbers(arm, logs, kind):
 
 
 def test_a_shafts_torque_is_the_tendons(arm, logs):
-    """Viscous friction and inertia through MuJoCo's tendon; Coulomb friction is added to it."""
-    shaft = Shaft(("j2", "j3"), -1.0, level=0.3, viscous=0.2, inertia=0.05)
+    """All but Coulomb friction through MuJoCo's tendon; that is added to it."""
+    concave = 0.4 if tendons_bend() else 0.0
+    shaft = Shaft(("j2", "j3"), -1.0, 2.0, level=0.3, viscous=0.2, concave=concave, inertia=0.05)
     for joint in JOINTS:
         body = RigidBody(arm, joint)
         prepared = prepare([logs[joint]], body)
@@ -116,6 +123,15 @@ def test_a_shafts_torque_is_the_tendons(arm, logs):
     assert np.abs(kept(segment, expected[:, None])).max() > 0.0
 
 
+def test_concave_friction_levels_off_at_the_top_speed_and_falls_nowhere():
+    v = np.linspace(-3.0, 3.0, 1201)
+    slope = np.gradient(levelling(v, 1.5), v)
+    assert slope[600] == pytest.approx(1.0, rel=1e-2)
+    assert slope[np.isclose(np.abs(v), 1.5)] == pytest.approx([0.0, 0.0], abs=1e-2)
+    assert np.all(slope > -1e-9)
+    assert np.all(np.diff(slope[600:901]) < 0.0)  # up to the top speed
+
+
 def test_every_change_of_a_body_leaves_a_possible_one(arm):
     model = mujoco.MjModel.from_xml_string(arm)
     none, rng = Corrections.none(model), np.random.default_rng(0)
@@ -128,10 +144,13 @@ def test_every_change_of_a_body_leaves_a_possible_one(arm):
 
 def test_causes_speak_of_the_joints_that_are_logged(arm):
     model = mujoco.MjModel.from_xml_string(arm)
-    found = catalogue(model, ["j1", "j2"], ["j1", "j2"])
+    velocity = {name: np.sin(np.arange(9.0)) for name in ("j1", "j2")}
+    found = catalogue(model, ["j1", "j2"], ["j1", "j2"], velocity)
     places = {(c.name, *c.place.values()) for c in found}
     assert ("rotor-inertia", "j2") in places
     assert ("rotor-inertia", "j3") not in places
     # link3 stands still behind link2: the hand is link2
     assert {place[1] for place in places if place[0] == "payload"} == {"link2"}
     assert ("gear-coupling", "j1", "j2") in places
+    # a shaft that no log turns shows nothing
+    assert [c.ratio for c in found if c.name == "gear-coupling"] == [1.0]

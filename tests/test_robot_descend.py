@@ -88,7 +88,8 @@ def test_coordinates_are_those_that_the_causes_move(joints):
 
 def test_a_coordinate_moves_itself_alone(joints):
     state = found_of(joints).original
-    state = Corrections(state.phi, state.gravity, shafts=(Shaft(("j1", "j2"), 1.0, 0.1, 0.2, 0.3),))
+    shaft = Shaft(("j1", "j2"), 1.0, 2.0, 0.1, 0.2, 0.3, 0.4)
+    state = Corrections(state.phi, state.gravity, shafts=(shaft,))
     places = [
         _Place("phi", 1, 4),
         _Place("gravity", 0, 2),

@@ -10,7 +10,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Segment
-from frictionjoint.robot.corrections import Corrections, Shaft, direction
+from frictionjoint.robot.corrections import Corrections, Shaft, direction, levelling
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
 
@@ -86,10 +86,10 @@ class Along:
         return np.asarray((further - self.torque) / _STEP)
 
     def shaft(self, shaft: Shaft) -> Array:
-        """Torque per unit of a shaft's level, viscous friction and inertia, shape (n, 3)."""
-        first, second = (self._motion(name) for name in shaft.joints)
+        """Torque per unit of a shaft's numbers, shape (n, 4)."""
+        first, second = (self.motion(name) for name in shaft.joints)
         v, a = (x + shaft.ratio * y for x, y in zip(first[1:], second[1:], strict=True))
-        columns = np.column_stack([direction(v), v, a])
+        columns = np.column_stack([direction(v), v, levelling(v, shaft.top), a])
         return columns * shaft.per_turn(self.body.joint)
 
     def linear(self, before: Corrections, after: Corrections) -> Array:
@@ -152,7 +152,7 @@ class Along:
         for name in {self.body.joint, *self._others}:
             j = model.joint(name).id
             dof = int(model.jnt_dofadr[j])
-            position, v[:, dof], a[:, dof] = self._motion(name)
+            position, v[:, dof], a[:, dof] = self.motion(name)
             q[:, int(model.jnt_qposadr[j])] = position + offset.get(name, 0.0)
         return Trajectory(q, v, a)
 
@@ -161,7 +161,7 @@ class Along:
         named = {name.rpartition(".")[0] for name in self.original.others}
         return named & self.body.joint_names
 
-    def _motion(self, name: str) -> tuple[Array, Array, Array]:
+    def motion(self, name: str) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of a joint; zero where the log does not hold it."""
         if name == self.body.joint:
             s = self.original.signals

@@ -8,6 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.robot.inertia import of_model, write
 
+SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia")
 # MJCF has six digits: what differs by less is the same body
 _SAME = 1e-9
 # part of a shaft's top speed over which its friction turns over
@@ -20,29 +21,52 @@ class Shaft:
 
     Attributes:
         joints: names. ratio: of the second joint's turns to the first one's in the shaft's.
-        level, viscous, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2, seen
-            from the first joint.
+        top: speed at which its concave friction is level, rad/s.
+        level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
+            seen from the first joint. The concave part is so much at low speed, see `levelling`.
     """
 
     joints: tuple[str, str]
     ratio: float
+    top: float
     level: float = 0.0
     viscous: float = 0.0
+    concave: float = 0.0
     inertia: float = 0.0
 
     @property
     def numbers(self) -> Array:
-        """Level, viscous friction and inertia, shape (3,)."""
-        return np.array([self.level, self.viscous, self.inertia])
+        """Level, viscous and concave friction and inertia, shape (4,)."""
+        return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
 
     def moved(self, number: int, by: float) -> "Shaft":
         """With one of its numbers changed."""
-        name = ("level", "viscous", "inertia")[number]
+        name = SHAFT_NUMBERS[number]
         return replace(self, **{name: getattr(self, name) + by})
+
+    @property
+    def damping(self) -> Array:
+        """Coefficients of a tendon's damping by powers of the speed, shape (3,)."""
+        curve = np.array([1.0, -1.0 / self.top, 1.0 / (3.0 * self.top**2)])
+        return np.array([self.viscous, 0.0, 0.0]) + self.concave * curve
 
     def per_turn(self, joint: str) -> float:
         """Turns of the shaft per turn of a joint."""
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
+
+
+def levelling(velocity: Array, top: float) -> Array:
+    """Friction that grows ever less up to a speed where it is level, 1 rad/s of it at first, (n,).
+
+    v - v|v| / top + v^3 / (3 top^2): concave up to there, and falling nowhere beyond.
+    """
+    part = np.abs(velocity) / top
+    return np.asarray(velocity * (1.0 - part + part**2 / 3.0))
+
+
+def tendons_bend() -> bool:
+    """Whether this MuJoCo has a damping that is a polynomial of the speed."""
+    return np.size(mujoco.MjSpec().add_tendon().damping) > 1
 
 
 def direction(velocity: Array) -> Array:
@@ -112,9 +136,7 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
             frictionloss=shaft.level,
             armature=shaft.inertia,
         )
-        damping = np.zeros_like(tendon.damping)  # a polynomial in newer versions
-        damping.flat[0] = shaft.viscous
-        tendon.damping = damping
+        tendon.damping = shaft.damping if tendons_bend() else shaft.viscous
         tendon.wrap_joint(shaft.joints[0], 1.0)
         tendon.wrap_joint(shaft.joints[1], shaft.ratio)
 

@@ -74,7 +74,9 @@ def shared_causes(
     if not known:
         return Shared(settle(joints, none, each), ())
     names = [j.name for j in known]
-    open_ones = list(catalogue(model, names, moving))
+    alongs = known[0].alongs
+    velocity = {n: np.concatenate([a.motion(n)[1] for a in alongs]) for n in names}
+    open_ones = list(catalogue(model, names, moving, velocity))
     whole = list(all_links(model, names, moving))
     alike = common_terms(known)
     now, refused = _Now(settle(known, none, each), ()), frozenset[int]()

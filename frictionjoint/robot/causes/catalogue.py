@@ -1,11 +1,12 @@
 """All shared causes that a robot's logs can show."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.identify.held import SLIDE
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
@@ -22,12 +23,16 @@ _FORMS: tuple[Form, ...] = ("mass", "mass and centre", "all ten")
 
 
 def catalogue(
-    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
+    model: mujoco.MjModel,
+    joints: Sequence[str],
+    moving: Sequence[str],
+    velocity: Mapping[str, Array],
 ) -> tuple[Cause, ...]:
     """Causes that could act on these joints.
 
     Args:
         joints: whose drive the logs hold. moving: whose motion they hold.
+        velocity: of each of `joints` along the logs, rad/s (m/s), each of shape (n,).
     """
     found: list[Cause] = [
         RotorInertia(name, float(model.joint(name).armature[0]), is_slide(model, name))
@@ -46,9 +51,11 @@ def catalogue(
     if np.any(model.opt.gravity):
         found.append(BaseTilt())
     found += [JointOffset(name, is_slide(model, name)) for name in moving]
-    found += [
-        GearCoupling(pair, ratio) for pair in _neighbours(model, joints) for ratio in (1.0, -1.0)
-    ]
+    for one, other in _neighbours(model, joints):
+        for ratio in (1.0, -1.0):
+            top = float(np.abs(velocity[one] + ratio * velocity[other]).max())
+            if top:
+                found.append(GearCoupling((one, other), ratio, top))
     return tuple(found)
 
 

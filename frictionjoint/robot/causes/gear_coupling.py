@@ -11,19 +11,23 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import POSITIVE, Cause
-from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend
 
 
 @dataclass(frozen=True)
 class GearCoupling(Cause):
-    """Numbers: friction level, N m, viscous friction, N m s/rad, and inertia, kg m^2, of the shaft.
+    """Numbers: friction level, N m, viscous and concave friction, N m s/rad, and inertia, kg m^2.
+
+    Lubricated gears have concave friction. It is level at the top speed of the logs: beyond that
+    they do not tell.
 
     Attributes:
-        joints: names. ratio: of the second joint in the shaft's turn.
+        joints: names. ratio: of the second joint in the shaft's turn. top: its speed, rad/s.
     """
 
     joints: tuple[str, str]
     ratio: float
+    top: float
     name: ClassVar[str] = "gear-coupling"
 
     @property
@@ -34,16 +38,17 @@ class GearCoupling(Cause):
     @property
     def steps(self) -> Array:
         """See `Cause`."""
-        return np.ones(3)
+        return np.ones(4)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
-        return (POSITIVE,) * 3
+        # where a tendon's damping is one number a model cannot hold a curve
+        return POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
-        shaft = Shaft(self.joints, self.ratio, *(float(number) for number in x))
+        shaft = Shaft(self.joints, self.ratio, self.top, *(float(number) for number in x))
         return replace(state, shafts=(*state.shafts, shaft))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
@@ -51,6 +56,8 @@ class GearCoupling(Cause):
         return {
             "level": (float(x[0]), "N m"),
             "viscous": (float(x[1]), "N m s/rad"),
-            "inertia": (float(x[2]), "kg m^2"),
+            "concave": (float(x[2]), "N m s/rad"),
+            "inertia": (float(x[3]), "kg m^2"),
             "ratio": (self.ratio, "1"),
+            "top": (self.top, "rad/s"),
         }
