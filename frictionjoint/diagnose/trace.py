@@ -323,7 +323,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         and not apart(best.score, t.score)
         and t.score.gain(now) >= (1.0 - TIE) * gain
     ]
-    simplest = min(near, key=lambda t: numbers_of(t.move.added[0].term))
+    simplest = min(near, key=lambda t: (numbers_of(t.move.added[0].term), _total(t)))
     (own,) = simplest.move.added
     others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
     ties = [other.term.name for other in others if not other.contains(own)]

@@ -1,0 +1,43 @@
+"""Of effects that explain as much, which one is taken, and what is said of the others."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.moves import Move
+from frictionjoint.diagnose.score import Scored
+from frictionjoint.diagnose.trace import _chosen, _Tried
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.terms import EffectTerm
+
+BLOCKS = 48
+FIT = SimpleNamespace(friction=np.ones(BLOCKS), weight=np.ones(BLOCKS), scale=1.0)
+RNG = np.random.default_rng(2)
+WITHOUT = RNG.uniform(0.5, 1.5, BLOCKS)
+
+
+def tried(name, left):
+    """An effect that leaves a part of the squares, hardly alike in the blocks."""
+    effect = next(e for e in CATALOGUE if e.name == name)
+    term = EffectTerm(effect, tuple(1.0 for _ in effect.shape))
+    candidate = Candidate(term, RNG.normal(size=(100, len(term.coefficients))))
+    score = Scored(FIT, left * WITHOUT * RNG.uniform(0.5, 1.5, BLOCKS))
+    return _Tried(Move((term,), (candidate,), score.squares), None, score)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_as_many_numbers_that_which_leaves_least_is_taken(order):
+    leaders = [tried("torque-bias", 0.41), tried("inertia-error", 0.40)]
+    best = min(leaders, key=lambda t: t.score.total)
+    choice = _chosen(Scored(FIT, WITHOUT), leaders[::order])
+    assert choice.taken is best
+    assert len(choice.ties) == 1
+
+
+def test_fewer_numbers_are_taken_where_they_leave_hardly_more():
+    simple, rich = tried("torque-bias", 0.41), tried("position-periodic", 0.39)
+    choice = _chosen(Scored(FIT, WITHOUT), [rich, simple])
+    assert choice.taken is simple
+    assert choice.ties == ("position-periodic",)
