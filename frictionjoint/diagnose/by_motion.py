@@ -22,7 +22,7 @@ from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_G
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.library import Candidate, effect_terms, library
+from frictionjoint.diagnose.library import Candidate, effect_terms, effects
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
@@ -201,7 +201,7 @@ def _promising(
 def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
     """Effects that the balance shows, and not by as much as it must to name them."""
     blocks = make_blocks(prepared, final)
-    candidates = [c for c in library(prepared, final, blocks) if isinstance(c.term, EffectTerm)]
+    candidates = effects(prepared, final, blocks)
     if not candidates:
         return []
     seen, _ = look(final, blocks, candidates, np.random.default_rng(0))

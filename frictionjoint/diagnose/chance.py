@@ -41,25 +41,52 @@ def p_values(
         return np.zeros(0), 0.0
     signs = rng.choice([-1.0, 1.0], size=(FLIPS, found.blocks.count))
 
-    def surprise(at: Columns, lines: float) -> Array:
-        both = [_surprise(found, found.products(at, white), at, signs) for white in (False, True)]
+    def of(at: Columns, lines: float) -> Array:
+        both = []
+        for white in (False, True):
+            grams = found.products(at, white)
+            A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
+            known = A, b, found.elsewhere(A, b), A.sum(axis=0), found.ranges(at)
+            both.append(surprise(*known, signs, found.blocks.log))
         return np.asarray(np.maximum(*both) - np.log(lines))
 
     with side_by_side() as each:
-        surprises = np.array(list(each(surprise, found.candidates, among)))
+        surprises = np.array(list(each(of, found.candidates, among)))
+    return over_family(surprises), float(np.quantile(surprises[:, 1:].max(axis=0), 0.95))
+
+
+def over_family(surprises: Array) -> Array:
+    """P-values of candidates, shape (c,): of what they reach, what the best reaches by chance.
+
+    Args:
+        surprises: of each, and by chance, shape (c, 1 + flips).
+    """
     null = surprises[:, 1:].max(axis=0)
-    p = np.array([(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in surprises[:, 0]])
-    return p, float(np.quantile(null, 0.95))
+    return np.array([(1 + np.sum(null >= x)) / (1 + len(null)) for x in surprises[:, 0]])
 
 
-def _surprise(found: Screen, grams: Array, at: Columns, signs: Array) -> Array:
-    """How far out a candidate's score is, and by chance, in nats, shape (1 + FLIPS,)."""
-    A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
-    own = b - np.einsum("bij,bj->bi", A, found.elsewhere(A, b))
+def surprise(
+    A: Array,
+    b: Array,
+    elsewhere: Array,
+    total: Array,
+    ranges: tuple[Array, Array],
+    signs: Array,
+    log: Columns,
+) -> Array:
+    """How far out a candidate's score is, and by chance, in nats, shape (1 + flips,).
+
+    Args:
+        A: Gram matrices of its columns, shape (B, k, k). b: their products with the residual,
+            (B, k). elsewhere: coefficients of each block, fitted to other folds, (B, k).
+        total: A of all blocks, with the precision of a prior, (k, k).
+        ranges: least and largest coefficients, (k,) each.
+        signs: of each block, shape (flips, B). log: of each block, (B,).
+    """
+    own = b - np.einsum("bij,bj->bi", A, elsewhere)
     scores = np.vstack([b.sum(axis=0), signs @ own])
-    total = A.sum(axis=0)
-    inverse = np.linalg.pinv(total, rcond=1e-9, hermitian=True)
-    coefficients = np.clip(scores @ inverse, *found.ranges(at))
+    inverse: Array = np.linalg.pinv(total, rcond=1e-9, hermitian=True)
+    coefficients = np.clip(scores @ inverse, *ranges)
     explained = np.sum((2.0 * scores - coefficients @ total) * coefficients, axis=1)
     # as the chi-squared variable of the mean and variance that the blocks' spread gives it
     # (Satterthwaite 1946): how a few blocks spread several scores together is too rough for more
@@ -70,18 +97,16 @@ def _surprise(found: Screen, grams: Array, at: Columns, signs: Array) -> Array:
     k = mean**2 / half_variance
     statistic = np.maximum(explained, 0.0) * k / mean
     # signs make blocks independent; neighbours in a log are not quite (Newey and West 1987)
-    log = found.blocks.log
     together = own[:-1] * (log[:-1] == log[1:])[:, None]
     covariance = 2.0 * float(np.trace(inverse @ together.T @ own[1:]))
     statistic[0] *= mean / (mean + max(covariance, 0.0))
     # a few blocks know their spread roughly, and what signs make of it does not show that
-    known = max(1.0, _independent(A) - 1.0)
+    known = max(1.0, _independent(A, inverse) - 1.0)
     tails = np.append(fdtrc(k, known, statistic[0] / k), chdtrc(k, statistic[1:]))
     return np.asarray(-np.log(np.maximum(tails, 1e-300)))
 
 
-def _independent(grams: Array) -> float:
+def _independent(grams: Array, inverse: Array) -> float:
     """Blocks that determine the coefficients, counted by how much each of them does."""
-    inverse = np.linalg.pinv(grams.sum(axis=0), rcond=1e-9, hermitian=True)
     part = np.einsum("bij,ji->b", grams, inverse)
     return float(part.sum() ** 2 / max(np.sum(part**2), 1e-300))

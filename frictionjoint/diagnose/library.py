@@ -1,6 +1,6 @@
 """Candidates that these logs can test: effects, waves in position, unnamed dependences."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -98,15 +98,42 @@ def comes_first(term: Term) -> bool:
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
-    terms = effect_terms(prepared, signals, fitted.terms) + unnamed_terms(prepared, signals)
-    if not scale_is_determined(prepared, fitted):
-        # a part of an inertia that does not show could be as large as one likes
-        terms = [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]
-    among = [1.0] * len(terms)
-    for found, lines in (
-        periodic_terms(prepared, signals, fitted, blocks),
-        wave_terms(prepared, fitted),
-    ):
+    grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms))
+    grid += unnamed_terms(prepared, signals)
+    waves = periodic_terms(prepared, signals, fitted, blocks), wave_terms(prepared, fitted)
+    return _with_waves(prepared, fitted, signals, grid, waves)
+
+
+def effects(
+    prepared: Prepared,
+    fitted: Fit,
+    blocks: Blocks,
+    wanted: Callable[[Effect], bool] = lambda effect: True,
+) -> list[Candidate]:
+    """Candidates that are effects, all or some."""
+    signals = signals_of(prepared, fitted)
+    grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms, wanted))
+    waves = periodic_terms(prepared, signals, fitted, blocks, wanted)
+    return _with_waves(prepared, fitted, signals, grid, [waves])
+
+
+def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[Term]:
+    """Terms without parts of an inertia that does not show: they could be as large as one likes."""
+    if scale_is_determined(prepared, fitted):
+        return terms
+    return [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]
+
+
+def _with_waves(
+    prepared: Prepared,
+    fitted: Fit,
+    signals: list[Array],
+    grid: list[Term],
+    waves: Iterable[tuple[list[Term], float]],
+) -> list[Candidate]:
+    """Candidates of a grid, and the largest lines of spectra, each with how many it is of."""
+    terms, among = list(grid), [1.0] * len(grid)
+    for found, lines in waves:
         terms += found
         among += [lines] * len(found)
     return _candidates(prepared, fitted, signals, terms, among)
@@ -151,13 +178,18 @@ def _candidates(
     ]
 
 
-def effect_terms(prepared: Prepared, signals: list[Array], taken: tuple[Term, ...]) -> list[Term]:
-    """Every effect on a grid that the logs can test and that is not in the model yet."""
+def effect_terms(
+    prepared: Prepared,
+    signals: list[Array],
+    taken: tuple[Term, ...],
+    wanted: Callable[[Effect], bool] = lambda effect: True,
+) -> list[Term]:
+    """Every wanted effect on a grid that the logs can test and that is not in the model yet."""
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
     timed = any(isinstance(term, Timing) and not term.at_its_end for term in taken)
     new = [e for e in CATALOGUE if e.name not in names and not (timed and e.delays)]
-    return _on_grid(prepared, new, signals)
+    return _on_grid(prepared, list(filter(wanted, new)), signals)
 
 
 def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) -> list[Term]:

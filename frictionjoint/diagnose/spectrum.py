@@ -1,5 +1,7 @@
 """What is periodic, proposed from the spectrum of what a fit leaves: in time, or in position."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.optimize import minimize_scalar
 
@@ -8,6 +10,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of
 from frictionjoint.diagnose.decisions import APART, FEWEST_WAVES
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TIME, H, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
@@ -76,7 +79,11 @@ def _of_wave(fitted: Fit, times: list[Array], frequency: float) -> float:
 
 
 def periodic_terms(
-    prepared: Prepared, signals: list[Array], fitted: Fit, blocks: Blocks
+    prepared: Prepared,
+    signals: list[Array],
+    fitted: Fit,
+    blocks: Blocks,
+    wanted: Callable[[Effect], bool] = lambda effect: True,
 ) -> tuple[list[Term], float]:
     """Harmonics of position: the strongest spatial frequencies of the residual.
 
@@ -86,6 +93,9 @@ def periodic_terms(
     Returns:
         also how many independent lines they are of.
     """
+    harmonics = [f for f in CATALOGUE if f.proposed_by == "spectrum" and wanted(f)]
+    if not harmonics:
+        return [], 1.0
     x = np.concatenate(
         [kept(s, g[:, [Q, H]]) for s, g in zip(prepared.segments, signals, strict=True)]
     )
@@ -101,7 +111,7 @@ def periodic_terms(
     first, last = int(2 * FEWEST_WAVES * span / usual), _POSITION_BINS // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
-    for effect in (f for f in CATALOGUE if f.proposed_by == "spectrum"):
+    for effect in harmonics:
         weight = x[:, 1] if effect.entry == "scales the friction level" else np.ones(len(q))
         # twice oversampled: line k has k/2 periods over the span
         F = np.array(

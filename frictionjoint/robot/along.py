@@ -5,6 +5,7 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
@@ -41,7 +42,7 @@ class Along:
         # what does not depend on what changed is not made again
         kept = ["tree", "dof", "_believed"]
         if self.state.moves_alike(state):
-            kept.append("regressor")
+            kept += ["regressor", "_turned"]
         found.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
         return found
 
@@ -81,9 +82,21 @@ class Along:
 
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (n,)."""
-        moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
-        further = self._regressor(moved).torque(self.dof, self.state.phi)
-        return np.asarray((further - self.torque) / _STEP)
+        if joint not in self._turned:
+            moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
+            further = self._all_bodies(self._regressor(moved)) - self._all_bodies(self.regressor)
+            # a difference over so small a step has no more digits
+            self._turned[joint] = (further / _STEP).astype(np.float32)
+        beyond = self.tree.beyond[self.dof]
+        return np.asarray(self._turned[joint] @ self.state.phi[beyond].ravel())
+
+    @cached_property
+    def _turned(self) -> dict[str, NDArray[np.float32]]:
+        """Of the columns of all bodies beyond the joint, their change per rad (m) of a zero."""
+        return {}
+
+    def _all_bodies(self, regressor: Regressor) -> Array:
+        return np.hstack([regressor.body(b, self.dof) for b in self.tree.beyond[self.dof]])
 
     def shaft(self, shaft: Shaft) -> Array:
         """Torque per unit of a shaft's numbers, shape (n, 4)."""

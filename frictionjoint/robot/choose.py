@@ -11,19 +11,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.chance import FLIPS, over_family
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
 from frictionjoint.robot.screen import Candidate, Screened
-from frictionjoint.robot.stack import FLIPS, Columns, Stack, roots, surprises
+from frictionjoint.robot.stack import Columns, Stack
 
 _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# blocks of time for each column of a candidate whose chance is judged
-_BLOCKS_A_COLUMN = 4
 # random halves of the blocks on which the leaders are compared, and how many leaders
 _HALVES, _CONTENDERS = 25, 6
 
@@ -166,14 +165,11 @@ def _next(
         if not any(_excluded(c, t) for t in taken)
         if (inside := within_bounds(stack, c, known)) is not None
     ]
-    scores = [_leading(stack, c, stack.scores(c.at, known)) for c in open_ones]
-    signs = np.vstack([np.ones(stack.clock.count), rng.choice([-1.0, 1.0], (FLIPS, len(now[0])))])
-    found = np.array([surprises(s, signs) for s in scores])
-    null = found[:, 1:].max(axis=0)
-    p_values = [(1 + int(np.sum(null >= x))) / (FLIPS + 1) for x in found[:, 0]]
+    signs = rng.choice([-1.0, 1.0], (FLIPS, stack.clock.count))
+    found = np.array([stack.surprise(c.at, known, c.room, signs) for c in open_ones])
     rows = [
-        _Row(c, stack.held_out(np.concatenate([known, c.at])), p)
-        for c, p in zip(open_ones, p_values, strict=True)
+        _Row(c, stack.held_out(np.concatenate([known, c.at])), float(p))
+        for c, p in zip(open_ones, over_family(found), strict=True)
     ]
     rows.sort(key=lambda r: r.total)
     good = [r for r in rows if _justified(stack, r, now)]
@@ -202,24 +198,6 @@ def _next(
         tuple(ties),
         stack.solution(np.concatenate([known, simplest.candidate.at]))[len(known) :],
     )
-
-
-def _leading(stack: Stack, candidate: Candidate, scores: Array) -> Array:
-    """Scores of a wide candidate along the directions that move most torque.
-
-    With as many columns as blocks of time any signs of the scores are equally surprising.
-    """
-    most = stack.clock.count // _BLOCKS_A_COLUMN
-    if len(candidate.at) <= most:
-        return scores
-    scale = roots(stack.presumed_apart(candidate.at))
-    prior = np.ones(len(scale)) if candidate.cause is None else 1.0 / scale
-    if candidate.cause is not None and len(candidate.cause.prior) == len(scale):
-        finite = np.isfinite(candidate.cause.prior)
-        prior[finite] = candidate.cause.prior[finite]
-    G = stack.presumed_apart(candidate.at) * np.outer(prior, prior)
-    _, vectors = np.linalg.eigh(G)
-    return np.asarray((scores * prior) @ vectors[:, -most:])
 
 
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:

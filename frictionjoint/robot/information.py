@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import kept, lengths
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
 from frictionjoint.robot.inertia import NAMES
@@ -130,8 +131,7 @@ def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Informa
 
 def gram_without(X: Array, known: Array) -> Array:
     """Gram matrix of columns with others projected out, shape (k, k)."""
-    base, _ = np.linalg.qr(known / lengths(known))
-    left = X - base @ (base.T @ X)
+    left = without(X, known / lengths(known))
     return np.asarray(left.T @ left)
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.library import library
+from frictionjoint.diagnose.library import effects
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.robot.causes.cause import Cause, composed
@@ -259,12 +260,16 @@ def own_effects(
     if not wanted:
         return []
     law, e = law_columns(joint), joint.residual * joint.fit.weight
-    base, _ = np.linalg.qr(law / lengths(law))
+    base = orthonormal(law / lengths(law))
     best: dict[str, tuple[float, Array]] = {}
-    for candidate in library(joint.prepared, joint.fit, clock.blocks(joint)):
+    found = effects(
+        joint.prepared,
+        joint.fit,
+        clock.blocks(joint),
+        lambda effect: effect.name in wanted and not effect.delays,
+    )
+    for candidate in found:
         term = candidate.term
-        if not isinstance(term, EffectTerm) or term.effect.delays or term.name not in wanted:
-            continue
         x = candidate.columns * joint.fit.weight[:, None]
         x = x - base @ (base.T @ x)
         explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=_DEPENDENT)[0])

@@ -67,17 +67,30 @@ def settle(
     now = tuple(j.corrected(found.state) for j in joints)
     if not found.causes:
         if any(np.any(j.shift) for j in now if j.shift is not None):
-            now = tuple(each(_again, now))
+            now = _fitted_again(now, _again, each)
         return Settled(found, now, clock(now))
     before: tuple[FittedJoint, ...] | None = None
     for _ in range(_MOST_LAWS):
         stepped = descended(now, clock(now), found, lambda label: label in beside)
-        trial = tuple(each(_followed, [j.corrected(stepped.state) for j in now]))
+        trial = _fitted_again([j.corrected(stepped.state) for j in now], _followed, each)
         if before is not None and _cost(trial, before) > 1.0 - _SETTLED:
             break
         found, now, before = stepped, trial, trial
     seen = screened(now, clock(now), found, beside)
     return Settled(found, now, seen.stack.clock, _covariances(seen))
+
+
+def _fitted_again(
+    joints: Sequence[FittedJoint],
+    how: Callable[[FittedJoint], FittedJoint],
+    each: Each[FittedJoint, FittedJoint],
+) -> tuple[FittedJoint, ...]:
+    """Joints with their laws fitted again.
+
+    What comes back from a process has lost the columns that it had along its logs.
+    """
+    found = each(how, joints)
+    return tuple(replace(a, alongs=b.alongs) for a, b in zip(found, joints, strict=True))
 
 
 def _followed(joint: FittedJoint) -> FittedJoint:
@@ -101,7 +114,7 @@ def fitted_beside(
     each: Each[FittedJoint, FittedJoint],
 ) -> tuple[FittedJoint, ...]:
     """Joints with their laws fitted beside some effects."""
-    return tuple(each(_again, [replace(j, beside=terms) for j in joints]))
+    return _fitted_again([replace(j, beside=terms) for j in joints], _again, each)
 
 
 def screened(
@@ -133,7 +146,7 @@ def covariance(stack: Stack, at: Columns) -> Array:
     values, vectors = np.linalg.eigh(G / np.outer(scale, scale))
     determined = values > _DETERMINED * values[-1]
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
-    scores = stack.scores(at, np.zeros(0, dtype=np.int64)) / scale
+    scores = stack.products(at, np.zeros(0, dtype=np.int64))[1] / scale
     blocks = len(scores)
     spread = scores.T @ scores * blocks / max(1, blocks - len(at))
     cov = (inverse @ spread @ inverse) / np.outer(scale, scale)

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.chance import surprise
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths
 from frictionjoint.robot.clock import Clock
 
 Columns = NDArray[np.int64]
 
-FLIPS = 999
 _RCOND = 1e-8
 # part of a column, below which nothing is left of it
 _ROUNDING = 1e-6
@@ -52,10 +52,9 @@ def joint_gram(
         law: shape (n, p); columns: (n, c); residual: (n,), all weighted alike.
         at: the columns that go in. of_block: block of each sample, shape (n,). blocks: how many.
     """
-    base, _ = np.linalg.qr(law / lengths(law))
     U = np.column_stack([columns[:, at], residual])
     before = np.linalg.norm(U, axis=0)
-    U -= base @ (base.T @ U)
+    U = without(U, law / lengths(law))
     # what the law explains whole leaves rounding
     U[:, np.linalg.norm(U, axis=0) < _ROUNDING * before] = 0.0
     grams = np.zeros((blocks, U.shape[1], U.shape[1]))
@@ -139,40 +138,53 @@ class Stack:
         G[np.arange(len(at)), np.arange(len(at))] -= self.precision[at]
         return G
 
-    def scores(self, at: Columns, known: Columns) -> Array:
-        """Score of each block for columns, with others known, summed over joints, (B, k)."""
+    def products(self, at: Columns, known: Columns) -> tuple[Array, Array]:
+        """Gram matrices of columns by block, others projected out, and products with the residual.
+
+        Returns:
+            summed over joints, shapes (B, k, k) and (B, k).
+        """
         G = self.total
         inner = G[np.ix_(known, known)]
-        beta = least_squares(inner, G[known, -1])
         scale = roots(inner)
         inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
-        through = (inverse @ (G[np.ix_(known, at)] / scale[:, None])) / scale[:, None]
+        right = G[np.ix_(known, np.append(at, self.size))] / scale[:, None]
         both = np.concatenate([known, at])
-        slopes = np.vstack([-through, np.eye(len(at))])
-        found = np.zeros((self.clock.count, len(both)))
+        # what the columns and the residual are of those of the stack, and of the residual itself
+        less = np.zeros((len(both) + 1, len(at) + 1))
+        less[: len(known)] = -(inverse @ right) / scale[:, None]
+        less[len(known) :] = np.eye(len(at) + 1)
+        grams = np.zeros((self.clock.count, len(at) + 1, len(at) + 1))
         for k, joint in enumerate(self.joints):
             here = np.flatnonzero(self._places[k, both] >= 0)
-            own = self._places[k, both[here]]
-            base, weights = self._own(k, known, beta)
-            left = joint.grams[:, own, -1] - joint.grams[:, own[:, None], base] @ weights
-            found[:, here] += left
-        return np.asarray(found @ slopes)
+            own = np.append(self._places[k, both[here]], -1)
+            part = less[np.append(here, len(both))]
+            grams += part.T @ joint.grams[:, own[:, None], own] @ part
+        return grams[:, :-1, :-1], grams[:, :-1, -1]
+
+    def surprise(self, at: Columns, known: Columns, room: Array, signs: Array) -> Array:
+        """How far out columns are beside others, and by chance, see `diagnose.chance`.
+
+        Args:
+            room: how far each coefficient may go either way, shape (k, 2); none where empty.
+            signs: of each block, shape (flips, B).
+        """
+        A, b = self.products(at, known)
+        total = A.sum(axis=0) + np.diag(self.precision[at])
+        scale = roots(total)
+        A, b, total = A / np.outer(scale, scale), b / scale, total / np.outer(scale, scale)
+        elsewhere = np.zeros_like(b)
+        for fold in self.folds:
+            inside = self.clock.fold == fold
+            elsewhere[inside] = least_squares(total - A[inside].sum(axis=0), b[~inside].sum(axis=0))
+        free = np.full(len(at), np.inf)
+        low, high = room.T * scale if len(room) else (-free, free)
+        return surprise(A, b, elsewhere, total, (low, high), signs, self.clock.log)
 
     def _own(self, k: int, at: Columns, beta: Array) -> tuple[Columns, Array]:
         """Where joint k has some columns of the stack, and their coefficients."""
         places = self._places[k, at]
         return places[places >= 0], beta[places >= 0]
-
-
-def surprises(scores: Array, signs: Array) -> Array:
-    """How far out the sum of a candidate's scores is under each row of signs, in nats, (rows,)."""
-    spread = scores.T @ scores
-    scale = roots(spread)
-    unit = spread / np.outer(scale, scale)
-    inverse = np.linalg.pinv(unit, rcond=1e-9, hermitian=True)
-    s = (signs @ scores) / scale
-    freedom = max(1, round(float(np.trace(inverse @ unit))))
-    return np.asarray(-np.log(np.maximum(chdtrc(freedom, np.sum((s @ inverse) * s, 1)), 1e-300)))
 
 
 def least_squares(A: Array, b: Array) -> Array:
