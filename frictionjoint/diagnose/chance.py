@@ -85,7 +85,7 @@ def surprise(
     """
     own = b - np.einsum("bij,bj->bi", A, elsewhere)
     scores = np.vstack([b.sum(axis=0), signs @ own])
-    inverse: Array = np.linalg.pinv(total, rcond=1e-9, hermitian=True)
+    inverse = np.asarray(np.linalg.pinv(total, rcond=1e-9, hermitian=True))
     coefficients = np.clip(scores @ inverse, *ranges)
     explained = np.sum((2.0 * scores - coefficients @ total) * coefficients, axis=1)
     # as the chi-squared variable of the mean and variance that the blocks' spread gives it
