@@ -24,13 +24,11 @@ def drop_idle(state: State) -> None:
         refitted = partial(compared, state.prepared, law=state.fit.shape)
         with side_by_side() as each:
             fits = dict(zip(models, each(refitted, models), strict=True)) | {own: state.fit}
-        blocks = state.blocks
-        scores = {terms: scored(found, blocks) for terms, found in fits.items()}
+        ways = [{m: scored(f, blocks) for m, f in fits.items()} for blocks in state.either_way]
         idle = []
         for t, terms, rest in zip(own, beside, fewer, strict=True):
-            now, other = scores[terms], scores[rest]
-            if not needed(now, other, comes_first(t)):
-                idle.append((now.gain(other), t))
+            if not any(needed(way[terms], way[rest], comes_first(t)) for way in ways):
+                idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:
             return
         rest = all_but(own, min(idle, key=lambda x: x[0])[1])

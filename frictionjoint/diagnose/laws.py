@@ -3,12 +3,15 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.score import scored
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.constraint_shape import ConstraintShape
+from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
 from frictionjoint.identify.search import ROUGH, refit
@@ -95,14 +98,20 @@ class Laws:
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
     def errors(self, fitted: Fit) -> Array:
-        """Directions in which the law of a fit may be wrong, N m, shape (n, m).
+        """The direction in which the law of a fit is wrong first of all, N m, shape (n, 1).
 
-        The torque of every other law as last fitted: a law is wrong by a part of what they differ
-        by. How they move with their numbers would make a law of no parsimony, which explains much
-        that is none of it.
+        Towards the laws, as last fitted, between which the true one lies: the shares of them that
+        leave least. It is one number that is free and not one a law, which together would explain
+        much that is no friction.
         """
-        others = [x for names, x in self._friction.items() if names != fitted.shape.variables]
-        return np.array(others).T.reshape(len(fitted.residual), -1)
+        w = fitted.weight
+        names = fitted.shape.variables
+        others = [x - fitted.friction for law, x in self._friction.items() if law != names]
+        known = fitted.free_jacobian * w[:, None]
+        known /= lengths(known)
+        columns = [without(x * w, known) for x in others]
+        shares = nnls(np.array(columns).T.reshape(len(w), -1), without(fitted.residual * w, known))
+        return np.asarray(sum(s * x for s, x in zip(shares[0], others, strict=True)))[:, None]
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.

@@ -1,6 +1,6 @@
 """Where a search is, and what decides whether its model needs an effect."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, TIE
@@ -20,13 +20,22 @@ _TRIED_STEPS = 8
 
 @dataclass
 class State:
-    """Logs as they are weighted now, the model, what was found, what was looked at last, laws."""
+    """Where a search is.
+
+    Attributes:
+        prepared: the logs as they are weighted now. fit: the model. findings: what was found.
+        look: what was looked at last. laws: that it may have.
+        law_errs: whether the score leaves out where the law may be wrong, see `Laws.errors`. What
+            is found so is no error of the law; what only another law would explain as well, an
+            effect may be after all, and is looked for afterwards.
+    """
 
     prepared: Prepared
     fit: Fit
     findings: list[Finding]
     look: Look
     laws: Laws
+    law_errs: bool = True
 
     @property
     def blocks(self) -> Blocks:
@@ -35,7 +44,14 @@ class State:
 
     def blocks_of(self, prepared: Prepared, fitted: Fit) -> Blocks:
         """Of another model of these logs, which may be weighted otherwise."""
-        return make_blocks(prepared, fitted, self.laws.errors(fitted))
+        errors = self.laws.errors(fitted) if self.law_errs else None
+        return make_blocks(prepared, fitted, errors)
+
+    @property
+    def either_way(self) -> tuple[Blocks, Blocks]:
+        """Of the model as it is now, with and without where the law may be wrong."""
+        with_errors = make_blocks(self.prepared, self.fit, self.laws.errors(self.fit))
+        return with_errors, replace(with_errors, law_errors=None)
 
     def forget_dropped(self) -> None:
         """Keep only the findings of effects that the model still has."""

@@ -1,7 +1,8 @@
 """What a model lacks: the search for effects, as its definition reads.
 
     fit the law; repeat: screen every change of the model, refit the best few, take the best one
-    that predicts unlike motion better; drop what is no longer needed; until nothing helps.
+    that predicts unlike motion better; drop what is no longer needed; until nothing helps, neither
+    beside what another law would explain as well nor in its place.
 
 One score decides: squares predicted by effects fitted to other motion (`score`). A change is taken
 if it gains more than one paired standard error and a least fraction of what is left, and if, over
@@ -9,6 +10,7 @@ the whole family of candidates, chance hardly does as much.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -98,6 +100,7 @@ def trace(
     state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"step {change}: trying candidates")
+        state.law_errs = True
         left = state.fit.drive_rms
         taken = _step(state, rng)
         if taken:
@@ -105,7 +108,11 @@ def trace(
         if state.fit.drive_rms**2 < (1.0 - APART) * left**2:
             # what is named now may have bent the laws
             state.laws.ripen(state.prepared, state.fit.effects)
-        if not (_other_law(state) or taken or exchange_bent(state)):
+        if _other_law(state) or taken or exchange_bent(state):
+            continue
+        # what another law would explain as well may be an effect after all
+        state.law_errs = False
+        if not _step(state, rng):
             break
     return told(state, base, replayed, law_by_motion)
 
@@ -150,7 +157,8 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
         Finding(term, seen, seen.find(c), seen.gain(seen.find(c)), (), (), fitted)
         for term, c in zip(fitted.effects, first, strict=True)
     ]
-    own = State(*reweighed(state.prepared, fitted), findings, seen, state.laws)
+    prepared, fitted = reweighed(state.prepared, fitted)
+    own = replace(state, prepared=prepared, fit=fitted, findings=findings, look=seen)
     taken = _of_drive(own, rng)
     if taken:
         state.prepared, state.fit, state.look = own.prepared, own.fit, own.look
@@ -255,7 +263,7 @@ def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored
         )
         for candidate in taken.move.added
     ]
-    changed = State(prepared, fitted, [*state.findings, *found], seen, state.laws)
+    changed = replace(state, prepared=prepared, fit=fitted, findings=[*state.findings, *found])
     drop_idle(changed)
     return changed
 
