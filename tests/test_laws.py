@@ -8,7 +8,9 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
+from frictionjoint.identify.basis import without
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
 from tests.plants.spec import Motion
 
@@ -20,17 +22,22 @@ def prepared(tmp_path_factory):
 
 
 @pytest.mark.parametrize("asked", [False, True])
-def test_a_law_may_be_wrong_by_what_the_others_differ_from_it(prepared, asked):
+def test_a_law_is_wrong_towards_the_laws_between_which_the_true_one_lies(prepared, asked):
     base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
     laws = Laws(prepared, base, asked=asked)
-    _, chosen = laws.better(prepared, base)
-    errors = laws.errors(chosen)
-    assert errors.shape == (len(base.residual), len(laws.shapes) - 1)
-    # each is a law's torque on the same motion: like the own one, and not it
-    own = chosen.friction
-    alike = [float(np.corrcoef(own, x)[0, 1]) for x in errors.T]
-    assert min(alike) > 0.9
-    assert all(np.linalg.norm(x - own) > 1e-6 * np.linalg.norm(own) for x in errors.T)
+    _, own = laws.better(prepared, base)
+    others = [
+        refit(prepared, (), shape, ROUGH)
+        for names, shape in laws.shapes.items()
+        if names != own.shape.variables
+    ]
+    between = sum(x.friction - own.friction for x in others[:2]) * 0.3
+    (error,) = laws.errors(replace(own, residual=between)).T
+    known = own.free_jacobian / np.linalg.norm(own.free_jacobian, axis=0)
+    left = without(between, np.column_stack([known, error / np.linalg.norm(error)]))
+    assert np.linalg.norm(left) < 0.05 * np.linalg.norm(without(between, known))
+    # a law that leaves nothing is not wrong
+    assert not laws.errors(replace(own, residual=np.zeros_like(between))).any()
 
 
 def test_a_law_that_is_asked_for_is_kept(prepared):

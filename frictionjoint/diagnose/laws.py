@@ -110,8 +110,8 @@ class Laws:
         known = fitted.free_jacobian * w[:, None]
         known /= lengths(known)
         columns = [without(x * w, known) for x in others]
-        shares = nnls(np.array(columns).T.reshape(len(w), -1), without(fitted.residual * w, known))
-        return np.asarray(sum(s * x for s, x in zip(shares[0], others, strict=True)))[:, None]
+        shares, _ = nnls(np.array(columns).T, without(fitted.residual * w, known))
+        return np.asarray(np.array(others).T @ shares[:, None])
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.
