@@ -130,6 +130,11 @@ class Screened:
     taken: tuple[Candidate, ...]
     candidates: tuple[Candidate, ...]
 
+    def without(self, candidate: Candidate) -> "Screened":
+        """But for a cause, in whatever numbers of it are free."""
+        rest = tuple(c for c in self.candidates if c.first != candidate.first)
+        return replace(self, candidates=rest)
+
 
 def screen(
     joints: Sequence[FittedJoint],

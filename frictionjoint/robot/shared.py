@@ -86,40 +86,40 @@ def shared_causes(
         here = now.settled.found
         candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
-        seen = choose(looked, rng, now.joints[0].beside)
-        new = [c for c in seen if c.candidate.cause is not None]
-        single = [c.candidate for c in seen if not c.candidate.shared]
-        beside = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
-        common = _common(looked, seen)
-        if not new:
-            now, simplified = _simplified(now, open_ones, alike, each, beside)
-            if simplified:
-                continue
+        grown: _Now | None = None
+        while grown is None:
+            seen = choose(looked, rng, now.joints[0].beside)
+            new = [c for c in seen if c.candidate.cause is not None]
+            single = [c.candidate for c in seen if not c.candidate.shared]
+            beside = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
+            common = _common(looked, seen)
+            if not new:
+                break
+            progress(f"round {turn}: {', '.join(c.candidate.label for c in new)}")
+            grown = _grown(now, new, each, beside)
+            if grown is None:
+                refused |= {id(new[0].candidate.cause)}
+                looked = looked.without(new[0].candidate)
+        if grown is not None:
+            now, refused = grown, frozenset()
+            continue
+        now, simplified = _simplified(now, open_ones, alike, each, beside)
+        if simplified:
+            continue
         terms = tuple(one.term for one, _ in common)
-        if not new and terms != now.joints[0].beside:
+        if terms != now.joints[0].beside:
             # what all joints have alike has bent their laws
             now = _settled(_beside(now, terms, each), here, now.choices, each, beside)
             now = _without_idle(now, each, beside)
             continue
-        if not new and whole and not common:
+        if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
-        if not new and here.causes and beside != now.beside:
-            # numbers that were fitted before effects of single joints were seen hold a part of them
-            now = _settled(now, here, now.choices, each, beside)
-            continue
-        if not new:
+        if not here.causes or beside == now.beside:
             break
-        for several in [new, new[:1]][: len(new)]:
-            progress(f"round {turn}: {', '.join(c.candidate.label for c in several)}")
-            trial = _without_idle(_with(now, several, each, beside), each, beside)
-            # to first order they were right; under laws that follow they may not be
-            if _nearer(trial, now, beside):
-                now, refused = trial, frozenset()
-                break
-        else:
-            refused |= {id(new[0].candidate.cause)}
+        # numbers that were fitted before effects of single joints were seen hold a part of them
+        now = _settled(now, here, now.choices, each, beside)
     return Shared(now.settled, now.choices, common)
 
 
@@ -174,6 +174,23 @@ def _beside(now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, Fi
     """With the laws fitted beside effects that all joints have alike."""
     joints = fitted_beside(now.joints, terms, each)
     return replace(now, settled=replace(now.settled, joints=joints))
+
+
+def _grown(
+    now: _Now,
+    new: Sequence[Choice],
+    each: Each[FittedJoint, FittedJoint],
+    beside: frozenset[str],
+) -> _Now | None:
+    """With all that comes in, or the first alone; None where neither leaves less.
+
+    To first order they are right; under laws that follow they may not be.
+    """
+    for several in [new, new[:1]][: len(new)]:
+        trial = _without_idle(_with(now, several, each, beside), each, beside)
+        if _nearer(trial, now, beside):
+            return trial
+    return None
 
 
 def _with(
