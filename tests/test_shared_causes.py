@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frictionjoint.robot import shared
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
@@ -183,3 +184,16 @@ def test_a_coupled_wrist_is_found_beside_a_gain_of_all_drives():
     assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
     ((common, _),) = found.common
     assert common.parameters["gain"].value == pytest.approx(-0.18, rel=0.05)
+
+
+def test_a_cause_that_is_refused_costs_no_round(monkeypatch):
+    """Under laws that follow none is to leave less: then all that seem right are tried in one."""
+    monkeypatch.setattr(shared, "_MOST_ROUNDS", 1)
+    monkeypatch.setattr(shared, "_nearer", lambda *_: False)
+    arm = random_arm(60, 2)
+    hide_payload(arm, 2.0, [0.03, 0.02, 0.02])
+    said: list[str] = []
+    found = shared_causes(fitted_joints(arm, (1,), SECONDS), arm.joints, map, progress=said.append)
+    tried = [text for text in said if text.startswith("round 1:")]
+    assert len(set(tried)) == len(tried) > 1
+    assert not found.choices
