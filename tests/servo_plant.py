@@ -8,6 +8,8 @@ import numpy as np
 from frictionjoint.control import Controller
 from frictionjoint.measured.log import JointLog
 
+# s: of the plant, and of its firmware
+PLANT_STEP, TICK = 1e-4, 1e-3
 PLANT = """<mujoco><option timestep="0.001" integrator="implicitfast"/><compiler angle="radian"/>
 <worldbody><body><joint name="j" axis="0 -1 0" armature="0.01" {}/>
 <inertial pos="0 0 -0.15" mass="0.8" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody></mujoco>"""
@@ -47,23 +49,30 @@ def servo(name, kp, target, hidden, duration=5.0, friction='frictionloss="0.06" 
     )
 
 
-def moved(command, kp, hidden, friction, start=(0.0, 0.0)):
+def moved(command, kp, hidden, friction, start=(0.0, 0.0), step=PLANT_STEP):
     """Position of the servo at each of its commands, a hundredth of a second apart, rad.
 
+    The firmware works a thousand times a second; the plant steps so finely that no integrator
+    shows: a torque b v taken a step h early or late is an inertia of h b less or more.
+
     Args:
-        start: position and velocity at first.
+        start: position and velocity at first. step: s, of the plant, a part of `TICK`.
     """
     model = mujoco.MjModel.from_xml_string(PLANT.format(friction))
+    model.opt.timestep = step
     data = mujoco.MjData(model)
     data.qpos[0], data.qvel[0] = start
     n = 10 * len(command)
     late = round(1000 * hidden.get("delay", 0.0))
+    emf = hidden.get("emf", EMF)
+    # a supply with a resistance, over the winding's, that bears duty times the motor's current
+    sag = hidden.get("sag", 0.0)
     position, inner = np.empty(n), command[0]
     for i in range(n):
         position[i] = data.qpos[0]
         seen = round(data.qpos[0] / COUNT) * COUNT
         wanted = command[max(0, i - late) // 10]
-        way = hidden.get("rate", math.inf) * 1e-3
+        way = hidden.get("rate", math.inf) * TICK
         inner += min(way, max(-way, wanted - inner))
         error = inner - seen
         duty = kp * hidden.get("factor", 1.0) * error
@@ -73,13 +82,11 @@ def moved(command, kp, hidden, friction, start=(0.0, 0.0)):
         duty = min(limit, max(-limit, duty))
         if abs(error) > hidden.get("threshold", math.inf):
             duty *= hidden["left"]
-        emf = hidden.get("emf", EMF)
-        # a supply with a resistance, over the winding's, that bears duty times the motor's current
-        sag = hidden.get("sag", 0.0)
-        volts = SUPPLY + sag * duty * emf / KT * data.qvel[0]
-        volts /= 1.0 + sag * duty * duty
-        data.qfrc_applied[0] = KT * duty * volts - emf * data.qvel[0]
-        mujoco.mj_step(model, data)
+        for _ in range(round(TICK / step)):
+            volts = SUPPLY + sag * duty * emf / KT * data.qvel[0]
+            volts /= 1.0 + sag * duty * duty
+            data.qfrc_applied[0] = KT * duty * volts - emf * data.qvel[0]
+            mujoco.mj_step(model, data)
     return position[::10]
 
 

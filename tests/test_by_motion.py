@@ -8,7 +8,7 @@ from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import BLOCK
 from frictionjoint.control.kernel import COUNT as COUNT_AT
-from frictionjoint.diagnose.by_motion import clearly, named_by_motion, told
+from frictionjoint.diagnose.by_motion import is_large, named_by_motion, taken, told
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
@@ -84,9 +84,12 @@ def test_a_motor_is_screened_where_the_balance_has_named_none():
     assert found.levels == fitted.levels
 
 
-def errors_left_out(near, whole):
-    """A refinement with its errors on logs left out, in windows and whole, rad."""
-    return SimpleNamespace(near=np.array(near), left_out=(np.array(whole), np.array(whole)))
+def errors(near, whole=None, fitted=None):
+    """A refinement with its errors on logs left out, in windows and whole, and on its own, rad."""
+    near = np.array(near)
+    whole = near if whole is None else np.array(whole)
+    own = near if fitted is None else np.array(fitted)
+    return SimpleNamespace(near=near, left_out=(whole, whole), near_fitted=own)
 
 
 def log_with_a_count():
@@ -100,19 +103,34 @@ def test_a_whole_log_that_goes_astray_does_not_keep_an_effect_from_being_named()
     near = 0.02 * rng.uniform(0.7, 1.3, 12)
     whole = near.copy()
     whole[3] = 0.2  # sticks once too early with the effect, by its numbers without that kind
-    now = errors_left_out(near, near)
-    other = errors_left_out(0.7 * near, 0.7 * whole)
+    now, other = errors(near), errors(0.7 * near, 0.7 * whole)
     seen = told(MOTOR[0], other, now)
     assert seen.gain(seen.rows[0]) == pytest.approx(1.0 - 0.7**2)
-    assert clearly(seen, [log_with_a_count()] * 12)
+    assert seen.rows[0].p_value < 0.05
+    assert is_large(other, now, [log_with_a_count()] * 12)
     assert np.sum(other.left_out[1] ** 2) > np.sum(now.left_out[1] ** 2)
+
+
+def test_what_all_models_lose_without_a_kind_does_not_hide_an_effect():
+    """And what is small beside all that is left is not made large by numbers badly known."""
+    rng = np.random.default_rng(7)
+    fitted = 0.02 * rng.uniform(0.7, 1.3, 12)
+    lost = np.where(np.arange(12) % 4 == 0, 0.05, 0.0)
+    now, other = (
+        errors(fitted + lost, fitted=fitted),
+        errors(0.7 * fitted + lost, fitted=0.7 * fitted),
+    )
+    seen = told(MOTOR[0], other, now)
+    assert seen.gain(seen.rows[0]) < 0.3
+    assert seen.rows[0].p_value < 0.05
+    assert taken(other, now) == pytest.approx((1.0 - 0.7**2) * np.mean(fitted**2))
+    assert is_large(other, now, [log_with_a_count()] * 12)
+    small = errors(0.7 * fitted, fitted=0.9 * fitted)
+    assert not is_large(small, errors(fitted + lost, fitted=fitted), [log_with_a_count()] * 12)
 
 
 def test_what_is_less_than_a_count_of_the_encoder_is_no_effect():
     near = COUNT * np.array([1.0, 1.2, 0.9, 0.7, 0.6, 1.5])
-    seen = told(MOTOR[0], errors_left_out(0.65 * near, near), errors_left_out(near, near))
     courses = [log_with_a_count()] * 6
-    assert not clearly(seen, courses)
-    larger = told(MOTOR[0], errors_left_out(6.5 * near, near), errors_left_out(10.0 * near, near))
-    assert larger.gain(larger.rows[0]) == pytest.approx(seen.gain(seen.rows[0]))
-    assert clearly(larger, courses)
+    assert not is_large(errors(0.65 * near), errors(near), courses)
+    assert is_large(errors(6.5 * near), errors(10.0 * near), courses)

@@ -67,7 +67,7 @@ def test_the_covariance_is_one(case):
     # what moves the simulated joint most is determined better than by the balance; the rest may be
     # less sure, for all are widened by what was left out
     error = np.sqrt(np.diag(found.cov)) / found.vector.unit
-    assert np.quantile(error, 0.25) < 0.5
+    assert np.all(np.sort(error)[: len(error) // 4] < 0.3)
     assert error.max() < 3.0
 
 

@@ -201,9 +201,28 @@ def test_steps_keep_derivatives_up_to_date_and_differences_mend_them():
     assert len(calls) == 1
     assert updated @ (moved - z) == pytest.approx(residual(moved) - residual(z), abs=1e-12)
     far = np.array([1.0, 1.2])
+    assert not jacobian.new
     calls.clear()
     assert jacobian(far) == pytest.approx(exact(far), abs=0.09)
     assert len(calls) == 3
+    assert jacobian.new
+
+
+def test_derivatives_that_tell_some_of_a_step_are_kept():
+    """A residual with a fine ripple, which small differences see and steps do not."""
+    calls = []
+
+    def residual(z):
+        calls.append(z)
+        return z + 0.02 * np.sin(40.0 * z)
+
+    jacobian = Secant(residual, (np.full(1, -9.0), np.full(1, 9.0)))
+    jacobian(np.array([0.0]))
+    calls.clear()
+    for x in (0.9, 1.7, 2.4):
+        jacobian(np.array([x]))
+    assert len(calls) == 3
+    assert jacobian(np.array([2.4])) == pytest.approx(1.0, abs=0.1)
 
 
 def test_the_spread_of_a_mean_over_kinds_is_that_of_their_means():

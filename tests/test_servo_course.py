@@ -2,7 +2,19 @@
 
 import numpy as np
 import pytest
-from servo_plant import COUNT, KNOWN, KT, PLANT, moved, servo, sines, steps, swept
+from servo_plant import (
+    COUNT,
+    KNOWN,
+    KT,
+    PLANT,
+    PLANT_STEP,
+    TICK,
+    moved,
+    servo,
+    sines,
+    steps,
+    swept,
+)
 
 from frictionjoint.control.kernel import KP
 from frictionjoint.diagnose.close_loop import explain
@@ -66,6 +78,17 @@ def test_a_plant_run_again_from_its_log_does_as_it_did(motion):
     assert np.max(np.abs(exact - log.position)) <= 0.5 * COUNT + 1e-12
     again = moved(log.target, 3.0, hidden, friction, course.run.start)
     assert np.mean(np.abs(again - log.position)) < 0.5 * COUNT
+
+
+@pytest.mark.parametrize("motion", [steps, sines, swept])
+def test_a_plant_is_no_integrators_own(motion):
+    """In steps half as long it moves as it did, to a tenth of a count."""
+    command = motion(0.01 * np.arange(300))
+    friction = 'frictionloss="0.06" damping="0.03"'
+    plain, finer = (moved(command, 3.0, {}, friction, step=h) for h in (PLANT_STEP, PLANT_STEP / 2))
+    assert np.mean(np.abs(plain - finer)) < 0.1 * COUNT
+    coarse = moved(command, 3.0, {}, friction, step=TICK)
+    assert np.mean(np.abs(coarse - finer)) > 0.1 * COUNT
 
 
 @pytest.mark.parametrize("count", [0.0, COUNT])

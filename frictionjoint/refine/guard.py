@@ -181,7 +181,7 @@ def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
 
     known = J[np.concatenate([~mask, numbers])]
     # differences would cost more than all the rest, and move the numbers little further
-    secant = Secant(residual, objective.bounds, (z, residual(z), known), np.inf)
+    secant = Secant(residual, objective.bounds, (z, residual(z), known), again=False)
     found = least_squares(
         residual, z, jac=secant, bounds=objective.bounds, max_nfev=_STEPS, ftol=1e-3, xtol=1e-3
     )

@@ -25,6 +25,7 @@ class Refined:
         left_out: mean absolute error of each log, see `guard.of_logs`, by what was fitted to other
             kinds of logs, before and after, shape (logs,) each, rad (m).
         near: the same of the refined numbers in windows from the measured motion, shape (logs,).
+        near_fitted: of those windows by what was fitted to all logs, shape (logs,).
     """
 
     fit: Fit
@@ -33,6 +34,7 @@ class Refined:
     cov: Array
     left_out: tuple[Array, Array]
     near: Array
+    near_fitted: Array
     vector: Vector
 
     @property
@@ -95,5 +97,6 @@ def outcome(found: Tried, taken: bool, before: Array) -> Refined:
         found.cov,
         (before, found.left_out),
         found.near,
+        found.near_fitted,
         vector,
     )

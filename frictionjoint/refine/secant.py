@@ -1,8 +1,9 @@
 """Derivatives of simulated motion: by differences at first, then kept up to date by each step.
 
 A step tells how the errors change along it, which one simulation has already found; Broyden's
-update (1965) puts that into the derivatives and leaves all other directions as they are. Where a
-step shows that they have become another matter, differences are taken again.
+update (1965) puts that into the derivatives and leaves all other directions as they are. Where they
+tell nothing of a step, differences are taken again. New ones need not be better than those kept:
+where a joint sticks or not, a small difference sees little of what a step makes.
 """
 
 from collections.abc import Callable
@@ -13,8 +14,6 @@ from frictionjoint.arrays import Array
 
 # units of the prior by which a number is moved for a difference
 _STEP = 0.02
-# see `Secant`
-_OFF = 0.5
 
 
 class Secant:
@@ -22,8 +21,10 @@ class Secant:
 
     Args:
         residual: of the search. bounds: within which a number is moved. last: a point with its
-            residual and derivatives, where they are known. off: of the change over a step, that the
-            derivatives may leave unexplained before differences are taken again.
+            residual and derivatives, where they are known. again: whether differences are taken
+            again; else the derivatives known stay in use.
+    Attributes:
+        last: the point of the last call. new: whether its derivatives are differences.
     """
 
     def __init__(
@@ -31,14 +32,16 @@ class Secant:
         residual: Callable[[Array], Array],
         bounds: tuple[Array, Array],
         last: tuple[Array, Array, Array] | None = None,
-        off: float = _OFF,
+        again: bool = True,
     ) -> None:
-        self.residual, self.bounds, self.last, self.off = residual, bounds, last, off
+        self.residual, self.bounds, self.last, self.again = residual, bounds, last, again
+        self.new = False
 
     def __call__(self, z: Array) -> Array:
         """Shape (n, p)."""
         r = self.residual(z)
         J = self._updated(z, r)
+        self.new = J is None
         if J is None:
             J = differences(self.residual, self.bounds, z, r)
         self.last = z.copy(), r, J
@@ -53,7 +56,7 @@ class Secant:
         missed = change - J0 @ step
         if not step.any():
             return J0
-        if np.linalg.norm(missed) > self.off * np.linalg.norm(change):
+        if self.again and np.linalg.norm(missed) > np.linalg.norm(change):
             return None
         return np.asarray(J0 + np.outer(missed, step / (step @ step)))
 

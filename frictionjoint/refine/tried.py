@@ -65,6 +65,12 @@ class Tried:
         return of_logs(found, self._windows.courses)
 
     @cached_property
+    def near_fitted(self) -> Array:
+        """Of each log in windows by what was fitted to all of them, rad (m), shape (logs,)."""
+        found = self._windows.errors_of(self.vector.fit(self.values))
+        return np.array([np.mean(np.abs(e)) for e in found])
+
+    @cached_property
     def left_out(self) -> Array:
         """Of each whole log by what was fitted to other kinds, rad (m), shape (logs,)."""
         return of_logs(self._without[1], self._objective.courses)
@@ -116,13 +122,15 @@ def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
     """
     bounds = objective.bounds
     z = np.clip(objective.units(x), *bounds)
-    cost = np.inf
+    cost = 0.5 * float(np.sum(objective(z) ** 2))
+    known = None
     for _ in range(_ROUNDS):
+        secant = Secant(objective, bounds, known)
         found = least_squares(
-            objective, z, jac=Secant(objective, bounds), bounds=bounds, max_nfev=_MOST,
-            ftol=1e-3, xtol=1e-3,
-        )  # fmt: skip
+            objective, z, jac=secant, bounds=bounds, max_nfev=_MOST, ftol=1e-3, xtol=1e-3
+        )
         z, before, cost = found.x, cost, found.cost
         if before - cost < _ENOUGH * cost:
             break
+        known = secant.last if secant.new else None
     return objective.numbers(z), np.asarray(found.jac)
