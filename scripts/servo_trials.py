@@ -9,11 +9,12 @@ gain, or nothing. Of a duty the gain is that of the motor, which no file says: p
 gain put out a torque. A trial is right where exactly that effect of the drive is named, nothing
 where there is nothing; its number where it is within 10%.
 
---bands also refines the model, draws a hundred parameter sets from its posterior, simulates the
-held-out log with each, and counts how many of its positions lie between the 2.5th and the 97.5th
-percentile, a count of the encoder added on either side. The refined model's error on the held-out
-logs is stated over a true model's: the plant itself, begun as the simulations of the model are and
-given the log's own target.
+--bands also refines the model, with what the motion asks for besides, as a report does. It counts
+what is named so, draws a hundred parameter sets from the posterior, simulates the held-out log with
+each, and counts how many of its positions lie between the 2.5th and the 97.5th percentile, a count
+of the encoder added on either side. The refined model's error on the held-out logs is stated over a
+true model's: the plant itself, begun as the simulations of the model are and given the log's own
+target.
 """
 
 import argparse
@@ -28,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.control.controller import Controller
+from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import (
     Course,
@@ -37,10 +39,8 @@ from frictionjoint.diagnose.closed_loop import (
     joint_model,
 )
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.refine import refine
 from frictionjoint.simulate.one_joint import simulate
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
@@ -118,8 +118,8 @@ def trial(kind: str, rng: np.random.Generator, bands: bool) -> dict[str, Any]:
 
 def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> dict[str, Any]:
     """Share of held-out positions within the band, and the error of the refined model."""
-    cov = stated_covariance(found.prepared, found.final)
-    outcome = refine(found.prepared, found.final, cov, courses)
+    before = len(found.findings)
+    found, outcome = named_by_motion(found, courses, courses[0].run.load.armature)
     vector, x, spread = outcome.vector, outcome.values, outcome.cov
     rng = np.random.default_rng(0)
     draws = rng.multivariate_normal(x, spread, DRAWS, method="eigh")
@@ -135,6 +135,7 @@ def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> d
         low, high = np.quantile(runs, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2], axis=0)
         inside.append((course.position >= low - COUNT) & (course.position <= high + COUNT))
     return {
+        "by_motion": [x.term.name for x in found.findings[before:]],
         "inside": float(np.mean(np.concatenate(inside))),
         "refined_mae": closed_loop(held, vector.fit(x)).mae,
         "taken": outcome.taken,
@@ -165,6 +166,9 @@ def main() -> None:
         number = near[kind] if kind != NOTHING else ""
         print(f"| {kind} | {count} | {named[kind]} | {number} |")
     if asked.bands:
+        motion = Counter(name for x in told for name in x["by_motion"])
+        listed = ", ".join(f"{name} {count}" for name, count in motion.items()) or "nothing"
+        print(f"named by motion besides: {listed}")
         held = [x["inside"] for x in told]
         print(f"held-out positions within their band of 95%: {np.mean(held):.1%}, each of "
               f"{min(held):.1%} to {max(held):.1%}")  # fmt: skip

@@ -91,6 +91,22 @@ def test_a_plant_is_no_integrators_own(motion):
     assert np.mean(np.abs(coarse - finer)) > 0.1 * COUNT
 
 
+@pytest.mark.parametrize("motion", [steps, sines, swept])
+@pytest.mark.parametrize("emf", [0.0, 0.9])
+def test_simulations_in_windows_start_from_the_motion_of_the_joint(motion, emf):
+    """To less than a count, also where steps set off a joint that little brakes."""
+    hidden = {"emf": emf}
+    log = servo("log", 1.0, motion, hidden)
+    course = courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
+    position, velocity = course.motion
+    exact = moved(log.target, 1.0, hidden, 'frictionloss="0.06" damping="0.03"')
+    off = course.at_samples(position) - exact
+    assert np.sqrt(np.mean(off**2)) < COUNT
+    speed = np.gradient(exact, log.time)
+    off = course.at_samples(velocity) - speed
+    assert np.sqrt(np.mean(off**2)) < 0.05 * np.std(speed)
+
+
 @pytest.mark.parametrize("count", [0.0, COUNT])
 def test_a_joint_that_is_sent_off_from_rest_begins_at_rest(count):
     t = 0.01 * np.arange(60)

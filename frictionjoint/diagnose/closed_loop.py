@@ -24,7 +24,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.at_first import first_velocity
-from frictionjoint.measured.derivatives import differentiate
+from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, load_of, simulate
 
@@ -124,7 +124,7 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
     steps = max(1, int(np.ceil(log.duration / _STEP)))
     h = log.duration / steps
     time = log.time[0] + h * np.arange(steps + 1)
-    smooth = differentiate(log)
+    smooth = followed(log)
     others: dict[str, tuple[Array, Array, Array]] = {}
     for name, position in log.other_positions.items():
         if name in body.joint_names:

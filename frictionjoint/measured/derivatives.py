@@ -24,6 +24,8 @@ _BANDS = 6
 _ROUNDING = 1e-12
 # the least corner, Hz, which keeps the edges of friction
 _LEAST_HZ = 5.0
+# bands that are tried, a third of an octave apart where the log has 200 Hz
+_FOLLOWED = 12
 # fraction of the velocity's power that the motion is taken to end with
 _MOST_OF_IT = 0.99
 
@@ -120,6 +122,27 @@ def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivativ
     spectrum = smooth.spectrum(position)
     q, v, a = (smooth.back(spectrum, k) for k in range(3))
     return Derivatives(time, q, v, a, bandwidth_hz)
+
+
+def followed(log: JointLog) -> Derivatives:
+    """Smooth motion that a simulation starts from, in the band that predicts positions best.
+
+    By generalised cross-validation (Craven and Wahba 1979): the squares that the filter leaves over
+    the square of the part of the spectrum that it takes away are least where it takes away no
+    motion and as much noise as it can. Of the bands within a standard error of the best one it is
+    the narrowest, for a velocity is more of the noise than a position is. A motion in steps that is
+    slow beneath them has several valleys in its spectrum, and that of `motion_band` may be none
+    between motion and noise.
+    """
+    _, position, dt = on_a_grid(log)
+    highest = HIGHEST / dt
+    bands = np.geomspace(min(_LEAST_HZ, highest), highest, _FOLLOWED)
+    motions = [differentiate(log, band) for band in bands]
+    left = np.array([np.mean((motion.position - position) ** 2) for motion in motions])
+    left /= (1.0 - 2.0 * bands * dt) ** 2
+    # of a mean square of n errors that are independent and normal
+    enough = (1.0 + np.sqrt(2.0 / len(position))) * left.min()
+    return motions[int(np.argmax(left <= enough))]
 
 
 def on_a_grid(log: JointLog) -> tuple[Array, Array, float]:
