@@ -109,9 +109,10 @@ class Laws:
         others = [x - fitted.friction for law, x in self._friction.items() if law != names]
         known = fitted.free_jacobian * w[:, None]
         known /= lengths(known)
-        columns = [without(x * w, known) for x in others]
-        shares, _ = nnls(np.array(columns).T, without(fitted.residual * w, known))
-        return np.asarray(np.array(others).T @ shares[:, None])
+        towards = np.array(others).T
+        free = without(np.column_stack([towards, fitted.residual]) * w[:, None], known)
+        shares, _ = nnls(free[:, :-1], free[:, -1])
+        return np.asarray(towards @ shares[:, None])
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Every law and valley of one that leaves hardly more than a fit, with its effects.

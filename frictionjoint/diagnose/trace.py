@@ -107,7 +107,7 @@ def trace(
             progress(f"step {change}: {', '.join(taken)}")
         if state.fit.drive_rms**2 < (1.0 - APART) * left**2:
             # what is named now may have bent the laws
-            state.laws.ripen(state.prepared, state.fit.effects)
+            laws.ripen(state.prepared, state.fit.effects)
         if _other_law(state) or taken or exchange_bent(state):
             continue
         # what another law would explain as well may be an effect after all
