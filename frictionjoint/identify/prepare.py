@@ -28,24 +28,15 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Commanded
+from frictionjoint.identify.motion import Motion, motion_of
 from frictionjoint.identify.noise import count_of, noise_of
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment
-from frictionjoint.identify.zero_order_hold import holds, of_acceleration, of_drive
-from frictionjoint.measured.derivatives import (
-    HIGHEST,
-    motion_band,
-    on_a_grid,
-    uniform,
-    uniform_motion,
-)
+from frictionjoint.identify.zero_order_hold import holds, of_drive
+from frictionjoint.measured.derivatives import motion_band, on_a_grid, uniform
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass, steep
 
-# s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
-# blurred. A slow log is not refined at any cost.
-_STEP_S, _MOST_REFINED = 2.5e-3, 16
 # the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
 # the second; above it only time is spent.
 _LEAST_HZ, _MOST_HZ = 5.0, 60.0
@@ -54,8 +45,6 @@ _LEAST_HZ, _MOST_HZ = 5.0, 60.0
 _A_SAMPLE = 16.0
 # such samples from which on a held torque is like any other: it is less by 0.06%
 _NO_MATTER = 50.0
-# samples in a period of the motion's corner
-_A_MOTION = 4.0
 # periods of the balance's corner at each end of a log that what lies beyond it spoils, see `gentle`
 _SPOILT = 2.0
 
@@ -77,35 +66,39 @@ def prepare(
     """
     bodies = [body] * len(logs) if isinstance(body, RigidBody) else list(body)
     body = bodies[0]
-    given = list(zip(logs, bodies, strict=True))
-
-    def segments(way: Band) -> tuple[Segment, ...]:
-        return tuple(_segment(log, b, way, controller) for log, b in given)
-
-    logs = [with_drive(log, controller) for log in logs]
+    given, logs = logs, [with_drive(log, controller) for log in logs]
     drives = [_drive(log)[0] for log in logs]
     for log, drive in zip(logs, drives, strict=True):
         if drive != drives[0]:
             what = f"{logs[0].name} has a {drives[0]} and {log.name} a {drive}"
             raise LogError(f"{what}: give logs of one kind")
+    measured = [log is own for log, own in zip(logs, given, strict=True)]
+
+    def motions(corner_hz: float, held: bool) -> list[Motion]:
+        each = zip(logs, bodies, measured, strict=True)
+        return [motion_of(log, b, corner_hz, held and own) for log, b, own in each]
+
+    def segments(way: Band, along: list[Motion]) -> tuple[Segment, ...]:
+        each = zip(logs, along, measured, strict=True)
+        return tuple(_segment(log, m, way, None if own else controller) for log, m, own in each)
+
     if band is None:
-        motions = [motion_band(*on_a_grid(log)[1:]) for log in logs]
+        bands = [motion_band(*on_a_grid(log)[1:]) for log in logs]
         # a servo's logs are many and short, and a corrupt one must not widen the band of all
-        over_logs = (
-            np.max if all(a is b for a, (b, _) in zip(logs, given, strict=True)) else np.median
-        )
-        motion = max(float(over_logs([m.whole for m in motions])), 2.0 * _LEAST_HZ)
-        main = float(over_logs([m.main for m in motions]))
-        wide = Band(motion / 2.0, motion)
-        band = Band(_balance_hz(segments(wide), main, motion), motion)
-        found = segments(band)
+        over_logs = np.max if all(measured) else np.median
+        corner = max(float(over_logs([m.whole for m in bands])), 2.0 * _LEAST_HZ)
+        main = float(over_logs([m.main for m in bands]))
+        along = motions(corner, held=False)
+        wide = Band(corner / 2.0, corner)
+        band = Band(_balance_hz(segments(wide, along), main, corner), corner)
+        found = segments(band, along)
         if _may_be_held(found, band):
             held = replace(band, zero_order_hold=True)
-            other = segments(held)
+            other = segments(held, motions(corner, held=True))
             if holds(found, other):
                 band, found = held, other
     else:
-        found = segments(band)
+        found = segments(band, motions(band.motion, band.zero_order_hold))
     free = any(bool(np.any(s.mask & ~s.driven)) for s in found)
     let_go = free and drives[0] == "voltage"
     return Prepared(found, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
@@ -135,36 +128,15 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
     raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
 
 
-def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller | None) -> Segment:
-    measured_log, log = log, with_drive(log, controller)
-    grid, raw, sample = on_a_grid(log)
-    finest = min(_STEP_S, 1.0 / (_A_MOTION * band.motion))
-    step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
-    corner = min(band.motion, HIGHEST / sample)
-    smooth = LowPass(len(grid), sample, corner, steep, step, up)
-    dt = sample * step / up
-    n = -(-((len(grid) - 1) * up + 1) // step)
-    t = grid[0] + dt * np.arange(n)
-
-    held = band.zero_order_hold and log is measured_log
-
-    def track(position: Array) -> tuple[Array, Array, Array]:
-        spectrum = smooth.spectrum(position)
-        more = partial(of_acceleration, sample=sample) if held else None
-        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2, 0.0, more)
-
-    q, v, a = track(raw)
-    others = {
-        name: track(uniform_motion(log.time, position, grid))
-        for name, position in log.other_positions.items()
-    }
-    named = {name: triple for name, triple in others.items() if name in body.joint_names}
-    rigid = body.torque(q, v, a, named)
+def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller | None) -> Segment:
+    """A log along its motion; `controller` where its drive was made from its commands."""
+    grid, sample, smooth, rigid = motion.raw_time, motion.sample, motion.smooth, motion.rigid
+    t, dt, n = motion.time, motion.dt, len(motion.time)
     signals = np.zeros((n, N_SIGNALS))
     signals[:, TIME] = t - t[0]
-    signals[:, Q], signals[:, V], signals[:, A] = q, v, a
+    signals[:, Q], signals[:, V], signals[:, A] = motion.q, motion.v, motion.a
     signals[:, LOAD] = rigid.load
-    signals[:, GEAR] = rigid.load - body.armature * a
+    signals[:, GEAR] = motion.gear
     signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
     signals[:, SAG], signals[:, SWAY] = rigid.sag, rigid.sway
     signals[:, DT] = dt
@@ -179,7 +151,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
     driven = np.ones(n, dtype=bool)
     kind, values = _drive(log)
     commanded = None
-    if log is not measured_log and controller is not None:
+    if controller is not None:
         commanded = Commanded(commands(log, controller), grid, (smooth,))
         values = commanded.commands.mean_drive()
     measured = uniform(log.time, values, grid)
@@ -190,13 +162,14 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
         if kind == "voltage":
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
+    held = band.zero_order_hold and controller is None
     more = partial(of_drive, sample=sample) if held else None
     drive = smooth.back(smooth.spectrum(measured), weight=more)
-    per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, v)
+    per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, motion.v)
     noise = noise_of(
         measured,
-        raw,
-        np.interp(grid, t, q),
+        motion.raw,
+        np.interp(grid, t, motion.q),
         sample,
         count_of(log.position),
         inertia_of(signals) * per_drive,
@@ -212,7 +185,7 @@ def _segment(log: JointLog, body: RigidBody, band: Band, controller: Controller 
         mask=mask,
         others={
             f"{name}.{kind}": triple[i]
-            for name, triple in others.items()
+            for name, triple in motion.others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         }
         | {name: uniform(log.time, x, t) for name, x in log.signals.items()},

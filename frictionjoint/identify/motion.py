@@ -1,0 +1,76 @@
+"""The motion of a log behind its filter, and the torque of the rigid body along it."""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.rigid_body import RigidBody, RigidBodyTorque
+from frictionjoint.identify.zero_order_hold import of_acceleration
+from frictionjoint.measured.derivatives import HIGHEST, on_a_grid, uniform_motion
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.lowpass import LowPass, steep
+
+# s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
+# blurred. A slow log is not refined at any cost.
+_STEP_S, _MOST_REFINED = 2.5e-3, 16
+# samples in a period of the motion's corner
+_A_MOTION = 4.0
+
+
+class Motion(NamedTuple):
+    """A log's motion on a uniform grid, rad and s, or m and s.
+
+    Attributes:
+        raw_time, raw: the position on the log's own grid, shape (m,). sample: s of that.
+        smooth: filter that takes what is on the log's grid to this one.
+        time, q, v, a: shape (n,). dt: s of a step.
+        others: position, velocity and acceleration of other joints by name.
+        rigid: torque of the body along it. gear: without what the armature takes.
+    """
+
+    raw_time: Array
+    raw: Array
+    sample: float
+    smooth: LowPass
+    time: Array
+    dt: float
+    q: Array
+    v: Array
+    a: Array
+    others: dict[str, tuple[Array, Array, Array]]
+    rigid: RigidBodyTorque
+    gear: Array
+
+
+def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> Motion:
+    """Filter a log's motion and put it through inverse dynamics.
+
+    Args:
+        corner_hz: of the filter. held: whether the drive is held between samples, which the
+            acceleration that is compared with it must know.
+    """
+    raw_time, raw, sample = on_a_grid(log)
+    finest = min(_STEP_S, 1.0 / (_A_MOTION * corner_hz))
+    step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
+    corner = min(corner_hz, HIGHEST / sample)
+    smooth = LowPass(len(raw_time), sample, corner, steep, step, up)
+    dt = sample * step / up
+    n = -(-((len(raw_time) - 1) * up + 1) // step)
+    time = raw_time[0] + dt * np.arange(n)
+    more = partial(of_acceleration, sample=sample) if held else None
+
+    def track(position: Array) -> tuple[Array, Array, Array]:
+        spectrum = smooth.spectrum(position)
+        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2, 0.0, more)
+
+    q, v, a = track(raw)
+    others = {
+        name: track(uniform_motion(log.time, position, raw_time))
+        for name, position in log.other_positions.items()
+    }
+    named = {name: triple for name, triple in others.items() if name in body.joint_names}
+    rigid = body.torque(q, v, a, named)
+    gear = rigid.load - body.armature * a
+    return Motion(raw_time, raw, sample, smooth, time, dt, q, v, a, others, rigid, gear)
