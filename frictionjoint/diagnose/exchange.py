@@ -8,7 +8,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.library import Candidate, is_unnamed, library, other_forms
+from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
     State,
@@ -50,7 +50,7 @@ def weigh_others(state: State) -> None:
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
-        others = _no_richer(state, blocks, own[i])
+        others = _no_richer(state, own[i])
         if not others or is_unnamed(own[i]):
             continue
         best, other = _in_place_of(state, blocks, i, others)
@@ -78,7 +78,7 @@ def exchange_bent(state: State) -> bool:
         now = scored(state.fit, blocks)
         if now.above_noise < DISCREPANCY:
             return False
-        others = [c for c in _no_richer(state, blocks, term) if bends(c)]
+        others = [c for c in _no_richer(state, term) if bends(c)]
         best: dict[tuple[str, str], Candidate] = {}
         for candidate in _most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
@@ -132,12 +132,12 @@ def _most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -
     return [others[k] for k in np.argsort(left)]
 
 
-def _no_richer(state: State, blocks: Blocks, term: Term) -> list[Candidate]:
+def _no_richer(state: State, term: Term) -> list[Candidate]:
     """Candidates with a name and no more numbers than an effect of the model."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
     return [
         c
-        for c in library(state.prepared, state.fit, blocks)
+        for c in state.candidates
         if not c.unnamed and numbers_of(c.term) <= numbers_of(term)
         if all(look.holds(c) for look in looks)
     ]

@@ -1,11 +1,13 @@
 """Where a search is, and what decides whether its model needs an effect."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.fit import Fit
@@ -16,6 +18,24 @@ from frictionjoint.identify.terms import Term
 
 # of a search that only compares models
 _TRIED_STEPS = 8
+
+
+@dataclass(frozen=True)
+class _Model:
+    """A model of some logs, and what is asked of it more than once."""
+
+    prepared: Prepared
+    fit: Fit
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """Without where the law may be wrong."""
+        return make_blocks(self.prepared, self.fit)
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        """What it may lack."""
+        return library(self.prepared, self.fit, self.blocks)
 
 
 @dataclass
@@ -36,22 +56,39 @@ class State:
     look: Look
     laws: Laws
     law_errs: bool = True
+    _known: _Model | None = field(default=None, repr=False)
 
     @property
     def blocks(self) -> Blocks:
         """Of the model as it is now."""
-        return self.blocks_of(self.prepared, self.fit)
+        return self._way(self._model)
 
     def blocks_of(self, prepared: Prepared, fitted: Fit) -> Blocks:
         """Of another model of these logs, which may be weighted otherwise."""
-        errors = self.laws.errors(fitted) if self.law_errs else None
-        return make_blocks(prepared, fitted, errors)
+        return self._way(_Model(prepared, fitted))
 
     @property
     def either_way(self) -> tuple[Blocks, Blocks]:
         """Of the model as it is now, with and without where the law may be wrong."""
-        with_errors = make_blocks(self.prepared, self.fit, self.laws.errors(self.fit))
-        return with_errors, replace(with_errors, law_errors=None)
+        own = self._model.blocks
+        return replace(own, law_errors=self.laws.errors(self.fit)), own
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """What the model as it is now may lack."""
+        return self._model.candidates
+
+    def _way(self, model: _Model) -> Blocks:
+        errors = self.laws.errors(model.fit) if self.law_errs else None
+        return replace(model.blocks, law_errors=errors)
+
+    @property
+    def _model(self) -> _Model:
+        """The model as it is now."""
+        known = self._known
+        if known is None or known.fit is not self.fit or known.prepared is not self.prepared:
+            known = self._known = _Model(self.prepared, self.fit)
+        return known
 
     def forget_dropped(self) -> None:
         """Keep only the findings of effects that the model still has."""

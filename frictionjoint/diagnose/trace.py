@@ -28,7 +28,7 @@ from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.laws import LAW_FORMS, Laws
-from frictionjoint.diagnose.library import Candidate, library
+from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.outcome import told
@@ -112,7 +112,7 @@ def trace(
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False
-        if not _step(state, rng):
+        if not _of_joint(state, rng):
             break
     return told(state, base, replayed, law_by_motion)
 
@@ -125,22 +125,32 @@ def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tupl
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
-    """One change of the model, if any is justified; names of what came in."""
+    """One change of the model, if any is justified; names of what came in.
+
+    What is known to be there comes first, then what its controller does to the drive, then the
+    rest: without the first the second is mistaken, and the third without the second.
+    """
     effects = state.fit.effects
+    if not effects:
+        return (
+            _taken(state, _first(state), rng)
+            or _beside_first(state, _first(state), rng)
+            or _taken(state, state.candidates, rng)
+        )
     early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
-    # the motor's own, then what its controller does to the drive, then the rest
-    taken = _of_drive(state, rng) if effects and early else []
-    if taken:
-        return taken
-    blocks = state.blocks
-    candidates = library(state.prepared, state.fit, blocks)
-    first = [c for c in candidates if c.comes_first] if not effects else []
-    return (
-        (_taken(state, blocks, first, rng) if first else [])
-        or (_beside_first(state, first, rng) if not effects else [])
-        or _taken(state, blocks, candidates, rng)
-        or (_of_drive(state, rng) if not early else [])
-    )
+    drive = _of_drive(state, rng) if early else []
+    return drive or _taken(state, state.candidates, rng) or ([] if early else _of_drive(state, rng))
+
+
+def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
+    """One change of what is not the drive, as `_step` has it."""
+    first = [] if state.fit.effects else _first(state)
+    return _taken(state, first, rng) or _taken(state, state.candidates, rng)
+
+
+def _first(state: State) -> list[Candidate]:
+    """Candidates that come first."""
+    return [c for c in state.candidates if c.comes_first]
 
 
 def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
@@ -190,11 +200,11 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     return [f.term.name for f in state.findings if f.term is term]
 
 
-def _taken(
-    state: State, blocks: Blocks, candidates: Sequence[Candidate], rng: np.random.Generator
-) -> list[str]:
+def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
     """The best of these candidates, if one is justified."""
-    prepared, current = state.prepared, state.fit
+    if not candidates:
+        return []
+    prepared, current, blocks = state.prepared, state.fit, state.blocks
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)

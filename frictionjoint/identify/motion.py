@@ -16,7 +16,7 @@ from frictionjoint.measured.lowpass import LowPass, steep
 # blurred. A slow log is not refined at any cost.
 _STEP_S, _MOST_REFINED = 2.5e-3, 16
 # samples in a period of the motion's corner
-_A_MOTION = 4.0
+_A_MOTION = 2.5
 
 
 class Motion(NamedTuple):
