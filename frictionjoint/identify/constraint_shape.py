@@ -30,7 +30,6 @@ class ConstraintShape:
 
     variables = ("excess", "log Vs", "delta", "log V0 of v + a/b")
     damped = False
-    of_velocity = True
 
     def vector(self) -> Array:
         """See `Shape`."""

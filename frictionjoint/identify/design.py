@@ -298,8 +298,7 @@ def law_tangents(segment: Segment, shape: Shape) -> tuple[Array, Array]:
 
 def _whole_path(segment: Segment, shape: Shape) -> tuple[Array, Array, int]:
     """Time and position that a law is driven along, and how many of them come before the log."""
-    path = segment.path
-    time, q = path.time if shape.of_velocity else path.paced, path.position
+    time, q = segment.path.time, segment.path.position
     if not segment.held:
         return time, q, 0
     before = _approach(shape, segment)

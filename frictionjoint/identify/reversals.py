@@ -1,10 +1,4 @@
-"""The path that a law is driven along: a log's positions, and when the law is told it was there.
-
-Between two samples a law takes the speed for constant, and its level for that of the mean speed: by
-the step's end it is half a step late. So a step is given as long as it would last at the speed of
-its end.
-
-At reversals between two samples friction turns, and a point of it says not when.
+"""Reversals between two samples of a grid: friction turns there, and a point of it says not when.
 
 Where a contact is stiff, friction goes from one level to the other within a fraction of a step. A
 sample of it just before or just after is wrong by up to both levels for that step. The path of a
@@ -21,8 +15,6 @@ from scipy.sparse import csr_array
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import TIME, Q, V
 
-# how much longer or shorter a step may become: near a reversal its end says nothing of it
-_LONGEST = 2.0
 # points a step around a reversal, and steps before and after that of the reversal
 _POINTS, _BEFORE, _AFTER = 8, 1, 2
 
@@ -33,14 +25,12 @@ class Path:
 
     Attributes:
         time, position: shape (m,), m at least n.
-        paced: time if each step had the speed of its end, shape (m,).
         mean: takes what belongs to those points to the n samples of the grid, shape (n, m); None
             where they are the same.
     """
 
     time: Array
     position: Array
-    paced: Array
     mean: csr_array | None
 
     def on_grid(self, x: Array) -> Array:
@@ -62,7 +52,7 @@ def path_of(signals: Array, resolution: float) -> Path:
     moved = np.abs(np.diff(v)) * step / 8.0
     turns = np.flatnonzero((v[:-1] * v[1:] < 0.0) & (moved > resolution))
     if not len(turns):
-        return Path(time, q, _paced(time, q, v), None)
+        return Path(time, q, None)
     fine = np.zeros(n - 1, dtype=bool)
     for k in range(-_BEFORE, _AFTER + 1):
         fine[np.clip(turns + k, 0, n - 2)] = True
@@ -72,16 +62,7 @@ def path_of(signals: Array, resolution: float) -> Path:
     all_times = np.concatenate([time, extra])
     order = np.argsort(all_times, kind="stable")
     t, x = all_times[order], np.concatenate([q, spline(extra)])[order]
-    speeds = np.concatenate([v, spline(extra, 1)])[order]
-    return Path(t, x, _paced(t, x, speeds), _mean(t, time, fine))
-
-
-def _paced(time: Array, position: Array, velocity: Array) -> Array:
-    """Time if each step had the velocity of its end, where that is near its mean."""
-    step, mean = np.diff(time), np.diff(position) / np.diff(time)
-    ratio = np.divide(mean, velocity[1:], out=np.zeros_like(mean), where=velocity[1:] != 0.0)
-    near = (ratio > 1.0 / _LONGEST) & (ratio < _LONGEST)
-    return np.asarray(time[0] + np.append(0.0, np.cumsum(np.where(near, step * ratio, step))))
+    return Path(t, x, _mean(t, time, fine))
 
 
 def _mean(t: Array, grid: Array, fine: Array) -> csr_array:

@@ -67,8 +67,6 @@ class RivalShape:
     numbers: tuple[float, ...]
     least_rate: float = 0.1
 
-    of_velocity = False
-
     @property
     def variables(self) -> tuple[str, ...]:
         """See `Shape`."""

@@ -31,10 +31,6 @@ class Shape(Protocol):
     def damped(self) -> bool:
         """Whether the law has the presliding damping sigma1."""
 
-    @property
-    def of_velocity(self) -> bool:
-        """Whether it follows velocity and acceleration themselves, and takes no steps."""
-
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
 
@@ -135,7 +131,6 @@ class IntegratedShape:
 
     variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
     damped = True
-    of_velocity = False
 
     def vector(self) -> Array:
         """See `Shape`."""
