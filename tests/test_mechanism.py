@@ -86,6 +86,20 @@ def test_gravity_bends_the_spring():
     assert data.qpos[1] == pytest.approx(-1.5 * 0.2 * 9.81 / stiffness, rel=0.01)
 
 
+def test_a_first_link_too_far_out_is_heavier_and_nearer():
+    """Its inertia is what was identified, and what it weighs about the axis what it was."""
+    far = spec_of('pos="0.4 0 0" mass="0.2" diaginertia="0.01 0.01 0.01"', 0.01, gravity=9.81)
+    behind, weight = 0.02, 0.2 * 0.4
+    model = installed(far, (joint_elasticity.EFFECT, (RESONANCE, 0.2), (behind,)))
+    assert model.body_mass[1] * model.body_ipos[1, 0] == pytest.approx(weight)
+    data, M = mujoco.MjData(model), np.zeros((2, 2))
+    mujoco.mj_forward(model, data)
+    for row, unit in zip(M, np.eye(2), strict=True):
+        mujoco.mj_mulM(model, data, row, unit)
+    assert M[1] == pytest.approx(behind)
+    assert M[0, 0] == pytest.approx(0.2 * 0.4**2 + 0.01 + 0.01)
+
+
 @pytest.mark.parametrize("step", [0.001, 0.002])
 @pytest.mark.parametrize("integrator", ["mjINT_EULER", "mjINT_IMPLICITFAST"])
 def test_a_gap_keeps_its_energy(step, integrator):

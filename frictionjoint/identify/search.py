@@ -16,6 +16,7 @@ from frictionjoint.effects.signals import V
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.hanging import hanging
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.of_load import less_load, with_load, with_sizes
@@ -30,6 +31,8 @@ _ON_BOUND = 1e-4
 _MOST_STEPS = 20
 # times that what leaps is sought in finite steps, and what one must gain for another to follow
 _ROUNDS, _GAINED = 3, 1e-3
+# most turns of a fit and the parts of an inertia behind springs
+_PARTS = 3
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 # highest resonance that still shows in the band of the balance, over its corner
@@ -77,7 +80,19 @@ def refit(
         steps: at most.
     """
     search = Search(prepared, timed(prepared, terms), start)
-    return search.result(search.run(search.start, steps, closeness).x)
+    found = search.result(search.run(search.start, steps, closeness).x)
+    return with_parts(prepared, found, steps, closeness)
+
+
+def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> Fit:
+    """A fit and the parts of an inertia that it puts behind springs, in turns, see `hanging`."""
+    for _ in range(_PARTS):
+        terms = hanging(prepared, found)
+        if terms == found.terms:
+            break
+        search = Search(prepared, terms, found.shape)
+        found = search.result(search.run(search.start, steps, closeness).x)
+    return found
 
 
 def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:

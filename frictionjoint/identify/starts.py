@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed
+from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed, with_parts
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.terms import Term
@@ -48,7 +48,7 @@ def fit(
         final.append(search.run(search.start, _FEW, ROUGH))
     best = min(final, key=lambda place: place.cost)
     found = best.search.run(best.x, _STEPS, CLOSE)
-    return found.search.result(found.x)
+    return with_parts(prepared, found.search.result(found.x), _STEPS, CLOSE)
 
 
 @one_thread

@@ -24,9 +24,9 @@ def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
     assert isinstance(term, EffectTerm)
     assert term.effect.free is not None
     sizes = np.array([1.0, 2.0 * np.pi * term.shape[0]])
+    signals = term.hung(segment.signals)
     found = [
-        term.effect.free(term.shape, (float(d), float(rate)), segment.signals)
-        for d, rate in np.diag(sizes)
+        term.effect.free(term.shape, (float(d), float(rate)), signals) for d, rate in np.diag(sizes)
     ]
     return kept(segment, np.column_stack(found)), sizes
 

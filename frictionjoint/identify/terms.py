@@ -8,6 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
+from frictionjoint.effects.signals import SAG, SWAY
 from frictionjoint.identify.segment import Segment
 
 # of a sample, from which on a delay may be an effect
@@ -68,10 +69,15 @@ class Term(Protocol):
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """An effect of the catalogue at given shape numbers."""
+    """An effect of the catalogue at given shape numbers.
+
+    Attributes:
+        part: of the inertia that gravity turns, what the effect's own inertia is, see `hanging`.
+    """
 
     effect: Effect
     shape: tuple[float, ...] = ()
+    part: float = 1.0
 
     @property
     def name(self) -> str:
@@ -114,10 +120,19 @@ class EffectTerm:
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
+        signals = self.hung(signals)
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
         if self.effect.free and any(segment.swing):
             found[:, 0] += self.effect.free(self.shape, segment.swing, signals)
         return found * segment.driven[:, None] if self.opposes_voltage else found
+
+    def hung(self, signals: Array) -> Array:
+        """The signals, with what gravity does to the part of the inertia that it acts on."""
+        if self.part == 1.0:
+            return signals
+        found = signals.copy()
+        found[:, [SAG, SWAY]] /= self.part
+        return found
 
 
 @dataclass(frozen=True)

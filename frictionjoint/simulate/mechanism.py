@@ -8,10 +8,11 @@ the link is ahead of it: it has the spring and damper of `joint-elasticity`, or 
 The numbers of a fit are those that a motor feels: the inertia J behind the spring, its resonance
 with the motor held, its damping. For the last joint of a chain the link is given that inertia: what
 it lacks is the armature of a tendon over both joints, what it has too much goes to the rotor. Where
-the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, the deflection
-gets an armature that leaves to the motor's side just what was identified. Before other joints the
-inertia is left to the bodies, whatever the pose, and the fit gives stiffness and damping. Behind a
-gap is the whole link.
+the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, that of a first
+joint gets more mass nearer to the axis, which weighs as much on it. Behind any other joint its mass
+counts, and the deflection gets an armature that leaves to the motor's side just what was
+identified. Before other joints the inertia is left to the bodies, whatever the pose, and the fit
+gives stiffness and damping. Behind a gap is the whole link.
 """
 
 import math
@@ -34,6 +35,8 @@ _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # radians that the two masses may swing against each other in a time step: springs are explicit. A
 # flank's edge within a step gives or takes energy, so fewer
 _FASTEST, _FASTEST_FLANK = 0.7, 0.35
+# distance of a link's mass from the axis, of what it was, below which it would be a heavy point
+_NEAREST = 0.05
 # the impedance of a flank: so small that the constraint is a spring of this stiffness
 _SOFT = 1e-4
 
@@ -110,7 +113,7 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
         tendon.wrap_joint(name, 1.0)
         tendon.wrap_joint(name + DEFLECTION, 1.0)
         joint.armature = armature - more
-    elif _lighter(spec, model, j, -more):
+    elif _lighter(spec, model, j, -more) or _nearer(spec, model, j, -more):
         joint.armature = armature - more
     else:
         ratio = link / spring.inertia
@@ -232,6 +235,36 @@ def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) 
     body.explicitinertial = True
     body.mass, body.ipos = float(model.body_mass[b]), model.body_ipos[b]
     body.inertia, body.iquat = moments, quat
+    body.fullinertia = np.full(6, np.nan)
+    return True
+
+
+def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
+    """Take inertia about a hinge's axis from where its body's mass is, its first moment kept.
+
+    Returns:
+        False where other joints feel the mass, or where its distance does not make so much.
+    """
+    b, dof = int(model.jnt_bodyid[j]), int(model.jnt_dofadr[j])
+    alone = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and model.dof_parentid[dof] < 0
+    if (
+        not alone
+        or spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    ):
+        return False
+    axis, centre = model.jnt_axis[j], model.body_ipos[b] - model.jnt_pos[j]
+    across = centre - (centre @ axis) * axis
+    away = float(model.body_mass[b] * (across @ across))
+    if excess >= (1.0 - _NEAREST) * away:
+        return False
+    nearer = 1.0 - excess / away
+    body = spec.joint(model.joint(j).name).parent
+    body.explicitinertial = True
+    body.mass, body.ipos = (
+        float(model.body_mass[b]) / nearer,
+        model.body_ipos[b] - (1.0 - nearer) * across,
+    )
+    body.inertia, body.iquat = model.body_inertia[b], model.body_iquat[b]
     body.fullinertia = np.full(6, np.nan)
     return True
 

@@ -1,0 +1,39 @@
+"""Links behind springs: the part of a joint's inertia that hangs there bears all of its gravity."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import GEAR, GX, GY, A
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.terms import EffectTerm, Term
+
+# least part of an inertia, and relative change of a part that moves nothing
+_LEAST, _ALIKE = 0.05, 0.05
+
+
+def hanging(prepared: Prepared, fitted: Fit) -> tuple[Term, ...]:
+    """The terms of a fit, each with the part of the inertia that the fit puts behind its spring.
+
+    What a model lumps together, motor and link, has one inertia; a rotor is balanced, so that what
+    gravity turns is the link alone, which sags more the less inertia it has at one resonance.
+    """
+    return tuple(_hung(prepared, fitted, i) for i in range(len(fitted.terms)))
+
+
+def _hung(prepared: Prepared, fitted: Fit, i: int) -> Term:
+    term = fitted.terms[i]
+    if not isinstance(term, EffectTerm) or not term.effect.of_inertia:
+        return term
+    whole = float(np.median([_behind_gear(s.signals) for s in prepared.segments]))
+    (behind,) = fitted.term_coefficients(i)
+    part = float(np.clip(behind / whole, _LEAST, 1.0)) if whole > 0.0 and behind > 0.0 else 1.0
+    return term if abs(part - term.part) <= _ALIKE * term.part else replace(term, part=part)
+
+
+def _behind_gear(signals: Array) -> float:
+    """Inertia of what the gear drives, kg m^2; gravity goes with the position."""
+    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
+    return float(np.linalg.lstsq(columns, signals[:, GEAR], rcond=None)[0][0])
