@@ -43,7 +43,8 @@ class Answer:
 
     Attributes:
         family: whose plant it is. kinds: what it hides.
-        accept: names that are right of each kind. variable: quantities that are the right report
+        accept: names that are right of each kind. brings: names that are right beside these, of
+            what a kind is besides. variable: quantities that are the right report
             of what is outside the catalogue; empty for all else.
         noise: rms of the held-out log's torque error, N m: what a true model leaves of it where
             the motion is known exactly. coloured: fraction of its power that is noise through a
@@ -55,6 +56,7 @@ class Answer:
     accept: Mapping[str, tuple[str, ...]]
     variable: tuple[str, ...]
     noise: float | None
+    brings: tuple[str, ...] = ()
     coloured: float = 0.0
     corner: float = 1.0
 
@@ -93,6 +95,7 @@ def read_answer(folder: Path) -> Answer:
         accept={kind: tuple(names) for kind, names in raw["accept"].items()},
         variable=tuple(raw["variable"]),
         noise=true["held_out"] if true else None,
+        brings=tuple(raw.get("brings", ())),
         coloured=instruments.get("coloured", 0.0),
         corner=instruments.get("corner", 1.0),
     )
@@ -138,6 +141,7 @@ def judged(answer: Answer, row: Mapping[str, Any]) -> dict[str, bool]:
 def _named(answer: Answer, found: Sequence[set[str]]) -> tuple[bool, bool]:
     """Whether each kind has a finding of its own, and whether that leaves no other finding."""
     accept = [set(names) for names in answer.accept.values()]
+    besides = [i for i, names in enumerate(found) if names & set(answer.brings)]
     named = alone = False
     for size in range(len(accept) + 1):
         for kinds in itertools.permutations(range(len(accept)), size):
@@ -147,7 +151,7 @@ def _named(answer: Answer, found: Sequence[set[str]]) -> tuple[bool, bool]:
             for chosen in itertools.combinations(range(len(found)), size):
                 if all(found[i] & accept[k] for i, k in zip(chosen, kinds, strict=True)):
                     named = True
-                    alone = alone or size == len(found)
+                    alone = alone or len({*chosen, *besides}) == len(found)
     return named, alone
 
 

@@ -38,13 +38,16 @@ def answer(trial: Trial) -> dict[str, Any]:
     outside = [kind for kind in kinds if kind in catalogue.UNKNOWN]
     accept = {kind: sorted({kind}.union(*(s for s in SAME if kind in s))) for kind in kinds}
     accept |= {kind: sorted(catalogue.also(kind)) for kind in outside}
+    brings = []
     if "gravity-error" in accept:  # a mass that is added has inertia too
-        accept["gravity-error"] = ["gravity-error", "inertia-error"]
+        brings = ["inertia-error"]
+        accept["gravity-error"] = ["gravity-error", *brings]
     noise = trial.spec.instrument.torque_noise
     return {
         "family": OURS,
         "kinds": kinds,
         "accept": accept,
+        "brings": brings,
         "variable": sorted({name for kind in outside for name in catalogue.quantities(kind)}),
         "true_rms": {"fit": noise, "held_out": noise},
         "truth": trial.truth,

@@ -1,6 +1,7 @@
 """Trials are judged by what their plants hide: names, ties, nothing else, quantities."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,6 +57,14 @@ def test_two_effects_need_a_finding_each():
     three = judged(pair, row("torque-bias", "backlash", "spring"))
     assert three[both]
     assert not three[alone]
+
+
+def test_what_a_kind_brings_with_it_is_right_beside_it():
+    mass = answer({"gravity-error": ("gravity-error", "inertia-error")})
+    mass = replace(mass, brings=("inertia-error",))
+    assert judged(mass, row("gravity-error", "inertia-error"))[ALONE]
+    assert not judged(mass, row("gravity-error", "spring"))[ALONE]
+    assert not judged(mass, row("spring", "torque-gain"))[NAMED]
 
 
 def test_nothing_hidden():
