@@ -138,7 +138,7 @@ def test_a_link_falls_freely_through_its_gap():
     signals[:, TIME] = np.arange(len(signals)) * dt
     signals[1:, DT] = dt
     signals[:, GEAR] = np.where(signals[:, TIME] < 0.1, -pull, pull)
-    shape = (gap, 200.0, 0.7)
+    shape = (gap, 200.0, 0.7, 0.0)
     transmitted = columns(backlash.EFFECT.effect_id, shape, 1, signals)[:, 0] + signals[:, GEAR]
     assert transmitted[950] == pytest.approx(-pull, rel=1e-3)
     turned = int(np.argmax(signals[:, GEAR] > 0.0))

@@ -114,7 +114,9 @@ def behind_a_gap(h):
     before = exact[1:].reshape(n - 1, parts).mean(axis=1)
     rows = np.zeros((n, N_SIGNALS))
     rows[1:, DT], rows[:, GEAR], rows[:, SWAY] = h, rigid[::parts], rate2 * np.cos(q[::parts])
-    found = columns(backlash.EFFECT.effect_id, (2.0 * half * J, resonance, damping), 1, rows)[:, 0]
+    found = columns(backlash.EFFECT.effect_id, (2.0 * half * J, resonance, damping, 0.0), 1, rows)[
+        :, 0
+    ]
     settled = slice(n // 6, n - 1)
     around = 0.5 * (before + np.append(before[1:], 0.0))
     return found[settled], exact[::parts][settled], np.append(0.0, around)[settled]
@@ -135,14 +137,15 @@ def test_a_link_that_hangs_within_its_gap_begins_there():
         rows[:, GEAR] = torque
         X = np.zeros(3)
         for row in rows:
-            found = backlash.torque(np.array([2e-3, 10.0, 0.3, 1.0]), 0, row, X, 0)
+            found = backlash.torque(np.array([2e-3, 10.0, 0.3, 0.0, 1.0]), 0, row, X, 0)
         assert X[0] == pytest.approx(hangs, rel=1e-9)
         assert found == pytest.approx(-torque)
 
 
 def test_a_gap_comes_back_with_its_flanks(tmp_path):
-    trip = joint_trip("backlash", tmp_path, 12.0)
-    assert set(trip.errors) == {"gap_times_inertia", "flank_resonance", "damping_ratio"}
+    trip = joint_trip("backlash", tmp_path, 16.0)
+    numbers = {"gap_times_inertia", "flank_resonance", "damping_ratio", "rotor_inertia"}
+    assert set(trip.errors) == numbers
     assert max(trip.errors.values()) < 2.0, trip.errors
     gap = trip.first["gap_times_inertia"]
     assert gap.stderr < 0.05 * gap.value
@@ -195,3 +198,20 @@ def test_all_of_gravity_hangs_behind_a_spring_whatever_the_model_lumps_together(
     assert together.terms[0].part == pytest.approx(part, rel=0.1)
     assert together.drive_rms < 1.1 * apart.drive_rms
     assert together.terms[0].shape[0] == pytest.approx(6.0, rel=0.005)
+
+
+def test_a_rotor_that_the_model_has_in_the_link_is_not_behind_the_gap(tmp_path):
+    motions = (Motion("multisine", 3, 0.5, 1.0, 15.0), Motion("multisine", 4, 0.4, 1.5, 15.0))
+    spec = replace(
+        PENDULUM,
+        armature=0.06,
+        motions=motions,
+        effects=(Effect("backlash", {"gap": 0.02, "stiffness": 100.0}),),
+    )
+    logs = [read_log(path, "joint") for path in write(simulate(spec), tmp_path)]
+    mjcf = lumped((tmp_path / "joint.xml").read_text())
+    start = (0.02 * PENDULUM.inertia, 8.0, 0.5, 0.0)
+    found = fit(prepare(logs, RigidBody(mjcf, "joint")), (EffectTerm(backlash.EFFECT, start),))
+    gap, *_, rotor = found.terms[0].shape
+    assert rotor == pytest.approx(spec.armature, rel=0.15)
+    assert gap == pytest.approx(start[0], rel=0.15)

@@ -107,7 +107,7 @@ def test_a_gap_keeps_its_energy(step, integrator):
     spec = spec_of('pos="0.2 0 0" mass="1.25" diaginertia="1e-9 1e-9 1e-9"', rotor, step)
     spec.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
     still = StaticParameters.symmetric(Fs=1e-9, Fc=1e-9, Vs=0.1, sigma2=0.0, V0=1e-3)
-    play = SimulatedEffect(backlash.EFFECT, (gap * inertia, flank, 1e-12), (1.0,))
+    play = SimulatedEffect(backlash.EFFECT, (gap * inertia, flank, 1e-12, 0.0), (1.0,))
     fj.install(spec, {"j": still}, {"j": [play]})
     model = spec.compile()
     data, energies = mujoco.MjData(model), []
@@ -127,7 +127,7 @@ def test_a_gap_keeps_its_energy(step, integrator):
 
 def test_in_the_gap_nothing_acts_and_beyond_it_the_flank_holds():
     spec = spec_of('pos="0.2 0 0" mass="1.25" diaginertia="1e-9 1e-9 1e-9"', 0.02, gravity=9.81)
-    model = installed(spec, (backlash.EFFECT, (1e-3, 16.0, 0.3), (1.0,)))
+    model = installed(spec, (backlash.EFFECT, (1e-3, 16.0, 0.3, 0.0), (1.0,)))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     held = 1.25 * 9.81 * 0.2

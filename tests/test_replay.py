@@ -75,7 +75,7 @@ def test_each_run_counts_for_itself_and_none_for_more_than_all_travel():
     ("term", "whole"),
     [
         (EffectTerm(joint_elasticity.EFFECT, (8.0, 0.03)), True),
-        (EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.3)), False),
+        (EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.3, 0.0)), False),
         (EffectTerm(duty_drop.EFFECT, (0.3, 0.5)), True),
     ],
 )

@@ -43,7 +43,7 @@ def test_a_search_in_steps_stays_in_range_and_moves_what_it_may():
 
 @pytest.mark.parametrize("base", [("Fc",), ("load", "Fc")])
 def test_what_changes_the_load_is_as_large_as_the_load(base):
-    terms = (EffectTerm(torque_bias.EFFECT), EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.5)))
+    terms = (EffectTerm(torque_bias.EFFECT), EffectTerm(backlash.EFFECT, (1e-3, 8.0, 0.5, 0.0)))
     layout = Layout(base, (), terms)
     rng = np.random.default_rng(5)
     X = rng.normal(size=(50, len(base) + 2))

@@ -212,7 +212,7 @@ def test_elasticity_backlash_and_late_sensors_are_mujoco_s_own_and_act_here_too(
     spec = mujoco.MjSpec.from_string(ARM)
     elastic = SimulatedEffect(joint_elasticity.EFFECT, (12.0, 0.03), (0.03,))
     late = SimulatedEffect(measurement_delay.EFFECT, (0.004,), ())
-    gap = SimulatedEffect(backlash.EFFECT, (2e-4, 20.0, 0.1), (0.5,))
+    gap = SimulatedEffect(backlash.EFFECT, (2e-4, 20.0, 0.1, 0.0), (0.5,))
     fj.install(spec, {"a": LAW, "b": LAW}, {"a": [elastic, late], "b": [gap]})
     model = spec.compile()
     m, d = mjw.put_model(model), mjw.make_data(model, nworld=1)

@@ -1,7 +1,8 @@
 """backlash: the link is driven through a gap, encoder on the motor.
 
 `share`, of the link's torque, is 1: all of it comes through the gap. Of hard flanks that bounce for
-long no motion of the motor foretells every impact, and softer ones that bounce less are found.
+long no motion of the motor foretells every impact, and softer ones that bounce less are found. What
+a model has in the link and turns with the motor, `rotor_inertia`, is not behind the gap.
 """
 
 import math
@@ -11,13 +12,14 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
+from frictionjoint.effects.signals import DT, GEAR, GX, GY, SWAY, TIME, A
 
 # longest step, over the period of the flanks' resonance divided by 2 pi; and of a step, what is as
 # good as nothing
 _FINE, _NEAR = 0.25, 1e-6
-# where a search starts: s to cross the gap, Hz, 1
+# where a search starts: s to cross the gap, Hz, 1, parts of the inertia that turn with the motor
 _CROSSINGS, _FLANKS, _ZETA = tuple(0.01 * 1.3**k for k in range(10)), (8.0, 16.0), 0.45
+_ROTORS = (0.0, 0.3)
 
 
 @njit(cache=True)
@@ -63,7 +65,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     otherwise. X[x] p, X[x+1] p', X[x+2] last T_rigid.
     """
     half, w, zeta = 0.5 * P[e], 2.0 * math.pi * P[e + 1], P[e + 2]
-    rigid, sway = sig[GEAR], sig[SWAY]
+    rigid, sway = sig[GEAR] - P[e + 3] * sig[A], sig[SWAY]
     h = sig[DT]
     if h <= 0.0:
         X[x] = _at_rest(rigid, sway, half, w)
@@ -90,7 +92,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     X[x] = p
     X[x + 1] = rate
     X[x + 2] = rigid
-    return P[e + 3] * impulse / h
+    return P[e + 4] * impulse / h
 
 
 def _gaps(signals: Array) -> list[Shape]:
@@ -102,7 +104,14 @@ def _gaps(signals: Array) -> list[Shape]:
     usual = float(np.sqrt(np.mean(signals[:, GEAR] ** 2)))
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
     flanks = [f for f in _FLANKS if f < 0.5 * nyquist]
-    return [(0.5 * usual * t * t, f, _ZETA) for t in _CROSSINGS for f in flanks]
+    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
+    inertia = abs(float(np.linalg.lstsq(columns, signals[:, GEAR], rcond=None)[0][0]))
+    return [
+        (0.5 * usual * t * t, f, _ZETA, part * inertia)
+        for t in _CROSSINGS
+        for f in flanks
+        for part in _ROTORS
+    ]
 
 
 EFFECT = Effect(
@@ -117,12 +126,12 @@ EFFECT = Effect(
     signature="no torque for some milliseconds after the transmitted torque changes sign, then "
     "an impact",
     separating_motion="slow motion in both directions through positions where gravity changes sign",
-    shape=("gap_times_inertia", "flank_resonance", "damping_ratio"),
-    shape_units=("T s^2", "Hz", "1"),
+    shape=("gap_times_inertia", "flank_resonance", "damping_ratio", "rotor_inertia"),
+    shape_units=("T s^2", "Hz", "1", "T s^2/x"),
     shapes=_gaps,
     needs=(GEAR, A),
     bounds=((0.0, 1.5),),
-    shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0)),
+    shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0), (0.0, float("inf"))),
     of_load=True,
     leaps=True,
     memory=3,

@@ -195,8 +195,9 @@ def _spring(
         if effect is ELASTICITY:
             frequency, ratio, inertia = (float(x) for x in numbers)
         else:
-            gap, frequency, ratio, _ = (float(x) for x in numbers)
-            inertia, half_gap = link, 0.5 * gap / link
+            gap, frequency, ratio, rotor, _ = (float(x) for x in numbers)
+            inertia = max(link - rotor, 0.0)
+            half_gap = 0.5 * gap / inertia
         behind, damping_ratio = min(behind, inertia), max(damping_ratio, ratio)
         compliance += 1.0 / (2.0 * math.pi * frequency) ** 2
     rate = 1.0 / math.sqrt(compliance)
