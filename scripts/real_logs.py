@@ -26,10 +26,10 @@ two joints at a time.
 Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
 intervals. The state at the start of each held-out log is estimated: what friction held, how a
 link swung. Replay is the rms position error of free runs of half a second, driven by the
-measured torque.
+measured torque, with its interval over runs.
 Before is the integrated law alone, after is the law named with the effects added.
 A row whose error is larger after than before is a failure of the loop: what it added held on
-the data it was given, and not on the rest.
+the data it was given, and not on the rest. Where the intervals overlap, it may be chance.
 
 """
 
@@ -89,10 +89,15 @@ def row(case: Case) -> str:
         low, high = (x / r.measured_rms for x in interval)
         return f"{(value or 0.0) / r.measured_rms:.1%} ({low:.1%} to {high:.1%})"
 
+    def run(value: float | None, interval: tuple[float, ...]) -> str:
+        if value is None:
+            return "none"
+        return f"{value:.2g} ({' to '.join(f'{x:.2g}' for x in interval)})"
+
     before = part(r.before_torque.held_out, r.torque_interval[0])
     after = part(r.after_torque.held_out, r.torque_interval[1])
     ends = (r.before_replay.held_out, r.after_replay.held_out)
-    replay = " to ".join("none" if x is None else f"{x:.2g}" for x in ends)
+    replay = ", ".join(map(run, ends, r.replay_interval or ((), ())))
     effects = ", ".join(a.effect for a in r.added) or "none"
     law = r.laws[1].law
     left = ", ".join(name for name, _ in r.unexplained) or "nothing named"
@@ -113,7 +118,7 @@ def main() -> None:
     asked = parser.parse_args()
     chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
     lines = [
-        "| machine | joint | law | effects added | before | after | replay, rad or m "
+        "| machine | joint | law | effects added | before | after | replay before, after, rad or m "
         "| unexplained | s |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
