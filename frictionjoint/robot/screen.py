@@ -87,12 +87,14 @@ class Found:
         """The model with them."""
         return composed(self.causes, self.numbers, self.original)
 
-    def without(self, i: int) -> "Found":
-        """All but one."""
-        return Found(
-            self.original,
-            self.causes[:i] + self.causes[i + 1 :],
-            self.numbers[:i] + self.numbers[i + 1 :],
+    def without(self, *out: int) -> "Found":
+        """All but some, by number."""
+        kept = [i for i in range(len(self.causes)) if i not in out]
+        causes, numbers = self.causes, self.numbers
+        return replace(
+            self,
+            causes=tuple(causes[i] for i in kept),
+            numbers=tuple(numbers[i] for i in kept),
         )
 
     def with_cause(self, cause: Cause, x: Array) -> "Found":

@@ -227,9 +227,9 @@ def _simplified(
     """With fewer numbers that explain as much in the place of a cause, and whether so."""
     found = now.settled.found
     proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, beside)
-    for i, several in proposed:
-        choices = now.choices[:i] + now.choices[i + 1 :]
-        rest = _Now(replace(now.settled, found=found.without(i)), choices)
+    for out, several in proposed:
+        choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
+        rest = _Now(replace(now.settled, found=found.without(*out)), choices)
         trial = _without_idle(_with(rest, several, each, beside), each, beside)
         # fewer numbers leave a joint a little more of the data they are fitted to
         if float(_left(trial, now, beside).mean()) < 1.0 + HARM:
@@ -248,7 +248,7 @@ def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
     found = []
     for now in (after, before):
         seen = screened(now.joints, now.clock, now.settled.found, beside)
-        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
+        squares = seen.stack.held_out(columns_of((*seen.taken, *seen.candidates))).sum(axis=1)
         found.append(squares * [j.left**2 for j in seen.stack.joints])
     return np.asarray(found[0] / found[1])
 
