@@ -210,6 +210,23 @@ def test_a_coupled_wrist_is_found_beside_a_gain_of_all_drives():
     assert common.parameters["gain"].value == pytest.approx(-0.18, rel=0.05)
 
 
+def test_a_shaft_whose_friction_rises_and_falls_with_the_motors_turn_has_its_wave():
+    arm = random_arm(25, 3)
+    hide_coupling(arm, 0.005, 0.4, 20.0)
+    ((name, place, shaft),) = values(found_in(arm))
+    assert (name, place) == ("gear-coupling", {"joint": "j2", "other_joint": "j3"})
+    assert shaft["waves"] == pytest.approx(20.0, rel=0.005)
+    assert shaft["wave"] == pytest.approx(0.4 * arm.hidden["gear-coupling"][2], rel=0.1)
+    assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
+
+
+def test_a_shaft_without_a_wave_is_given_none():
+    arm = random_arm(25, 3)
+    hide_coupling(arm, 0.005)
+    ((_, _, shaft),) = values(found_in(arm))
+    assert "waves" not in shaft
+
+
 def test_a_cause_that_is_refused_costs_no_round(monkeypatch):
     """Under laws that follow none is to leave less: then all that seem right are tried in one."""
     monkeypatch.setattr(shared, "_MOST_ROUNDS", 1)

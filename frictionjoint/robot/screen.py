@@ -52,6 +52,11 @@ class Candidate:
         return self.cause is not None or self.common is not None
 
     @property
+    def among(self) -> float:
+        """How many lines of a spectrum it is the strongest of."""
+        return self.cause.among if self.cause else 1.0
+
+    @property
     def order(self) -> int:
         """Place among all candidates."""
         return self.first

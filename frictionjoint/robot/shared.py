@@ -31,6 +31,7 @@ from frictionjoint.robot.settle import (
     screened,
     settle,
 )
+from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
 
 _MOST_ROUNDS = 10
@@ -79,12 +80,13 @@ def shared_causes(
     open_ones = list(catalogue(model, names, moving, velocity))
     whole = list(all_links(model, names, moving))
     alike = common_terms(known)
-    now, refused = _Now(settle(known, none, each), ()), frozenset[int]()
+    now, refused = _Now(settle(known, none, each), ()), frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
     for turn in range(1, _MOST_ROUNDS + 1):
         progress(f"shared causes, round {turn}: trying candidates")
         here = now.settled.found
-        candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
+        possible = [*open_ones, *with_waves(now.joints, here)]
+        candidates = [c for c in possible if c not in here.causes and c not in refused]
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
         grown: _Now | None = None
         while grown is None:
@@ -98,7 +100,7 @@ def shared_causes(
             progress(f"round {turn}: {', '.join(c.candidate.label for c in new)}")
             grown = _grown(now, new, each, beside)
             if grown is None:
-                refused |= {id(new[0].candidate.cause)}
+                refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}
                 looked = looked.without(new[0].candidate)
         if grown is not None:
             now, refused = grown, frozenset()
