@@ -56,7 +56,7 @@ def simpler(
         if not fewer and not terms:
             continue
         at = [j.corrected(rest.state) for j in joints]
-        known, seen = _opened(at, clock, rest, fewer, terms, beside)
+        known, seen = _opened(at, joints, clock, rest, fewer, terms, beside)
         tried = []
         for several in _sets(seen, known, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
@@ -86,15 +86,20 @@ def _left(
 
 def _opened(
     joints: Sequence[FittedJoint],
+    shaped: Sequence[FittedJoint],
     clock: Clock,
     rest: Found,
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
     beside: frozenset[str],
 ) -> tuple[Columns, Screened]:
-    """What stands beside causes and effects that may come, and these as candidates."""
+    """What stands beside causes and effects that may come, and these as candidates.
+
+    Effects of single joints stand there as they are beside what is taken out: what is missing then
+    would bend their shapes.
+    """
     here = joints[0].beside
-    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms))
+    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)
     stands = [not c.shared or c.common in here for c in seen.candidates]
     known = columns_of((*seen.taken, *itertools.compress(seen.candidates, stands)))
     open_ones = [c for c, stood in zip(seen.candidates, stands, strict=True) if not stood]
