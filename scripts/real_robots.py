@@ -31,7 +31,8 @@ the choice, in motion: at rest friction is known only where the fitted logs held
 is the rms position error of free runs of half a second on the same data. Before
 is the integrated law alone under the model as it is. Where one is larger after than before, the
 last column has by how much, as a 95% interval: of the same samples, paired, over blocks of time; of
-replay over its runs. *Worse* is a joint whose interval is all above zero: a failure of the loop.
+replay over its runs. *Worse* is a joint whose interval is all above zero and whose squares grew by
+more than a twentieth, which no shared cause may add to a joint's: a failure of the loop.
 
 """
 
@@ -142,18 +143,20 @@ def _row(joint: str, r: dict[str, Any]) -> str:
     place = [r[key]["replay_rms"]["held_out"] for key in ("before", "after")]
     effects = ", ".join(x["effect"] for x in r["added"]) or "none"
     cells = [f"{100 * x / size:.1f}%" for x in torque] + [_number(x) for x in place]
-    said = ", ".join(_increase(name, x, size) for name, x in r["increase"].items())
+    said = ", ".join(
+        _increase(name, x, size, name in r["worse"]) for name, x in r["increase"].items()
+    )
     return f"| {joint} | {effects} | {' | '.join(cells)} | {said} |"
 
 
-def _increase(name: str, interval: list[float | None], size: float) -> str:
+def _increase(name: str, interval: list[float | None], size: float, worse: bool) -> str:
     """Of an error that is larger after than before."""
     what = name.removesuffix("_rms")
     if None in interval:
         return f"{what}: too short to tell"
     low, high = (f"{100 * x / size:+.1f}%" if what == "torque" else f"{x:+.2g}" for x in interval)
     said = f"{what} {low} to {high}"
-    return f"*worse: {said}*" if interval[0] > 0.0 else said
+    return f"*worse: {said}*" if worse else said
 
 
 def _number(x: float | None) -> str:

@@ -324,9 +324,24 @@ def test_splitting_holds_out_the_end() -> None:
         parts = (fit.arrays()[name], held_out.arrays()[name])
         np.testing.assert_array_equal(np.concatenate(parts), whole)
     assert fit.name != held_out.name
+    assert fit.before is None
+    for name, whole in log.arrays().items():
+        np.testing.assert_array_equal(held_out.with_before().arrays()[name], whole)
     for fraction in (0.0, 1.0, -0.2, np.nan, 0.01, 0.99):
         with pytest.raises(LogError):
             split_in_time(log, fraction)
+
+
+def test_what_is_held_out_knows_what_was_before_it_as_far_back_as_there_is_no_gap() -> None:
+    log = make_log()
+    late = replace(log, time=log.time + 9.0 * (np.arange(N) >= 200))
+    _, held_out = split_in_time(late, 0.25)
+    assert held_out.before is not None
+    np.testing.assert_array_equal(held_out.before.time, late.time[200:300])
+    assert (
+        split_in_time(replace(log, time=log.time + 9.0 * (np.arange(N) >= 300)), 0.25)[1].before
+        is None
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Corrections of a rigid-body model: the search's columns and load against the corrected MJCF."""
 
+import itertools
 from dataclasses import replace
 
 import mujoco
@@ -108,8 +109,9 @@ def test_columns_are_the_change_of_the_load_with_the_numbers(arm, logs, kind):
 def test_a_shafts_torque_is_the_tendons(arm, logs):
     """All but Coulomb friction through MuJoCo's tendon; that is added to it."""
     concave = 0.4 if tendons_bend() else 0.0
-    shaft = Shaft(("j2", "j3"), -1.0, 2.0, level=0.3, viscous=0.2, concave=concave, inertia=0.05)
-    for joint in JOINTS:
+    even = Shaft(("j2", "j3"), -1.0, 2.0, level=0.3, viscous=0.2, concave=concave, inertia=0.05)
+    wavy = replace(even, waves=7.0, sin=0.1, cos=-0.2)
+    for joint, shaft in itertools.product(JOINTS, (even, wavy)):
         body = RigidBody(arm, joint)
         prepared = prepare([logs[joint]], body)
         (segment,) = prepared.segments

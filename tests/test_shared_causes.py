@@ -151,6 +151,30 @@ def test_a_gain_of_all_drives_is_not_the_payload_that_imitates_it():
     assert common.parameters["gain"].value == pytest.approx(0.067, rel=0.05)
 
 
+def test_a_gain_of_all_drives_is_not_two_causes_of_one_number_each():
+    """A heavier first link and a rotor explain as much, and came before the gain did."""
+    arm = random_arm(1908340503, 2)
+    hide_mass(arm, "link2", 1.5)
+    hide_supply(arm, 0.09606069789143984)
+    found = found_in(arm, (16, 17), 12.0)
+    ((name, place, numbers),) = values(found)
+    assert (name, place) == ("body-inertia", {"body": "link2"})
+    assert numbers["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.01)
+    ((common, _),) = found.common
+    assert common.term.name == "torque-gain"
+    assert common.parameters["gain"].value == pytest.approx(0.0961, rel=0.01)
+
+
+def test_what_all_joints_have_alike_is_none_of_what_a_joint_leaves():
+    """Rows are in units of what is left beside it, or the joint with least gravity decides."""
+    arm = random_arm(3, 2)
+    hide_supply(arm, -0.12)
+    joints = found_in(arm).settled.joints
+    assert [j.beside[0].name for j in joints] == ["torque-gain"] * 2
+    for joint in joints:
+        assert joint.left == pytest.approx(joint.rms, rel=0.1)
+
+
 def test_a_payload_has_its_mass_beside_a_gain_of_all_drives():
     """Neither holds a part of the other once both are seen."""
     arm = random_arm(415900170, 3)
@@ -184,6 +208,23 @@ def test_a_coupled_wrist_is_found_beside_a_gain_of_all_drives():
     assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
     ((common, _),) = found.common
     assert common.parameters["gain"].value == pytest.approx(-0.18, rel=0.05)
+
+
+def test_a_shaft_whose_friction_rises_and_falls_with_the_motors_turn_has_its_wave():
+    arm = random_arm(25, 3)
+    hide_coupling(arm, 0.005, 0.4, 20.0)
+    ((name, place, shaft),) = values(found_in(arm))
+    assert (name, place) == ("gear-coupling", {"joint": "j2", "other_joint": "j3"})
+    assert shaft["waves"] == pytest.approx(20.0, rel=0.005)
+    assert shaft["wave"] == pytest.approx(0.4 * arm.hidden["gear-coupling"][2], rel=0.1)
+    assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
+
+
+def test_a_shaft_without_a_wave_is_given_none():
+    arm = random_arm(25, 3)
+    hide_coupling(arm, 0.005)
+    ((_, _, shaft),) = values(found_in(arm))
+    assert "waves" not in shaft
 
 
 def test_a_cause_that_is_refused_costs_no_round(monkeypatch):

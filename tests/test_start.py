@@ -50,7 +50,8 @@ def cut(tmp_path_factory):
     still = np.convolve(speed, np.ones(301) / 301, "same") < 0.01
     middle = len(still) // 3 + int(np.argmax(still[len(still) // 3 :]))
     _, rest_of_it = split_in_time(whole, 1.0 - whole.time[middle] / whole.time[-1])
-    return prepare([rest_of_it, sines], RigidBody(folder / "joint.xml", "joint"))
+    begun = replace(rest_of_it, before=None)
+    return prepare([begun, sines], RigidBody(folder / "joint.xml", "joint"))
 
 
 def test_a_log_that_begins_at_rest_under_load_is_no_longer_wrong_until_it_slides(cut):

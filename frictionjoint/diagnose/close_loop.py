@@ -15,6 +15,7 @@ from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
@@ -155,7 +156,7 @@ def explain(
     check(fitted_on)
     kept_back = None
     if held_out:
-        kept_back = prepare(list(held_out), theirs, fitted_on.band, controller)
+        kept_back = prepare_kept_back(held_out, theirs, fitted_on.band, controller)
 
     loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
 

@@ -13,6 +13,7 @@ import numpy as np
 from frictionjoint.errors import ModelError
 from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.simulate.carrier import TAG, blocks, rows_of_block
+from frictionjoint.simulate.shaft_wave import remove_waves
 
 # MuJoCo's largest impedance, and its shortest time constant, over a step
 _IMPEDANCE, _STEPS = 0.9999, 2.0
@@ -31,6 +32,7 @@ def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     for numeric in list(spec.numerics):
         if TAG in (numeric.name or ""):
             spec.delete(numeric)
+    remove_waves(spec)
     spec.nuserdata = max(0, model.nuserdata - ours)
     return spec
 

@@ -3,7 +3,7 @@
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from frictionjoint.export.sliding import PlainFriction, plain_friction
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
+from frictionjoint.simulate.shaft_wave import said_of_waves
 
 
 class Target(StrEnum):
@@ -103,12 +104,15 @@ def export(
     Raises:
         ModelError: no friction, or a model that the target cannot hold. LogError: a bad log.
     """
-    friction = read_friction(load_model(path))
+    model = load_model(path)
+    friction = read_friction(model)
+    waves = tuple(said_of_waves(model))
     task = _Task(path, out, target, friction, lugre)
     if lugre and target is not Target.NATIVE:
         raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
     if target in _WHOLE:
-        return _whole(task)
+        done = _whole(task)
+        return replace(done, lost=done.lost + waves)
     motions = _motions(task, speeds, log, columns or {})
     friction = {name: friction[name] for name in motions}
     terms = TERMS if target is Target.NATIVE else 1
@@ -123,7 +127,7 @@ def export(
     else:
         text, model = _PLAIN[target](task, plain)
     found = losses(task.rigid(), bare, model, motions, actuators)
-    return Exported(text, tuple(_lost(task, plain, bare)), tuple(found))
+    return Exported(text, (*_lost(task, plain, bare), *waves), tuple(found))
 
 
 def _motions(

@@ -51,7 +51,7 @@ def _shorter(log: JointLog, most: int) -> JointLog:
     short = _averaged(log, k) if k > 1 else log
     done = [f"{k} samples averaged"] if k > 1 else []
     if len(short.time) > most:
-        short = short.part(slice(0, most), "")
+        short = replace(short.part(slice(0, most), ""), before=short.before)
         done.append(f"first {short.duration:.4g} s")
     text = ", ".join(done)
     warnings.warn(
@@ -88,5 +88,6 @@ def _averaged(log: JointLog, k: int) -> JointLog:
         other_positions={name: mean(x) for name, x in log.other_positions.items()},
         other_velocities={name: mean(x) for name, x in log.other_velocities.items()},
         signals={name: mean(x) for name, x in log.signals.items()},
+        before=_averaged(log.before, k) if log.before else None,
         **columns,
     )

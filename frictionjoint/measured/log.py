@@ -39,6 +39,8 @@ class JointLog:
         metadata: figures that came with the log (gains, masses), by name.
         motion: what was commanded, by the name that its recorder gave it.
         notes: what a reader of a result must know of the log: what was mended in it.
+        before: the same log up to the first sample, without a gap: what the joint did until then
+            says how warm it is and what its friction holds. None where nothing is known of it.
     """
 
     name: str
@@ -61,6 +63,7 @@ class JointLog:
     metadata: dict[str, float] = field(default_factory=dict)
     motion: str = ""
     notes: tuple[str, ...] = ()
+    before: "JointLog | None" = None
 
     def __post_init__(self) -> None:
         if not self.name or not self.joint:
@@ -102,6 +105,26 @@ class JointLog:
             other_positions={name: x[samples] for name, x in self.other_positions.items()},
             other_velocities={name: x[samples] for name, x in self.other_velocities.items()},
             signals={name: x[samples] for name, x in self.signals.items()},
+            before=None,
+            **own,
+        )
+
+    def with_before(self) -> "JointLog":
+        """The log with what came before it, all as one."""
+        if self.before is None:
+            return self
+        first: dict[str, Any] = self.before.columns()
+
+        def joined(those: dict[str, Array], these: dict[str, Array]) -> dict[str, Array]:
+            return {name: np.concatenate([those[name], x]) for name, x in these.items()}
+
+        own: dict[str, Any] = joined(first, self.columns())
+        return replace(
+            self,
+            other_positions=joined(self.before.other_positions, self.other_positions),
+            other_velocities=joined(self.before.other_velocities, self.other_velocities),
+            signals=joined(self.before.signals, self.signals),
+            before=None,
             **own,
         )
 
@@ -129,7 +152,7 @@ class JointLog:
 
 
 def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
-    """The first part of a log, and its last `fraction` to hold out.
+    """The first part of a log, and its last `fraction` to hold out, which knows what was before.
 
     Raises:
         LogError: the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part too
@@ -145,4 +168,9 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
             f"{log.name}: holding out {fraction:g} leaves a part under {FEWEST_ROWS} samples: "
             "record a longer log or hold out another part"
         )
-    return log.part(slice(0, cut), " (first part)"), log.part(slice(cut, None), " (last part)")
+    step = np.diff(log.time[: cut + 1])
+    gaps = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
+    since = int(gaps[-1]) if gaps.size else 0
+    before = log.part(slice(since, cut), " (before)") if cut - since > 1 else None
+    last = replace(log.part(slice(cut, None), " (last part)"), before=before)
+    return log.part(slice(0, cut), " (first part)"), last

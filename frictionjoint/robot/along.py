@@ -99,11 +99,18 @@ class Along:
         return np.hstack([regressor.body(b, self.dof) for b in self.tree.beyond[self.dof]])
 
     def shaft(self, shaft: Shaft) -> Array:
-        """Torque per unit of a shaft's numbers, shape (n, 4)."""
-        first, second = (self.motion(name) for name in shaft.joints)
-        v, a = (x + shaft.ratio * y for x, y in zip(first[1:], second[1:], strict=True))
-        columns = np.column_stack([direction(v), v, levelling(v, shaft.top), a])
+        """Torque per unit of a shaft's numbers, shape (n, 6)."""
+        turn, v, a = self.turn(shaft)
+        way, angle = direction(v), shaft.waves * turn
+        wave = [way * np.sin(angle), way * np.cos(angle)]
+        columns = np.column_stack([way, v, levelling(v, shaft.top), a, *wave])
         return columns * shaft.per_turn(self.body.joint)
+
+    def turn(self, shaft: Shaft) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of a shaft, each of shape (n,)."""
+        first, second = (self.motion(name) for name in shaft.joints)
+        turn, v, a = (x + shaft.ratio * y for x, y in zip(first, second, strict=True))
+        return turn, v, a
 
     def linear(self, before: Corrections, after: Corrections) -> Array:
         """Change of torque between two corrections next to this state, to first order, (n,)."""

@@ -43,14 +43,16 @@ class CorrectedBody(RigidBody):
     ) -> RigidBodyTorque:
         """See `RigidBody`."""
         found = super().torque(position, velocity, acceleration, others)
-        speeds = {name: v for name, (_, v, _) in (others or {}).items()} | {self.joint: velocity}
+        moves = {name: (q, v) for name, (q, v, _) in (others or {}).items()}
+        moves[self.joint] = position, velocity
+        still = np.zeros_like(position), np.zeros_like(velocity)
         load, unknown = found.load, np.zeros_like(velocity)
         for shaft in self.shafts:
             per_turn = shaft.per_turn(self.joint)
             if per_turn:
-                first, second = (speeds.get(name, np.zeros_like(velocity)) for name in shaft.joints)
-                turn = first + shaft.ratio * second
-                level = per_turn * shaft.level
-                load = load + level * direction(turn)
-                unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(turn)))
+                one, other = (moves.get(name, still) for name in shaft.joints)
+                turn, speed = (a + shaft.ratio * b for a, b in zip(one, other, strict=True))
+                level = per_turn * (shaft.level + shaft.wave(turn))
+                load = load + level * direction(speed)
+                unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(speed)))
         return replace(found, load=load, unknown=unknown if unknown.any() else None)

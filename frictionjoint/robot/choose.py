@@ -166,7 +166,9 @@ def _next(
         if (inside := within_bounds(stack, c, known)) is not None
     ]
     signs = rng.choice([-1.0, 1.0], (FLIPS, stack.clock.count))
-    found = np.array([stack.surprise(c.at, known, c.room, signs) for c in open_ones])
+    found = np.array(
+        [stack.surprise(c.at, known, c.room, signs) - np.log(c.among) for c in open_ones]
+    )
     rows = [
         _Row(c, stack.held_out(np.concatenate([known, c.at])), float(p))
         for c, p in zip(open_ones, over_family(found), strict=True)

@@ -46,10 +46,14 @@ def _left(before: Array, after: Array) -> Array:
     return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
 
 
-def as_much(after: Array, before: Array) -> bool:
-    """Whether squares are not clearly more than others, of no joint by a noticeable part."""
+def as_much(stack: Stack, after: Array, before: Array) -> bool:
+    """Whether squares are not clearly more than others, of no joint by a noticeable part.
+
+    By what is less than the laws' own errors one explanation is no better than another.
+    """
     least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
-    return least and not better(before, after) and not harms(after, before)
+    apart = better(before, after) and _moved(stack, after, before) >= DISCREPANCY
+    return least and not apart and not harms(after, before)
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:

@@ -7,8 +7,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.inertia import of_model, write
+from frictionjoint.simulate.shaft_wave import ShaftWave, add_wave
 
-SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia")
+SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia", "sin", "cos")
 # MJCF has six digits: what differs by less is the same body
 _SAME = 1e-9
 # part of a shaft's top speed over which its friction turns over
@@ -24,6 +25,8 @@ class Shaft:
         top: speed at which its concave friction is level, rad/s.
         level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
             seen from the first joint. The concave part is so much at low speed, see `levelling`.
+        waves: of the friction level in a turn of the shaft, times 2 pi: 1/rad. sin, cos: of the
+            wave, N m, at the turn of the shaft as the joints measure it.
     """
 
     joints: tuple[str, str]
@@ -33,10 +36,13 @@ class Shaft:
     viscous: float = 0.0
     concave: float = 0.0
     inertia: float = 0.0
+    waves: float = 0.0
+    sin: float = 0.0
+    cos: float = 0.0
 
     @property
     def numbers(self) -> Array:
-        """Level, viscous and concave friction and inertia, shape (4,)."""
+        """Those of `SHAFT_NUMBERS`, shape (6,)."""
         return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
 
     def moved(self, number: int, by: float) -> "Shaft":
@@ -49,6 +55,11 @@ class Shaft:
         """Coefficients of a tendon's damping by powers of the speed, shape (3,)."""
         curve = np.array([1.0, -1.0 / self.top, 1.0 / (3.0 * self.top**2)])
         return np.array([self.viscous, 0.0, 0.0]) + self.concave * curve
+
+    def wave(self, turn: Array) -> Array:
+        """What the friction level has at turns of the shaft beyond its mean, N m, shape (n,)."""
+        angle = self.waves * turn
+        return np.asarray(self.sin * np.sin(angle) + self.cos * np.cos(angle))
 
     def per_turn(self, joint: str) -> float:
         """Turns of the shaft per turn of a joint."""
@@ -139,6 +150,10 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
         tendon.damping = shaft.damping if tendons_bend() else shaft.viscous
         tendon.wrap_joint(shaft.joints[0], 1.0)
         tendon.wrap_joint(shaft.joints[1], shaft.ratio)
+        if shaft.waves:
+            turns_over = _TURNS * shaft.top
+            wave = ShaftWave(shaft.ratio, shaft.waves, shaft.sin, shaft.cos, turns_over)
+            add_wave(spec, tendon.name, wave)
 
 
 def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> None:

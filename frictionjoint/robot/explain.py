@@ -10,6 +10,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.diagnose.replay import replay
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
@@ -146,7 +147,7 @@ def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepa
     """Logs held out, weighted by what the final fit is expected to leave of them."""
     if not task.held_out:
         return None
-    prepared = prepare(list(task.held_out), body, trace.prepared.band)
+    prepared = prepare_kept_back(task.held_out, body, trace.prepared.band)
     return weighted(prepared, trace.final, left)
 
 

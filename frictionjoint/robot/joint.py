@@ -34,7 +34,7 @@ class FittedJoint:
             nothing.
         beside: effects that the law was fitted beside, so that they do not bend it; what they
             explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
-        rms: of what the law leaves with them, N m.
+        rms, left: of what the law leaves with them, N m, plain and weighted.
     """
 
     alongs: tuple[Along, ...]
@@ -42,6 +42,7 @@ class FittedJoint:
     fit: Fit
     levels: tuple[float, float]
     rms: float
+    left: float
     shift: Array | None = None
     beside: tuple[EffectTerm, ...] = ()
 
@@ -49,11 +50,6 @@ class FittedJoint:
     def name(self) -> str:
         """Of the joint."""
         return self.prepared.joint
-
-    @property
-    def left(self) -> float:
-        """rms of the weighted residual of the fit, N m."""
-        return self.fit.drive_rms * self.fit.gain
 
     @property
     def residual(self) -> Array:
@@ -97,11 +93,13 @@ class FittedJoint:
         else:
             found = refit(self.prepared, self.beside, self.fit.shape, ROUGH)
             prepared, found = reweighed(self.prepared, found, ROUGH)
-        levels, rms = found.levels, found.rms
+        levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
         if self.beside:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
             found = refit(prepared, timing, found.shape, steps=1)
-        return replace(self, prepared=prepared, fit=found, levels=levels, rms=rms, shift=None)
+        return replace(
+            self, prepared=prepared, fit=found, levels=levels, rms=rms, left=left, shift=None
+        )
 
 
 def first_fit(
@@ -119,4 +117,5 @@ def first_fit(
     base = fit(prepared, forms=INTEGRATED)
     prepared, base = reweighed(prepared, base)
     prepared, base = reweighed(*settled(prepared, base))
-    return FittedJoint(alongs, prepared, base, base.levels, base.rms)
+    left = base.drive_rms * base.gain
+    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left)

@@ -9,6 +9,7 @@ import numpy as np
 from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Verdict
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
+from frictionjoint.robot.compare import HARM
 from frictionjoint.robot.excitation import Excitation
 from frictionjoint.robot.paired import Interval
 from frictionjoint.robot.torsion import Torsion
@@ -38,9 +39,22 @@ class JointResult:
     torsion: Torsion | None = None
 
     @property
-    def worse(self) -> bool:
-        """Whether held-out logs have more torque or position error after, beyond its interval."""
-        return any(low > 0.0 for low, _ in self.increase.values())
+    def worse(self) -> tuple[str, ...]:
+        """Errors that held-out logs have more of after: beyond the interval and by a noticeable
+        part of their squares, as no shared cause may add to a joint.
+        """
+        pairs = {
+            "torque_rms": (self.before_torque.held_out, self.report.after_torque.held_out),
+            "replay_rms": (self.before_replay.held_out, self.report.after_replay.held_out),
+        }
+        found = []
+        for name, (low, _) in self.increase.items():
+            before, after = pairs[name]
+            assert before is not None
+            assert after is not None
+            if low > 0.0 and after**2 > (1.0 + HARM) * before**2:
+                found.append(name)
+        return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json: report-1 without what belongs to the robot."""
@@ -60,6 +74,7 @@ class JointResult:
             name: [x if np.isfinite(x) else None for x in interval]
             for name, interval in self.increase.items()
         }
+        found["worse"] = list(self.worse)
         if self.torsion:
             found["torsion"] = self.torsion.to_dict()
         return found

@@ -52,6 +52,11 @@ class Candidate:
         return self.cause is not None or self.common is not None
 
     @property
+    def among(self) -> float:
+        """How many lines of a spectrum it is the strongest of."""
+        return self.cause.among if self.cause else 1.0
+
+    @property
     def order(self) -> int:
         """Place among all candidates."""
         return self.first
@@ -87,12 +92,14 @@ class Found:
         """The model with them."""
         return composed(self.causes, self.numbers, self.original)
 
-    def without(self, i: int) -> "Found":
-        """All but one."""
-        return Found(
-            self.original,
-            self.causes[:i] + self.causes[i + 1 :],
-            self.numbers[:i] + self.numbers[i + 1 :],
+    def without(self, *out: int) -> "Found":
+        """All but some, by number."""
+        kept = [i for i in range(len(self.causes)) if i not in out]
+        causes, numbers = self.causes, self.numbers
+        return replace(
+            self,
+            causes=tuple(causes[i] for i in kept),
+            numbers=tuple(numbers[i] for i in kept),
         )
 
     def with_cause(self, cause: Cause, x: Array) -> "Found":
@@ -143,15 +150,17 @@ def screen(
     causes: Sequence[Cause],
     own: Callable[[str], bool] = lambda label: True,
     common: Sequence[EffectTerm] = (),
+    shaped: Sequence[FittedJoint] | None = None,
 ) -> Screened:
     """Columns of all causes and of the joints' own effects.
 
     Args:
         found: causes in the model. causes: those that may come.
         own: which of the joints' own effects compete, by label. common: effects of all alike.
+        shaped: the joints by whose residual their own effects have their shapes; None: `joints`.
     """
     starts = _starts(joints, clock, found, causes)
-    return _screen(joints, clock, found, causes, starts, own, common)
+    return _screen(joints, clock, found, causes, starts, own, common, shaped or joints)
 
 
 def _screen(
@@ -162,6 +171,7 @@ def _screen(
     starts: Sequence[Array],
     own: Callable[[str], bool],
     common: Sequence[EffectTerm] = (),
+    shaped: Sequence[FittedJoint] = (),
 ) -> Screened:
     models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
     pairs = [found.pairs(i) for i in range(len(found.causes))]
@@ -172,10 +182,10 @@ def _screen(
     parts = []
     effects = _of_all(joints, common, size)
     size += sum(len(c.at) for c in effects)
-    for joint in joints:
+    for joint, like in zip(joints, shaped or joints, strict=True):
         columns = joint.columns([pair for several in pairs for pair in several])
         columns = np.column_stack([columns, *common_columns(joint, common)])
-        for candidate, x in own_effects(joint, clock, own):
+        for candidate, x in own_effects(like, clock, own):
             at = size + np.arange(x.shape[1])
             effects.append(replace(candidate, at=at, first=int(at[0])))
             columns, size = _beside(columns, x, size), size + x.shape[1]

@@ -31,6 +31,7 @@ from frictionjoint.robot.settle import (
     screened,
     settle,
 )
+from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
 
 _MOST_ROUNDS = 10
@@ -79,12 +80,13 @@ def shared_causes(
     open_ones = list(catalogue(model, names, moving, velocity))
     whole = list(all_links(model, names, moving))
     alike = common_terms(known)
-    now, refused = _Now(settle(known, none, each), ()), frozenset[int]()
+    now, refused = _Now(settle(known, none, each), ()), frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
     for turn in range(1, _MOST_ROUNDS + 1):
         progress(f"shared causes, round {turn}: trying candidates")
         here = now.settled.found
-        candidates = [c for c in open_ones if c not in here.causes and id(c) not in refused]
+        possible = [*open_ones, *with_waves(now.joints, here)]
+        candidates = [c for c in possible if c not in here.causes and c not in refused]
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
         grown: _Now | None = None
         while grown is None:
@@ -98,7 +100,7 @@ def shared_causes(
             progress(f"round {turn}: {', '.join(c.candidate.label for c in new)}")
             grown = _grown(now, new, each, beside)
             if grown is None:
-                refused |= {id(new[0].candidate.cause)}
+                refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}
                 looked = looked.without(new[0].candidate)
         if grown is not None:
             now, refused = grown, frozenset()
@@ -227,9 +229,9 @@ def _simplified(
     """With fewer numbers that explain as much in the place of a cause, and whether so."""
     found = now.settled.found
     proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, beside)
-    for i, several in proposed:
-        choices = now.choices[:i] + now.choices[i + 1 :]
-        rest = _Now(replace(now.settled, found=found.without(i)), choices)
+    for out, several in proposed:
+        choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
+        rest = _Now(replace(now.settled, found=found.without(*out)), choices)
         trial = _without_idle(_with(rest, several, each, beside), each, beside)
         # fewer numbers leave a joint a little more of the data they are fitted to
         if float(_left(trial, now, beside).mean()) < 1.0 + HARM:
@@ -248,7 +250,7 @@ def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
     found = []
     for now in (after, before):
         seen = screened(now.joints, now.clock, now.settled.found, beside)
-        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
+        squares = seen.stack.held_out(columns_of((*seen.taken, *seen.candidates))).sum(axis=1)
         found.append(squares * [j.left**2 for j in seen.stack.joints])
     return np.asarray(found[0] / found[1])
 

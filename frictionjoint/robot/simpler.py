@@ -1,8 +1,9 @@
-"""Fewer numbers that explain as much: one or two simpler causes in the place of one with more.
+"""Fewer numbers that explain as much: one or two causes in the place of one or two with more.
 
 A search that takes the best single cause first may take a body with all its ten parameters for what
-are a mass and a rotor, or a payload for the scale of all torques. While the laws are bent by what
-is missing, squares do not tell which; once they are straight, the fewest numbers are enough.
+are a mass and a rotor, or a payload for the scale of all torques, or two causes of one number each
+for a third. While the laws are bent by what is missing, squares do not tell which; once they are
+straight, the fewest numbers are enough.
 """
 
 import itertools
@@ -37,8 +38,8 @@ def simpler(
     causes: Sequence[Cause],
     common: Sequence[EffectTerm],
     beside: frozenset[str],
-) -> Iterator[tuple[int, tuple[Choice, ...]]]:
-    """Causes of the model, each with what explains as much with fewer numbers, if anything does.
+) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
+    """Causes of the model, one or two, with what explains as much with fewer numbers.
 
     Args:
         joints: with their laws fitted under `found`; choices: of its causes.
@@ -46,27 +47,33 @@ def simpler(
         beside: labels of effects of single joints that compete.
     """
     left = _left(joints, clock, found, beside)
-    for i, cause in enumerate(found.causes):
-        rest, size = found.without(i), len(cause.start)
+    for out in _ones_and_twos(len(found.causes)):
+        gone = [found.causes[i] for i in out]
+        rest, size = found.without(*out), sum(len(c.start) for c in gone)
         fewer = [c for c in causes if len(c.start) < size and c not in rest.causes]
         # effects of all joints alike come one at a time
         terms = () if joints[0].beside else [t for t in common if len(t.coefficients) < size]
         if not fewer and not terms:
             continue
         at = [j.corrected(rest.state) for j in joints]
-        known, seen = _opened(at, clock, rest, fewer, terms, beside)
+        known, seen = _opened(at, joints, clock, rest, fewer, terms, beside)
         tried = []
         for several in _sets(seen, known, size):
-            if len(several) == 1 and several[0].changed == cause.changed:
+            if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # far from the model's own figures its forms are not linear in their numbers
                 squares = _settled(at, clock, rest, several[0], beside)
             else:
                 squares = seen.stack.held_out(_with(known, several))
-            if as_much(squares, left):
+            if as_much(seen.stack, squares, left):
                 numbers = sum(len(c.at) for c in several)
                 tried.append((numbers, float(squares.sum()), several))
         if tried:
-            yield i, _choices(seen, known, _simplest(tried), choices[i])
+            yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
+
+
+def _ones_and_twos(count: int) -> Iterator[tuple[int, ...]]:
+    """Sets of one and of two of so many."""
+    return itertools.chain(*(itertools.combinations(range(count), k) for k in (1, 2)))
 
 
 def _left(
@@ -79,15 +86,20 @@ def _left(
 
 def _opened(
     joints: Sequence[FittedJoint],
+    shaped: Sequence[FittedJoint],
     clock: Clock,
     rest: Found,
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
     beside: frozenset[str],
 ) -> tuple[Columns, Screened]:
-    """What stands beside causes and effects that may come, and these as candidates."""
+    """What stands beside causes and effects that may come, and these as candidates.
+
+    Effects of single joints stand there as they are beside what is taken out: what is missing then
+    would bend their shapes.
+    """
     here = joints[0].beside
-    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms))
+    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)
     stands = [not c.shared or c.common in here for c in seen.candidates]
     known = columns_of((*seen.taken, *itertools.compress(seen.candidates, stands)))
     open_ones = [c for c, stood in zip(seen.candidates, stands, strict=True) if not stood]

@@ -40,6 +40,8 @@ from frictionjoint.simulate.pointers import (
     mj_stack_numbers,
 )
 from frictionjoint.simulate.row import T_EVALUATED, torque_now
+from frictionjoint.simulate.shaft_wave import DOF as SHAFT_DOF
+from frictionjoint.simulate.shaft_wave import OTHER_DOF, RATIO, SHAFT, wave_torque
 from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
@@ -96,13 +98,18 @@ def build_native() -> Any:
         bias = moved = qvel
         for i in range(n):
             block = int(address[i])
-            if P[block] != MAGIC:
+            if P[block] != MAGIC and P[block] != SHAFT:
                 continue
             if P[block + RESOLVED] != 1.0:
                 if P[block + RESOLVED] == 0.0:
                     make_ready_in_c(m)
                 if P[block + RESOLVED] != 1.0:
                     continue
+            if P[block] == SHAFT:
+                F = wave_torque(P, block, qpos, qvel)
+                passive[int(P[block + SHAFT_DOF])] -= F
+                passive[int(P[block + OTHER_DOF])] -= P[block + RATIO] * F
+                continue
             x = int(P[block + ROW])
             q = qpos[int(P[block + QPOS])]
             dof = int(P[block + DOF])
@@ -222,11 +229,16 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     loaded = False
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
-        if P[block] != MAGIC:
+        if P[block] != MAGIC and P[block] != SHAFT:
             continue
         if P[block + RESOLVED] == 0.0:
             make_ready(model)
         if P[block + RESOLVED] != 1.0:
+            continue
+        if P[block] == SHAFT:
+            F = float(wave_torque(P, block, data.qpos, data.qvel))
+            data.qfrc_passive[int(P[block + SHAFT_DOF])] -= F
+            data.qfrc_passive[int(P[block + OTHER_DOF])] -= P[block + RATIO] * F
             continue
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time

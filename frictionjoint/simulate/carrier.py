@@ -42,6 +42,7 @@ from frictionjoint.simulate.native_friction import (
     native_friction_of_spec,
 )
 from frictionjoint.simulate.row import row_size
+from frictionjoint.simulate.shaft_wave import resolve_waves
 
 MAGIC = 199797.0
 VERSION = 1.0
@@ -268,6 +269,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         model.numeric_data[at + JOINT] = joint
         model.numeric_data[at + ROW] = row
         row += sizes[name]
+    resolve_waves(model)
     # last: another thread may be looking
     for at in found.values():
         model.numeric_data[at + RESOLVED] = 1.0

@@ -17,6 +17,7 @@ from numba import types
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.simulate.carrier import MAGIC, REFUSED, RESOLVED, blocks, resolve
 from frictionjoint.simulate.model_view import ModelView
+from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
 
 _SYMBOL = "frictionjoint_make_ready"
 # simulations of one model may run side by side
@@ -30,14 +31,14 @@ def make_ready(model: Any) -> None:
         model: an MjModel or a `ModelView`.
     """
     with _one_at_a_time:
-        found = blocks(model)
+        found = blocks(model) | wave_blocks(model)
         if not any(model.numeric_data[at + RESOLVED] == 0.0 for at in found.values()):
             return  # another thread was here first, or a numeric that is no friction of ours
         try:
             resolve(model)
         except (ModelError, ParameterError) as error:
             for at in found.values():
-                if model.numeric_data[at] == MAGIC:
+                if model.numeric_data[at] in (MAGIC, SHAFT):
                     model.numeric_data[at + RESOLVED] = REFUSED
             warnings.warn(
                 f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2

@@ -7,6 +7,7 @@ from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
+from frictionjoint.simulate.shaft_wave import remove_waves
 
 
 def uninstall(spec: mujoco.MjSpec) -> list[str]:
@@ -33,6 +34,7 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
         if len(block) <= HEAD or block[0] != MAGIC or len(block) != HEAD + 5 * block[COUNT]:
             raise ModelError(f"numeric {numeric.name} is damaged: delete it in the MJCF by hand")
         rows += rows_of_block(block.tolist())
+    remove_waves(spec)
     joints = ["".join(numeric.name.split(TAG, 1)) for numeric in ours]
     for numeric in ours:
         spec.delete(numeric)

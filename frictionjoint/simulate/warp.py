@@ -6,6 +6,7 @@ the friction that an MJCF carries there. The state of every world lives in one w
 commits the last evaluated point, the same time evaluates again, an earlier time starts afresh.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any
@@ -20,6 +21,7 @@ from frictionjoint.simulate.carrier import (
     JointFriction,
     resolve,
 )
+from frictionjoint.simulate.shaft_wave import said_of_waves
 from frictionjoint.simulate.warp_layout import block_with, layout
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
@@ -308,6 +310,8 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     found = resolve(mjm, in_userdata=False)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    for lost in said_of_waves(mjm):
+        warnings.warn(f"does not act in mujoco_warp: {lost}", RuntimeWarning, stacklevel=4)
     return found
 
 

@@ -18,6 +18,7 @@ class Arm:
         fall: of a joint's whole friction per K above the temperature at which a log begins, (n,).
         warming: K by which the arm warms in the end, and with which time constant, s.
         shaft: (joint, other joint, level, viscous) of a shaft that turns with the sum of both.
+        shaft_wave: (N m, 1/rad) by which its level rises and falls along its turn.
         gain: by which every torque is logged larger than it acts, a fraction.
     """
 
@@ -32,6 +33,7 @@ class Arm:
     fall: np.ndarray
     warming: tuple[float, float] | None = None
     shaft: tuple[int, int, float, float] | None = None
+    shaft_wave: tuple[float, float] = (0.0, 0.0)
     gain: float = 0.0
     hidden: dict[str, object] = field(default_factory=dict)
 
@@ -170,8 +172,11 @@ def hide_offset(arm: Arm, joint: str, angle: float) -> None:
     arm.hidden["joint-offset"] = (joint, angle)
 
 
-def hide_coupling(arm: Arm, rotor: float) -> None:
-    """A shaft that turns with the sum of the last two joints, with friction and inertia."""
+def hide_coupling(arm: Arm, rotor: float, depth: float = 0.0, waves: float = 0.0) -> None:
+    """A shaft that turns with the sum of the last two joints, with friction and inertia.
+
+    Its friction level rises and falls by a part `depth` of it, in `waves` per rad of its turn.
+    """
     spec = reread(arm.true)
     a, b = arm.joints[-2:]
     tendon = spec.add_tendon(name="shaft", armature=rotor)
@@ -181,4 +186,5 @@ def hide_coupling(arm: Arm, rotor: float) -> None:
     n = len(arm.joints)
     level = 0.7 * float(arm.level[-1])
     arm.shaft = (n - 2, n - 1, level, 0.5 * level)
+    arm.shaft_wave = depth * level, waves
     arm.hidden["gear-coupling"] = (a, b, level, 0.5 * level, rotor)

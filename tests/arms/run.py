@@ -61,7 +61,9 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
             rows.append(np.concatenate([[t[k]], q, command]))
         loss = friction.torque(v, arm.load_level * np.abs(load), 1.0 - arm.fall * warmer[k])
         if shaft is not None:
-            lost = shaft.torque(v[[i]] + v[[j]], 0.0)[0]
+            size, waves = arm.shaft_wave
+            grown = size * np.sin(waves * (q[i] + q[j]))
+            lost = shaft.torque(v[[i]] + v[[j]], grown)[0]
             loss[i] += lost
             loss[j] += lost
         load = command / (1.0 + arm.gain) - loss

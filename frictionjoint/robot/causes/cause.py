@@ -20,11 +20,13 @@ class Cause(ABC):
         homogeneous: whether twice the numbers are twice the torque, though it is not linear in
             them.
         essential: how many of its first numbers must be within their bounds for it to be at all.
+        among: how many lines of a spectrum it is the strongest of.
     """
 
     name: ClassVar[str]
     homogeneous: ClassVar[bool] = False
     essential: ClassVar[int] = 0
+    among: float = 1.0
 
     @property
     @abstractmethod

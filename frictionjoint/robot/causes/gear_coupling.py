@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import POSITIVE, Cause
-from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend
+from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
+from frictionjoint.robot.corrections import SHAFT_NUMBERS, Corrections, Shaft, tendons_bend
 
 
 @dataclass(frozen=True)
@@ -19,15 +19,19 @@ class GearCoupling(Cause):
     """Numbers: friction level, N m, viscous and concave friction, N m s/rad, and inertia, kg m^2.
 
     Lubricated gears have concave friction. It is level at the top speed of the logs: beyond that
-    they do not tell.
+    they do not tell. Teeth and bearings that turn with the motor make the level rise and fall with
+    each of its turns: sine and cosine, N m.
 
     Attributes:
         joints: names. ratio: of the second joint in the shaft's turn. top: its speed, rad/s.
+        waves: of the level along the shaft, 1/rad; 0: none. among: see `Cause`.
     """
 
     joints: tuple[str, str]
     ratio: float
     top: float
+    waves: float = 0.0
+    among: float = 1.0
     name: ClassVar[str] = "gear-coupling"
 
     @property
@@ -38,22 +42,24 @@ class GearCoupling(Cause):
     @property
     def steps(self) -> Array:
         """See `Cause`."""
-        return np.ones(4)
+        return np.ones(len(self.bounds))
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `Cause`."""
         # where a tendon's damping is one number a model cannot hold a curve
-        return POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
+        even = POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
+        return (*even, FREE, FREE) if self.waves else even
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
-        shaft = Shaft(self.joints, self.ratio, self.top, *(float(number) for number in x))
+        numbers = dict(zip(SHAFT_NUMBERS, map(float, x), strict=False))
+        shaft = Shaft(self.joints, self.ratio, self.top, waves=self.waves, **numbers)
         return replace(state, shafts=(*state.shafts, shaft))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """See `Cause`."""
-        return {
+        found = {
             "level": (float(x[0]), "N m"),
             "viscous": (float(x[1]), "N m s/rad"),
             "concave": (float(x[2]), "N m s/rad"),
@@ -61,3 +67,7 @@ class GearCoupling(Cause):
             "ratio": (self.ratio, "1"),
             "top": (self.top, "rad/s"),
         }
+        if self.waves:
+            found["wave"] = float(np.hypot(*x[4:])), "N m"
+            found["waves"] = self.waves, "1/rad"
+        return found

@@ -1,0 +1,46 @@
+"""Logs held out, as a fit is judged on them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import with_drive
+from frictionjoint.effects.signals import TIME
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Band, Prepared, Segment
+from frictionjoint.measured.log import JointLog
+
+
+def prepare_kept_back(
+    logs: Sequence[JointLog],
+    body: RigidBody | Sequence[RigidBody],
+    band: Band,
+    controller: Controller | None = None,
+) -> Prepared:
+    """Logs held out, those that are the end of a log as warm as what came before left the joint.
+
+    All of such a log is prepared, with its clock, and the end alone counts. What a controller made
+    of its commands is simulated from the first sample that counts: there nothing comes before.
+
+    Args:
+        body, band, controller: see `prepare`; the band is of the logs that were fitted.
+    """
+    warm = [log.with_before() if with_drive(log, controller) is log else log for log in logs]
+    prepared = prepare(warm, body, band, controller)
+    since = [own.time[0] - log.time[0] for own, log in zip(logs, warm, strict=True)]
+    pairs = zip(prepared.segments, since, strict=True)
+    return replace(prepared, segments=tuple(_from(s, t) for s, t in pairs))
+
+
+def _from(segment: Segment, since: float) -> Segment:
+    """The end of a log, without what the filter's edge spoils as it does at a log's own ends."""
+    if not since:
+        return segment
+    edge = int(min(np.argmax(segment.mask), np.argmax(segment.mask[::-1])))
+    first = int(np.searchsorted(segment.signals[:, TIME], since)) + edge
+    mask = segment.mask.copy()
+    mask[:first] = False
+    return replace(segment, mask=mask)

@@ -1,0 +1,86 @@
+"""Waves of a shaft's friction level, proposed from the spectrum of what two joints leave.
+
+Teeth and bearings that turn with the motor make its friction rise and fall with each turn, and both
+joints that turn it bear that.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.decisions import FEWEST_WAVES
+from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.design import kept, lengths
+from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.gear_coupling import GearCoupling
+from frictionjoint.robot.corrections import Shaft
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.screen import Found, law_columns
+
+
+def with_waves(joints: Sequence[FittedJoint], found: Found) -> list[Cause]:
+    """Forms of the model's gear couplings whose friction level has a wave, one for each."""
+    forms: list[Cause] = []
+    for cause in found.causes:
+        if isinstance(cause, GearCoupling) and not cause.waves:
+            line = _strongest([_Part(j, cause) for j in joints if j.name in cause.joints])
+            if line:
+                forms.append(replace(cause, waves=line[0], among=line[1]))
+    return forms
+
+
+class _Part:
+    """What a joint leaves, its law projected out, in units of that."""
+
+    def __init__(self, joint: FittedJoint, cause: GearCoupling) -> None:
+        self.joint = joint
+        self.shaft = Shaft(cause.joints, cause.ratio, cause.top)
+        self.unit = joint.fit.weight / joint.left
+        law = law_columns(joint)
+        self.base = orthonormal(law / lengths(law))
+        e = joint.residual * self.unit
+        self.residual = e - self.base @ (self.base.T @ e)
+
+    @property
+    def turns(self) -> Array:
+        """Of the shaft, on the kept samples of all logs, rad, shape (n,)."""
+        pairs = zip(self.joint.alongs, self.joint.prepared.segments, strict=True)
+        return np.concatenate([kept(s, a.turn(self.shaft)[0]) for a, s in pairs])
+
+    def wave(self, waves: float) -> Array:
+        """Columns of sine and cosine, the law projected out, shape (n, 2)."""
+        shaft = replace(self.shaft, waves=waves)
+        pairs = zip(self.joint.alongs, self.joint.prepared.segments, strict=True)
+        X = np.concatenate([kept(s, a.shaft(shaft)[:, -2:]) for a, s in pairs])
+        X = X * self.unit[:, None]
+        return np.asarray(X - self.base @ (self.base.T @ X))
+
+
+def _strongest(parts: Sequence[_Part]) -> tuple[float, float] | None:
+    """The wave that explains most, 1/rad, and among how many lines; None where none has room."""
+    turns = np.concatenate([p.turns for p in parts])
+    span = float(np.ptp(turns))
+    # periods are counted over where the shaft mostly is, as those of a joint
+    usual = float(np.subtract(*np.quantile(turns, (0.95, 0.05))))
+    step = float(np.median(np.abs(np.diff(parts[0].turns))))
+    if usual <= 0.0 or step <= 0.0:
+        return None
+    # two lines for each wave over the span, up to one in two samples at the usual speed
+    line = np.pi / span
+    lines = np.arange(int(2.0 * FEWEST_WAVES * span / usual), span / step) * line
+    if not len(lines):
+        return None
+
+    def left(waves: float) -> float:
+        A, b = np.zeros((2, 2)), np.zeros(2)
+        for part in parts:
+            X = part.wave(waves)
+            A, b = A + X.T @ X, b + X.T @ part.residual
+        return -float(b @ np.linalg.lstsq(A, b, rcond=1e-9)[0])
+
+    best = float(lines[int(np.argmin([left(x) for x in lines.tolist()]))])
+    near = minimize_scalar(left, bounds=(best - line, best + line), method="bounded")
+    return float(near.x), max(1.0, len(lines) / 2.0)

@@ -1,0 +1,116 @@
+"""Friction of a shaft that two joints turn, which rises and falls with its turn.
+
+A tendon's ``frictionloss`` is one number. What its level has beyond that stands in ``<custom>``
+``<numeric name="frictionjoint-shaft:TENDON">`` and acts through the passive callback on both
+joints. At rest it is nothing: there the tendon's own level holds. A block is
+
+    0 MAGIC   1 version   2 resolved   3, 4 qpos and dof address of one joint   5, 6 of the other
+    7 turns of the shaft per turn of the other   8 waves along the shaft, 1/rad
+    9, 10 sine and cosine, N m   11 speed at which the friction turns over, rad/s
+
+Slots 2 to 6 belong to one compiled model, as those of a joint's block (`carrier`).
+"""
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
+from frictionjoint.errors import ModelError
+from frictionjoint.simulate.model_view import ModelView, names_of
+
+SHAFT = 199798.0
+SHAFT_TAG = "frictionjoint-shaft:"
+DOF, OTHER_DOF, RATIO = 4, 6, 7
+_VERSION = 1.0
+_RESOLVED, _QPOS, _OTHER_QPOS, _WAVES, _SIN, _COS, _TURNS_OVER = 2, 3, 5, 8, 9, 10, 11
+_SIZE = 12
+
+
+@dataclass(frozen=True)
+class ShaftWave:
+    """What a tendon's friction level has beyond its mean.
+
+    Attributes:
+        ratio: turns of the shaft per turn of the tendon's second joint; 1 of its first.
+        waves: along the shaft, 1/rad. sin, cos: of the wave, N m.
+        turns_over: speed at which the friction turns over, rad/s.
+    """
+
+    ratio: float
+    waves: float
+    sin: float
+    cos: float
+    turns_over: float
+
+
+def add_wave(spec: mujoco.MjSpec, tendon: str, wave: ShaftWave) -> None:
+    """Write the wave of a tendon over two joints into a spec; changed in place."""
+    numbers = [wave.ratio, wave.waves, wave.sin, wave.cos, wave.turns_over]
+    block = [SHAFT, _VERSION, 0.0, 0.0, 0.0, 0.0, 0.0, *numbers]
+    spec.add_numeric(name=SHAFT_TAG + tendon, data=block, size=_SIZE)
+
+
+def remove_waves(spec: mujoco.MjSpec) -> None:
+    """Take the waves of all tendons out of a spec; changed in place."""
+    for numeric in [n for n in spec.numerics if SHAFT_TAG in n.name]:
+        spec.delete(numeric)
+
+
+def wave_blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
+    """Address in ``numeric_data`` of each tendon's block, by the tendon's name."""
+    found = {}
+    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
+        prefix, tag, tendon = name.partition(SHAFT_TAG)
+        if tag:
+            found[prefix + tendon] = int(address)
+    return found
+
+
+def resolve_waves(model: mujoco.MjModel | ModelView) -> dict[str, int]:
+    """Write addresses into a model's own blocks; returns theirs.
+
+    Raises:
+        ModelError: a block that is none, or without a tendon over two hinges or slides.
+    """
+    found = wave_blocks(model)
+    tendons = names_of(model, "tendon")
+    for name, at in found.items():
+        block, where = model.numeric_data[at : at + _SIZE], f"numeric {SHAFT_TAG}{name}"
+        if block[0] != SHAFT or block[1] != _VERSION:
+            raise ModelError(f"{where} is no friction of a shaft: write the model again")
+        if name not in tendons:
+            raise ModelError(
+                f"{where} names tendon {name!r}: the model has {', '.join(tendons) or 'none'}"
+            )
+        tendon = tendons.index(name)
+        first = int(model.tendon_adr[tendon])
+        joints = [int(j) for j in model.wrap_objid[first : first + int(model.tendon_num[tendon])]]
+        if len(joints) != 2 or int(model.wrap_type[first]) != int(mujoco.mjtWrap.mjWRAP_JOINT):
+            raise ModelError(f"{where}: tendon {name!r} is not one over two joints")
+        for slot, joint in zip((_QPOS, _OTHER_QPOS), joints, strict=True):
+            block[slot] = model.jnt_qposadr[joint]
+            block[slot + 1] = model.jnt_dofadr[joint]
+        block[_RESOLVED] = 1.0
+    return found
+
+
+def said_of_waves(model: mujoco.MjModel) -> list[str]:
+    """A sentence for each tendon with a wave, which other programs lack."""
+    found = []
+    for name, at in wave_blocks(model).items():
+        size = math.hypot(*model.numeric_data[at + _SIN : at + _COS + 1])
+        found.append(f"{name}: the wave of {size:.3g} N m in its friction level")
+    return found
+
+
+@compiled
+def wave_torque(P: Vector, block: int, qpos: Vector, qvel: Vector) -> float:
+    """Of the shaft beyond its tendon's mean level, N m."""
+    one, other, ratio = int(P[block + _QPOS]), int(P[block + _OTHER_QPOS]), P[block + RATIO]
+    angle = P[block + _WAVES] * (qpos[one] + ratio * qpos[other])
+    v = qvel[int(P[block + DOF])] + ratio * qvel[int(P[block + OTHER_DOF])]
+    level = P[block + _SIN] * math.sin(angle) + P[block + _COS] * math.cos(angle)
+    return level * math.tanh(v / P[block + _TURNS_OVER])
