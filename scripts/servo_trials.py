@@ -10,11 +10,11 @@ gain put out a torque. A trial is right where exactly that effect of the drive i
 where there is nothing; its number where it is within 10%.
 
 --bands also refines the model, with what the motion asks for besides, as a report does. It counts
-what is named so, draws a hundred parameter sets from the posterior, simulates the held-out log with
-each, and counts how many of its positions lie between the 2.5th and the 97.5th percentile, a count
-of the encoder added on either side. The refined model's error on the held-out logs is stated over a
-true model's: the plant itself, begun as the simulations of the model are and given the log's own
-target.
+what is named so, draws two hundred parameter sets from the posterior, simulates the held-out logs
+with each, and counts how many of their positions lie between the 2.5th and the 97.5th percentile of
+those, all rounded as the encoder does (`guard.held`). The refined model's error on the held-out
+logs is stated over a true model's: the plant itself, begun as the simulations of the model are and
+given the log's own target.
 """
 
 import argparse
@@ -41,6 +41,7 @@ from frictionjoint.diagnose.closed_loop import (
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
+from frictionjoint.refine.guard import held as in_band
 from frictionjoint.simulate.one_joint import simulate
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
@@ -57,7 +58,7 @@ KINDS: dict[str, tuple[str, str, float, float]] = {
 }
 NOTHING = "nothing"
 OF_DRIVE = {effect.name for effect in DRIVE_EFFECTS}
-DRAWS, LEVEL = 100, 0.95
+DRAWS = 200
 # the plants' motor with its supply as one gain, N m a unit of duty
 TORQUE = Controller(output="torque_nm", kp="log:kp", limit=KT * SUPPLY, count_rad=COUNT)
 
@@ -132,8 +133,9 @@ def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> d
                 for f in models
             ]
         )
-        low, high = np.quantile(runs, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2], axis=0)
-        inside.append((course.position >= low - COUNT) & (course.position <= high + COUNT))
+        read, predicted = (np.round(x / COUNT) for x in (course.position, runs))
+        low, high = np.mean(predicted < read, axis=0), np.mean(predicted <= read, axis=0)
+        inside.append(in_band(low, high))
     return {
         "by_motion": [x.term.name for x in found.findings[before:]],
         "inside": float(np.mean(np.concatenate(inside))),

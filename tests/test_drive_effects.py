@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from servo_plant import KNOWN, PLANT, logs
+from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
 from frictionjoint.control.block import block_of
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
@@ -11,8 +11,10 @@ from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog
 
@@ -51,6 +53,25 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
     assert after < 0.6 * before
+
+
+def test_the_form_of_a_dead_band_is_not_hidden_by_a_smooth_one_of_another_number():
+    """Of a torque that leaps at its edge the band is seen from near its number alone."""
+    friction = 'frictionloss="0.082" damping="0.0847"'
+    made = [
+        servo(f"{m.__name__} {kp}", kp, m, {"deadband": 0.0934}, friction=friction)
+        for kp in (0.6, 3.0)
+        for m in (steps, sines, swept)
+    ]
+    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    place = ripened(prepared, (EMF_TERM,), prompt_maxwell_slip())[0]
+    base = refit(prepared, (EMF_TERM,), place.search.split(place.x)[0], ROUGH)
+    found = look_at_drive(prepared, base, np.random.default_rng(0))
+    assert found is not None
+    term, _ = found.tried[0]
+    assert term.name == "deadband"
+    assert term.effect.leaps
+    assert term.shape[0] == pytest.approx(0.0934, rel=0.01)
 
 
 def test_a_drive_as_its_file_says_asks_for_nothing():

@@ -85,6 +85,19 @@ def test_a_covariance_knows_that_gain_and_torques_move_together(case):
         assert there[i, i] == pytest.approx(slopes @ cov @ slopes)
 
 
+def test_a_delay_that_the_balance_has_at_nothing_is_searched_too():
+    body = RigidBody(PLANT.format(""), "j")
+    prepared = prepare([servo("swept 3", 3.0, swept, {}, 2.0)], body, controller=KNOWN)
+    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 2)
+    cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
+    vector = Vector(prepared, fitted, cov, body.armature)
+    at = vector.names.index("timing 0.shape0")
+    none = vector.start.copy()
+    none[at] = 1e-9
+    # half a tick of a firmware that works a thousand times a second
+    assert Vector(prepared, vector.fit(none), cov, body.armature).unit[at] >= 0.5e-3
+
+
 def test_numbers_stay_in_their_range_where_a_search_rounds(case):
     _, found, other = case
     vector = found.vector

@@ -5,10 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from frictionjoint.control.kernel import BLOCK, COUNT
 from frictionjoint.refine.guard import (
     clearly_less,
+    held,
     kinds,
     missing_width,
     of_logs,
@@ -174,11 +177,36 @@ def test_standard_errors_are_widened_until_bands_hold_what_was_left_out():
     cov = np.diag([0.01**2, 1e-12])  # the line may be off by 0.01, everywhere alike
     errors = np.random.default_rng(0).normal(0.0, 0.03, (1, 2001))
     errors[0, :200] = np.nan  # not of this kind
-    assert missing_width(line, np.zeros(2), cov, errors) == pytest.approx(3.0, rel=0.05)
+    # of the ten parts of a log alone: Student's band
+    wider = 3.0 * student.ppf(0.975, 9) / norm.ppf(0.975)
+    assert missing_width(line, np.zeros(2), cov, errors) == pytest.approx(wider, rel=0.05)
     assert missing_width(line, np.zeros(2), cov, 0.1 * errors) == 1.0
     # what a count of the encoder hides asks for nothing
     run.block[COUNT] = 1.0
     assert missing_width(line, np.zeros(2), cov, errors) == 1.0
+
+
+def test_a_band_holds_readings_of_a_true_prediction_however_coarse_the_encoder():
+    rng = np.random.default_rng(0)
+    true = rng.normal(0.0, 1.0, 20000)
+    for count in (0.01, 0.7, 5.0, 100.0):
+        read = count * np.round(true / count)
+        low, high = norm.cdf(read - 0.5 * count), norm.cdf(read + 0.5 * count)
+        assert np.mean(held(low, high)) == pytest.approx(0.95, abs=0.01)
+    # and none of what lies elsewhere
+    assert held(np.array([0.0]), np.array([1e-9])) == 0.0
+
+
+def test_what_an_encoder_rounds_does_not_hide_that_bands_are_too_narrow():
+    line = Line(np.linspace(0.0, 1.0, 2001), np.zeros(2001))
+    block = np.zeros(BLOCK)
+    block[COUNT] = 0.02
+    line.courses = [SimpleNamespace(position=np.zeros(2001), run=SimpleNamespace(block=block))]
+    cov = np.diag([0.003**2, 1e-12])
+    true = np.random.default_rng(0).normal(0.0, 0.03, (1, 2001)) + np.linspace(0.0, 1.0, 2001)
+    errors = 0.02 * np.round(true / 0.02) - np.linspace(0.0, 1.0, 2001)
+    wider = 10.0 * student.ppf(0.975, 9) / norm.ppf(0.975)
+    assert missing_width(line, np.zeros(2), cov, errors) == pytest.approx(wider, rel=0.05)
 
 
 def test_steps_keep_derivatives_up_to_date_and_differences_mend_them():

@@ -21,8 +21,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm
 from frictionjoint.threads import side_by_side
 
-# samples of the coarse fits, starts of each effect that ripen there and for how many steps; effects
-# that are fitted to all samples
+# samples of the coarse fits, starts of each form of an effect that ripen there and for how many
+# steps; effects that are fitted to all samples
 _COARSE, _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 1500, 2, 6, 3, 8
 _FLIPS, _HALVES = 999, 50
 
@@ -73,7 +73,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         starts = [
             place
             for i, (term, place) in enumerate(places)
-            if sum(other.name == term.name for other, _ in places[:i]) < _RIPENING
+            if sum(other.effect == term.effect for other, _ in places[:i]) < _RIPENING
         ]
         fits = list(each(attempt, starts))
     best: dict[str, tuple[float, DriveTerm]] = {}

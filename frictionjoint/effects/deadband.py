@@ -5,6 +5,7 @@ Two forms: beyond the band the whole error acts, or what exceeds the band.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from frictionjoint.effects.effect import Effect, Shape
 
 # quantiles of the error's size at which a search starts
 _QUANTILES = (0.05, 0.1, 0.2, 0.35, 0.5)
+# a torque that leaps tells nothing of a band further away than a few hundredths of the samples
+_CLOSE = np.linspace(0.02, 0.5, 25)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
@@ -41,9 +44,9 @@ def shifted_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
     return {"deadband": shape[0], "deadband_form": "shifted"}
 
 
-def _bands(logs: Sequence[Commands]) -> list[Shape]:
+def _bands(logs: Sequence[Commands], quantiles: Sequence[float] | Array) -> list[Shape]:
     errors = np.concatenate([np.abs(x.target - x.position)[x.on] for x in logs])
-    return [(float(d),) for d in np.unique(np.quantile(errors, _QUANTILES)) if d > 0.0]
+    return [(float(d),) for d in np.unique(np.quantile(errors, quantiles)) if d > 0.0]
 
 
 EFFECT = Effect(
@@ -63,7 +66,7 @@ EFFECT = Effect(
     leaps=True,
     drive=changed,
     controller=figures,
-    drive_shapes=_bands,
+    drive_shapes=partial(_bands, quantiles=_CLOSE),
 )
 
 SHIFTED_BAND = replace(
@@ -72,4 +75,5 @@ SHIFTED_BAND = replace(
     leaps=False,
     drive=shifted,
     controller=shifted_figures,
+    drive_shapes=partial(_bands, quantiles=_QUANTILES),
 )

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
-from scipy.special import ndtri
+from scipy.optimize import brentq, least_squares
+from scipy.special import ndtr, ndtri, stdtrit
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
@@ -36,8 +36,9 @@ _MOST_KINDS = 6
 _LAST = 1.0 / 3.0
 # of that, parts that count as logs of their own
 _PARTS = 10
-# part of the positions that a band holds, and least standard error of one, rad (m)
-BAND, _LEAST_WIDTH = 0.95, 1e-9
+# part of the positions that a band holds and to within what, and least standard error of one, rad
+# (m)
+BAND, _CLOSE, _LEAST_WIDTH = 0.95, 1e-6, 1e-9
 # steps towards where the kept logs would have the numbers
 _STEPS = 10
 
@@ -134,7 +135,8 @@ def missing_width(objective: Objective, z: Array, cov: Array, errors: Array) -> 
     """By how much standard errors must be wider for bands to hold what was left out; at least 1.
 
     What every model lacks is in no spread of its numbers. But it is in what it errs on kinds left
-    out, beyond a count of the encoder, which nobody can predict.
+    out, beyond what the encoder rounds. A log errs as a whole, so of a few logs that is no more
+    certain than a variance of as many numbers: the band is Student's.
 
     Args:
         cov: of the numbers, shape (p, p). errors: on kinds left out, NaN elsewhere, (kinds, n).
@@ -142,8 +144,36 @@ def missing_width(objective: Objective, z: Array, cov: Array, errors: Array) -> 
     moves = differences(objective.errors, objective.bounds, z, objective.errors(z))
     width = np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", moves, cov, moves), _LEAST_WIDTH**2))
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
-    off = np.maximum(np.abs(errors) - np.concatenate(counts), 0.0) / width
-    return max(1.0, float(np.nanquantile(off, BAND)) / float(ndtri(0.5 + 0.5 * BAND)))
+    kind, sample = np.nonzero(np.isfinite(errors))
+    off, width = errors[kind, sample], width[sample]
+    half = np.maximum(0.5 * np.concatenate(counts)[sample], _LEAST_WIDTH)
+
+    def missed(wider: float) -> float:
+        low, high = (ndtr((x - off) / (wider * width)) for x in (-half, half))
+        return BAND - _CLOSE - float(np.mean(held(low, high)))
+
+    if missed(1.0) <= 0.0:
+        return 1.0
+    most = 2.0
+    while missed(most) > 0.0:
+        most *= 2.0
+    edge, few = 0.5 + 0.5 * BAND, len(of_logs(errors, objective.courses)) - 1
+    student = float(stdtrit(few, edge) / ndtri(edge))
+    return student * float(brentq(missed, 0.5 * most, most, rtol=1e-3))
+
+
+def held(low: Array, high: Array) -> Array:
+    """How much of readings of an encoder lies inside a band of what is predicted of them.
+
+    A reading is all that is rounded to it, and lies inside with the part of its chance that does:
+    so a true prediction's band holds `BAND` of them, however coarse the encoder.
+
+    Args:
+        low, high: chance, predicted, of less than each reading, and of no more than it.
+    """
+    least, most = 0.5 - 0.5 * BAND, 0.5 + 0.5 * BAND
+    inside = np.clip(high, least, most) - np.clip(low, least, most)
+    return np.asarray(inside / np.maximum(high - low, np.finfo(float).tiny))
 
 
 def of_logs(errors: Array, courses: Sequence[Course]) -> Array:

@@ -86,6 +86,11 @@ class Vector:
         for i in self._inertias:
             size[i] = max(size[i], max(inertia_of(s.signals) for s in prepared.segments))
             error[i] = np.inf
+        # where in its sample a torque belongs is as open where the balance has it at nothing
+        for i, term in enumerate(fitted.terms):
+            if isinstance(term, Timing):
+                at = self.layout.numbers(i)
+                size[at] = np.maximum(size[at], term.most)
         self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
@@ -112,11 +117,11 @@ class Vector:
         low += list(least_law)
         high += list(most_law)
         for term in self.fitted.terms:
-            limits = shape_limits(term)
+            limits, scale = shape_limits(term), _LEAST_SCALE
             if isinstance(term, Timing):  # a simulation knows no torque before its cause
-                limits = ((0.0, 0.05),)
+                limits, scale = ((0.0, 0.05),), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):
-                low.append(max(least, _LEAST_SCALE * x) if least == 0.0 else least)
+                low.append(max(least, scale * x) if least == 0.0 else least)
                 high.append(most)
         return np.array(low), np.array(high)
 
