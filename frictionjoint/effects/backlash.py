@@ -12,7 +12,8 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, GEAR, GX, GY, SWAY, TIME, A
+from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
 
 # longest step, over the period of the flanks' resonance divided by 2 pi; and of a step, what is as
 # good as nothing
@@ -104,8 +105,7 @@ def _gaps(signals: Array) -> list[Shape]:
     usual = float(np.sqrt(np.mean(signals[:, GEAR] ** 2)))
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
     flanks = [f for f in _FLANKS if f < 0.5 * nyquist]
-    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
-    inertia = abs(float(np.linalg.lstsq(columns, signals[:, GEAR], rcond=None)[0][0]))
+    inertia = inertia_of(signals, GEAR)
     return [
         (0.5 * usual * t * t, f, _ZETA, part * inertia)
         for t in _CROSSINGS

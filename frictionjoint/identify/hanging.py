@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import GEAR, GX, GY, A
+from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.signals import GEAR
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -27,13 +27,7 @@ def _hung(prepared: Prepared, fitted: Fit, i: int) -> Term:
     term = fitted.terms[i]
     if not isinstance(term, EffectTerm) or not term.effect.of_inertia:
         return term
-    whole = float(np.median([_behind_gear(s.signals) for s in prepared.segments]))
+    whole = float(np.median([inertia_of(s.signals, GEAR) for s in prepared.segments]))
     (behind,) = fitted.term_coefficients(i)
     part = float(np.clip(behind / whole, _LEAST, 1.0)) if whole > 0.0 and behind > 0.0 else 1.0
     return term if abs(part - term.part) <= _ALIKE * term.part else replace(term, part=part)
-
-
-def _behind_gear(signals: Array) -> float:
-    """Inertia of what the gear drives, kg m^2; gravity goes with the position."""
-    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
-    return float(np.linalg.lstsq(columns, signals[:, GEAR], rcond=None)[0][0])

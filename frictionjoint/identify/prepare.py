@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import commands, with_drive
+from frictionjoint.effects.inertia import inertia_of
 from frictionjoint.effects.signals import (
     DT,
     GEAR,
@@ -172,7 +173,7 @@ def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller |
         np.interp(grid, t, motion.q),
         sample,
         count_of(log.position),
-        inertia_of(signals) * per_drive,
+        inertia_of(signals, LOAD) * per_drive,
     )
     return Segment(
         name=log.name,
@@ -197,16 +198,6 @@ def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller |
         corner_hz=band.motion,
         commanded=commanded,
     )
-
-
-def inertia_of(signals: Array) -> float:
-    """Torque of the rigid body over its acceleration, kg m^2; gravity goes with the position.
-
-    Args:
-        signals: of a log, shape (n, N_SIGNALS).
-    """
-    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
-    return abs(float(np.linalg.lstsq(columns, signals[:, LOAD], rcond=None)[0][0]))
 
 
 def _per_torque(drive: Array, load: Array, velocity: Array) -> float:

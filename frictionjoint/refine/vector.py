@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import Q, V
+from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.signals import LOAD, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.prepare import inertia_of
 from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Timing
@@ -84,7 +84,7 @@ class Vector:
         # an inertia's error is one of the whole, and what a delay leaves of it in the balance
         # says little of it
         for i in self._inertias:
-            size[i] = max(size[i], max(inertia_of(s.signals) for s in prepared.segments))
+            size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
             error[i] = np.inf
         # where in its sample a torque belongs is as open where the balance has it at nothing
         for i, term in enumerate(fitted.terms):
