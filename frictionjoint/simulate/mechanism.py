@@ -29,8 +29,8 @@ from frictionjoint.effects.joint_elasticity import EFFECT as ELASTICITY
 from frictionjoint.errors import ModelError
 
 DEFLECTION, TENDON = "_deflection", "_link"
-# of the joint's inertia: a rotor has so much at least, and so much at most to make a fast spring
-# possible
+# of the joint's inertia: a rotor has so much at least, as a link behind a gap has, and so much at
+# most to make a fast spring possible
 _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # radians that the two masses may swing against each other in a time step: springs are explicit. A
 # flank's edge within a step gives or takes energy, so fewer
@@ -196,7 +196,7 @@ def _spring(
             frequency, ratio, inertia = (float(x) for x in numbers)
         else:
             gap, frequency, ratio, rotor, _ = (float(x) for x in numbers)
-            inertia = max(link - rotor, 0.0)
+            inertia = max(link - rotor, _LEAST_ROTOR * total)
             half_gap = 0.5 * gap / inertia
         behind, damping_ratio = min(behind, inertia), max(damping_ratio, ratio)
         compliance += 1.0 / (2.0 * math.pi * frequency) ** 2
