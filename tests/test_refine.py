@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
+from scipy.stats import t as student
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
@@ -66,7 +68,9 @@ def test_the_covariance_is_one(case):
     assert np.linalg.eigvalsh(found.cov).min() > -1e-12
     # what moves the simulated joint most is determined better than by the balance; the rest may be
     # less sure, for all are widened by what was left out
-    error = np.sqrt(np.diag(found.cov)) / found.vector.unit
+    # bands are Student's of three logs: as standard errors of a normal distribution
+    narrower = norm.ppf(0.975) / student.ppf(0.975, 2)
+    error = narrower * np.sqrt(np.diag(found.cov)) / found.vector.unit
     assert np.all(np.sort(error)[: len(error) // 4] < 0.3)
     assert error.max() < 3.0
 

@@ -23,6 +23,8 @@ _LEAST, _MOST = 0.05, 0.5
 _LEVEL = 0.05
 # least level of a law, over the torque's rms
 _LOWEST = 1e-6
+# s, for which a simulation in steps of 1 ms holds a torque on the mean
+_HELD = 0.5e-3
 # of a length, a speed or a frequency, over the balance's: none of them is nothing
 _LEAST_SCALE = 1e-3
 
@@ -86,12 +88,12 @@ class Vector:
         for i in self._inertias:
             size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
             error[i] = np.inf
-        # where in its sample a torque belongs is as open where the balance has it at nothing
+        self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
+        # a lag of nothing in the balance is as open as when in its steps a simulation acts
         for i, term in enumerate(fitted.terms):
             if isinstance(term, Timing):
                 at = self.layout.numbers(i)
-                size[at] = np.maximum(size[at], term.most)
-        self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
+                self.unit[at] = np.maximum(self.unit[at], _HELD)
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
         low, high = [], []
