@@ -217,9 +217,7 @@ def _spring(
 
 def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
     """Take inertia about a hinge's axis from its body, kg m^2; False where none such can be."""
-    if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_HINGE:
-        return False
-    if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
+    if not _own_inertia(spec, model, j):
         return False
     b = int(model.jnt_bodyid[j])
     flat = np.zeros(9)
@@ -233,10 +231,7 @@ def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) 
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, (frame @ axes).reshape(-1))
     body = spec.joint(model.joint(j).name).parent
-    body.explicitinertial = True
-    body.mass, body.ipos = float(model.body_mass[b]), model.body_ipos[b]
-    body.inertia, body.iquat = moments, quat
-    body.fullinertia = np.full(6, np.nan)
+    _give(body, float(model.body_mass[b]), model.body_ipos[b], moments, quat)
     return True
 
 
@@ -246,28 +241,35 @@ def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -
     Returns:
         False where other joints feel the mass, or where its distance does not make so much.
     """
-    b, dof = int(model.jnt_bodyid[j]), int(model.jnt_dofadr[j])
-    alone = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and model.dof_parentid[dof] < 0
-    if (
-        not alone
-        or spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    ):
+    if not _own_inertia(spec, model, j) or model.dof_parentid[model.jnt_dofadr[j]] >= 0:
         return False
-    axis, centre = model.jnt_axis[j], model.body_ipos[b] - model.jnt_pos[j]
+    b = int(model.jnt_bodyid[j])
+    mass, place, axis = float(model.body_mass[b]), model.body_ipos[b], model.jnt_axis[j]
+    centre = place - model.jnt_pos[j]
     across = centre - (centre @ axis) * axis
-    away = float(model.body_mass[b] * (across @ across))
+    away = mass * float(across @ across)
     if excess >= (1.0 - _NEAREST) * away:
         return False
-    nearer = 1.0 - excess / away
+    far = excess / away
     body = spec.joint(model.joint(j).name).parent
-    body.explicitinertial = True
-    body.mass, body.ipos = (
-        float(model.body_mass[b]) / nearer,
-        model.body_ipos[b] - (1.0 - nearer) * across,
-    )
-    body.inertia, body.iquat = model.body_inertia[b], model.body_iquat[b]
-    body.fullinertia = np.full(6, np.nan)
+    there = mass / (1.0 - far), place - far * across
+    _give(body, *there, model.body_inertia[b], model.body_iquat[b])
     return True
+
+
+def _own_inertia(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int) -> bool:
+    """Whether a hinge's body can be given an inertia: MuJoCo does not make it of its geoms."""
+    if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_HINGE:
+        return False
+    return bool(spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
+
+
+def _give(body: mujoco.MjsBody, mass: float, place: Array, inertia: Array, quat: Array) -> None:
+    """Give a body a mass and principal moments about its centre."""
+    body.explicitinertial = True
+    body.mass, body.ipos = mass, place
+    body.inertia, body.iquat = inertia, quat
+    body.fullinertia = np.full(6, np.nan)
 
 
 def _in_keys(
