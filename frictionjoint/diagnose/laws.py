@@ -67,10 +67,15 @@ class Laws:
 
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the rivals' shapes together with some effects, from all starts."""
-        for forms in self._rivals:
-            self._progress("fit: other laws")
+        self._progress("fit: other laws")
+
+        def ripest(forms: tuple[Shape, ...]) -> Shape:
             place = ripened(prepared, effects, forms)[0]
-            self.shapes[forms[0].variables] = place.search.split(place.x)[0]
+            return place.search.split(place.x)[0]
+
+        with side_by_side() as each:
+            for shape in each(ripest, self._rivals):
+                self.shapes[shape.variables] = shape
 
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """A fit of the same effects with another law where that is clearly better.
