@@ -250,7 +250,7 @@ def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
     found = []
     for now in (after, before):
         seen = screened(now.joints, now.clock, now.settled.found, beside)
-        squares = seen.stack.held_out(columns_of((*seen.taken, *seen.candidates))).sum(axis=1)
+        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
         found.append(squares * [j.left**2 for j in seen.stack.joints])
     return np.asarray(found[0] / found[1])
 
