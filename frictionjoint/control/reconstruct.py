@@ -110,13 +110,18 @@ def drive_kind(controller: Controller) -> Literal["torque", "voltage", "current"
     return "current" if controller.kp == UNKNOWN else "torque"
 
 
+def measures_drive(log: JointLog) -> bool:
+    """Whether a log holds what its motor was given."""
+    return any(x is not None for x in (log.torque, log.voltage, log.current))
+
+
 def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
     """The log with its drive: as measured, or as the controller made it.
 
     Raises:
         LogError: neither a drive nor a controller is known.
     """
-    if any(x is not None for x in (log.torque, log.voltage, log.current)):
+    if measures_drive(log):
         return log
     if controller is None:
         raise LogError(

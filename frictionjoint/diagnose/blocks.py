@@ -123,7 +123,7 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     return out
 
 
-def make_blocks(prepared: Prepared, fitted: Fit, law_errors: Array | None = None) -> Blocks:
+def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     """Cut the logs into blocks, and sort the blocks into folds.
 
     Blocks span several correlation times of the residual, as far as enough blocks remain: what
@@ -155,7 +155,7 @@ def make_blocks(prepared: Prepared, fitted: Fit, law_errors: Array | None = None
     noise = float(np.mean(variance)) * fitted.gain**2
     left = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
     floor = np.array(left) * fitted.gain**2
-    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise, law_errors)
+    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise)
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import with_drive
+from frictionjoint.control.reconstruct import measures_drive
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -28,7 +28,7 @@ def prepare_kept_back(
     Args:
         body, band, controller: see `prepare`; the band is of the logs that were fitted.
     """
-    warm = [log.with_before() if with_drive(log, controller) is log else log for log in logs]
+    warm = [log.with_before() if measures_drive(log) else log for log in logs]
     prepared = prepare(warm, body, band, controller)
     since = [own.time[0] - log.time[0] for own, log in zip(logs, warm, strict=True)]
     pairs = zip(prepared.segments, since, strict=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import commands, with_drive
+from frictionjoint.control.reconstruct import commands, measures_drive, with_drive
 from frictionjoint.effects.inertia import inertia_of
 from frictionjoint.effects.signals import (
     DT,
@@ -67,13 +67,13 @@ def prepare(
     """
     bodies = [body] * len(logs) if isinstance(body, RigidBody) else list(body)
     body = bodies[0]
-    given, logs = logs, [with_drive(log, controller) for log in logs]
+    measured = [measures_drive(log) for log in logs]
+    logs = [with_drive(log, controller) for log in logs]
     drives = [_drive(log)[0] for log in logs]
     for log, drive in zip(logs, drives, strict=True):
         if drive != drives[0]:
             what = f"{logs[0].name} has a {drives[0]} and {log.name} a {drive}"
             raise LogError(f"{what}: give logs of one kind")
-    measured = [log is own for log, own in zip(logs, given, strict=True)]
 
     def motions(corner_hz: float, held: bool) -> list[Motion]:
         each = zip(logs, bodies, measured, strict=True)

@@ -150,17 +150,17 @@ def screen(
     causes: Sequence[Cause],
     own: Callable[[str], bool] = lambda label: True,
     common: Sequence[EffectTerm] = (),
-    shaped: Sequence[FittedJoint] | None = None,
+    shaped: Sequence[FittedJoint] = (),
 ) -> Screened:
     """Columns of all causes and of the joints' own effects.
 
     Args:
         found: causes in the model. causes: those that may come.
         own: which of the joints' own effects compete, by label. common: effects of all alike.
-        shaped: the joints by whose residual their own effects have their shapes; None: `joints`.
+        shaped: the joints by whose residual their own effects have their shapes; none: `joints`.
     """
     starts = _starts(joints, clock, found, causes)
-    return _screen(joints, clock, found, causes, starts, own, common, shaped or joints)
+    return _screen(joints, clock, found, causes, starts, own, common, shaped)
 
 
 def _screen(

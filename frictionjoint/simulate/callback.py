@@ -40,8 +40,7 @@ from frictionjoint.simulate.pointers import (
     mj_stack_numbers,
 )
 from frictionjoint.simulate.row import T_EVALUATED, torque_now
-from frictionjoint.simulate.shaft_wave import DOF as SHAFT_DOF
-from frictionjoint.simulate.shaft_wave import OTHER_DOF, RATIO, SHAFT, wave_torque
+from frictionjoint.simulate.shaft_wave import SHAFT, resist
 from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
@@ -106,9 +105,7 @@ def build_native() -> Any:
                 if P[block + RESOLVED] != 1.0:
                     continue
             if P[block] == SHAFT:
-                F = wave_torque(P, block, qpos, qvel)
-                passive[int(P[block + SHAFT_DOF])] -= F
-                passive[int(P[block + OTHER_DOF])] -= P[block + RATIO] * F
+                resist(P, block, qpos, qvel, passive)
                 continue
             x = int(P[block + ROW])
             q = qpos[int(P[block + QPOS])]
@@ -236,9 +233,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         if P[block + RESOLVED] != 1.0:
             continue
         if P[block] == SHAFT:
-            F = float(wave_torque(P, block, data.qpos, data.qvel))
-            data.qfrc_passive[int(P[block + SHAFT_DOF])] -= F
-            data.qfrc_passive[int(P[block + OTHER_DOF])] -= P[block + RATIO] * F
+            resist(P, block, data.qpos, data.qvel, data.qfrc_passive)
             continue
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time

@@ -34,7 +34,7 @@ from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.instruments import delay_sensors
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
-from frictionjoint.simulate.model_view import ModelView, names_of
+from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
 from frictionjoint.simulate.motor_demand import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
     clear_native_friction,
@@ -210,12 +210,7 @@ def write_parameters(numeric_data: Array, block: int, parameters: Friction) -> N
 
 def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     """Address in ``numeric_data`` of each joint's block, by joint name."""
-    found = {}
-    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
-        prefix, tag, joint = name.partition(TAG)
-        if tag:
-            found[prefix + joint] = int(address)
-    return found
+    return tagged_numerics(model, TAG)
 
 
 def rows_of_block(block: Sequence[float]) -> int:

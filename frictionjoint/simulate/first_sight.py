@@ -31,13 +31,13 @@ def make_ready(model: Any) -> None:
         model: an MjModel or a `ModelView`.
     """
     with _one_at_a_time:
-        found = blocks(model) | wave_blocks(model)
-        if not any(model.numeric_data[at + RESOLVED] == 0.0 for at in found.values()):
+        found = [*blocks(model).values(), *wave_blocks(model).values()]
+        if not any(model.numeric_data[at + RESOLVED] == 0.0 for at in found):
             return  # another thread was here first, or a numeric that is no friction of ours
         try:
             resolve(model)
         except (ModelError, ParameterError) as error:
-            for at in found.values():
+            for at in found:
                 if model.numeric_data[at] in (MAGIC, SHAFT):
                     model.numeric_data[at + RESOLVED] = REFUSED
             warnings.warn(

@@ -12,7 +12,7 @@ the link's inertia cannot be made smaller, and MuJoCo would see an impossible bo
 joint gets more mass nearer to the axis, which weighs as much on it. Behind any other joint its mass
 counts, and the deflection gets an armature that leaves to the motor's side just what was
 identified. Before other joints the inertia is left to the bodies, whatever the pose, and the fit
-gives stiffness and damping. Behind a gap is the whole link.
+gives stiffness and damping. Behind a gap is the link without what turns with the motor.
 """
 
 import math

@@ -41,3 +41,17 @@ def names_of(model: Any, kind: str) -> list[str]:
     letters = bytes(model.names)
     begins = getattr(model, f"name_{kind}adr")
     return [letters[begin : letters.index(0, begin)].decode() for begin in begins]
+
+
+def tagged_numerics(model: Any, tag: str) -> dict[str, int]:
+    """Address in ``numeric_data`` of each numeric with a tag in its name, by the rest of the name.
+
+    Args:
+        model: an MjModel or a `ModelView`.
+    """
+    found = {}
+    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
+        prefix, own, rest = name.partition(tag)
+        if own:
+            found[prefix + rest] = int(address)
+    return found

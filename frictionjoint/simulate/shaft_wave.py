@@ -19,13 +19,13 @@ import mujoco
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.model_view import ModelView, names_of
+from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
 
 SHAFT = 199798.0
 SHAFT_TAG = "frictionjoint-shaft:"
-DOF, OTHER_DOF, RATIO = 4, 6, 7
 _VERSION = 1.0
-_RESOLVED, _QPOS, _OTHER_QPOS, _WAVES, _SIN, _COS, _TURNS_OVER = 2, 3, 5, 8, 9, 10, 11
+_RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO = 2, 3, 4, 5, 6, 7
+_WAVES, _SIN, _COS, _TURNS_OVER = 8, 9, 10, 11
 _SIZE = 12
 
 
@@ -61,23 +61,17 @@ def remove_waves(spec: mujoco.MjSpec) -> None:
 
 def wave_blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     """Address in ``numeric_data`` of each tendon's block, by the tendon's name."""
-    found = {}
-    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
-        prefix, tag, tendon = name.partition(SHAFT_TAG)
-        if tag:
-            found[prefix + tendon] = int(address)
-    return found
+    return tagged_numerics(model, SHAFT_TAG)
 
 
-def resolve_waves(model: mujoco.MjModel | ModelView) -> dict[str, int]:
-    """Write addresses into a model's own blocks; returns theirs.
+def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
+    """Write addresses into a model's own blocks.
 
     Raises:
         ModelError: a block that is none, or without a tendon over two hinges or slides.
     """
-    found = wave_blocks(model)
     tendons = names_of(model, "tendon")
-    for name, at in found.items():
+    for name, at in wave_blocks(model).items():
         block, where = model.numeric_data[at : at + _SIZE], f"numeric {SHAFT_TAG}{name}"
         if block[0] != SHAFT or block[1] != _VERSION:
             raise ModelError(f"{where} is no friction of a shaft: write the model again")
@@ -94,7 +88,6 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> dict[str, int]:
             block[slot] = model.jnt_qposadr[joint]
             block[slot + 1] = model.jnt_dofadr[joint]
         block[_RESOLVED] = 1.0
-    return found
 
 
 def said_of_waves(model: mujoco.MjModel) -> list[str]:
@@ -107,10 +100,14 @@ def said_of_waves(model: mujoco.MjModel) -> list[str]:
 
 
 @compiled
-def wave_torque(P: Vector, block: int, qpos: Vector, qvel: Vector) -> float:
-    """Of the shaft beyond its tendon's mean level, N m."""
-    one, other, ratio = int(P[block + _QPOS]), int(P[block + _OTHER_QPOS]), P[block + RATIO]
+def resist(P: Vector, block: int, qpos: Vector, qvel: Vector, passive: Vector) -> None:
+    """Take the shaft's friction beyond its tendon's mean level from both joints' torques, N m."""
+    ratio = P[block + _RATIO]
+    one, other = int(P[block + _QPOS]), int(P[block + _OTHER_QPOS])
+    dof, other_dof = int(P[block + _DOF]), int(P[block + _OTHER_DOF])
     angle = P[block + _WAVES] * (qpos[one] + ratio * qpos[other])
-    v = qvel[int(P[block + DOF])] + ratio * qvel[int(P[block + OTHER_DOF])]
+    v = qvel[dof] + ratio * qvel[other_dof]
     level = P[block + _SIN] * math.sin(angle) + P[block + _COS] * math.cos(angle)
-    return level * math.tanh(v / P[block + _TURNS_OVER])
+    F = level * math.tanh(v / P[block + _TURNS_OVER])
+    passive[dof] -= F
+    passive[other_dof] -= ratio * F
