@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ def read_spec(model: str | Path) -> mujoco.MjSpec:
 
     Args:
         model: path of the file, or an MJCF's text. A URDF's meshes are looked for in its folder and
-            in those above, see `urdf.with_found_meshes`.
+            in those above, see `urdf.with_found_meshes`; a warning names shapes left out.
     Raises:
         ModelError: there is no such file, or MuJoCo cannot compile it.
     """
@@ -45,23 +46,46 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     text = _is_text(model)
     if not text and not Path(model).is_file():
         raise ModelError(f"{model}: no such file, give the path of an MJCF or a URDF")
-    missing: tuple[str, ...] = ()
+    needed: tuple[str, ...] = ()
     try:
         with as_python_warnings(), compiling():
             if text:
                 spec = mujoco.MjSpec.from_string(str(model))
             elif is_urdf(Path(model)):
-                urdf, missing = with_found_meshes(Path(model))
-                spec = mujoco.MjSpec.from_string(urdf)
+                urdf = with_found_meshes(Path(model))
+                needed = urdf.needed
+                _warn_of_shapes(model, urdf.left_out)
+                spec = mujoco.MjSpec.from_string(urdf.text)
             else:
                 spec = mujoco.MjSpec.from_file(str(model))
             return spec, spec.compile()
     except ValueError as error:
-        looked = f"; not found from its folder upwards: {', '.join(missing)}" if missing else ""
+        looked = (
+            f"; not found from its folder upwards: {_few(needed)} of links without <inertial>: "
+            "put the package beside the URDF, or give these links their masses"
+            if needed
+            else ""
+        )
         reason = " ".join(str(error).split())
         raise ModelError(
             f"{source_name(model)}: MuJoCo cannot compile it: {reason}{looked}"
         ) from None
+
+
+def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
+    if left_out:
+        warnings.warn(
+            f"{model}: collision meshes not found from its folder upwards: {_few(left_out)}; these "
+            "shapes are left out, masses are the file's own: put the package beside the URDF where "
+            "collisions count",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+
+
+def _few(names: tuple[str, ...], most: int = 3) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def source_name(model: str | Path) -> str:

@@ -1,39 +1,66 @@
 """A URDF as MuJoCo can read it: every mesh by the path where it lies.
 
 ROS names meshes by package, ``package://NAME/meshes/link.stl``, which MuJoCo does not resolve, and
-before 4.0 MuJoCo looks for all meshes of a URDF by their bare names in one folder.
+before 4.0 MuJoCo looks for all meshes of a URDF by their bare names in one folder. A URDF often
+comes without its packages; dynamics needs masses alone, and so a shape whose mesh is not there is
+left out where its link states its mass.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 _IN_A_PACKAGE = ("package://", "model://")
 
 
-def with_found_meshes(path: Path) -> tuple[str, tuple[str, ...]]:
-    """The URDF's text with absolute paths of its meshes, and the names of those not found.
+@dataclass(frozen=True)
+class FoundMeshes:
+    """A URDF's text with absolute paths of its meshes.
+
+    Attributes:
+        left_out: meshes not found whose shapes the text does not have; of collision shapes.
+        needed: meshes not found of links without a mass of their own, which the text still names.
+    """
+
+    text: str
+    left_out: tuple[str, ...]
+    needed: tuple[str, ...]
+
+
+def with_found_meshes(path: Path) -> FoundMeshes:
+    """Read a URDF and look for its meshes.
 
     ``package://NAME/REST`` is looked for from the URDF's folder upwards: a folder NAME that holds
-    REST, then a package (its package.xml says NAME) that does, then any folder that does. What is
-    not found stays as it is: visual meshes are mostly not needed.
+    REST, then a package (its package.xml says NAME) that does, then any folder that does.
     """
     tree = ElementTree.parse(path)
     robot = tree.getroot()
     compiler = _compiler(robot)
     folder = path.resolve().parent
     folders = [folder / compiler.attrib.pop(key, "") for key in ("meshdir", "assetdir")]
-    missing = []
-    for mesh in robot.iter("mesh"):
-        name = mesh.get("filename", "")
-        found = next((x for x in _candidates(name, folders) if x.is_file()), None)
-        if found is None:
-            missing.append(name)
-        else:
-            mesh.set("filename", str(found))
+    left_out, needed = [], []
+    for link in robot.iter("link"):
+        has_mass = link.find("inertial") is not None
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            mesh = shape.find("geometry/mesh")
+            if mesh is None:
+                continue
+            name = mesh.get("filename", "")
+            found = next((x for x in _candidates(name, folders) if x.is_file()), None)
+            if found is not None:
+                mesh.set("filename", str(found))
+            elif shape.tag == "visual":
+                link.remove(shape)  # by default MuJoCo drops these itself
+            elif has_mass:
+                link.remove(shape)
+                left_out.append(name)
+            else:
+                needed.append(name)
     # by default only the bare name of a mesh is looked at, and two links may share one
     compiler.set("strippath", "false")
-    return ElementTree.tostring(robot, encoding="unicode"), tuple(dict.fromkeys(missing))
+    text = ElementTree.tostring(robot, encoding="unicode")
+    return FoundMeshes(text, tuple(dict.fromkeys(left_out)), tuple(dict.fromkeys(needed)))
 
 
 def _compiler(robot: ElementTree.Element) -> ElementTree.Element:

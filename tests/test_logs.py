@@ -221,6 +221,34 @@ def test_a_joint_at_rest_does_not_repeat_rows(tmp_path: Path) -> None:
     assert log.notes == ()
 
 
+def held_readings(most: int) -> dict[str, np.ndarray]:
+    """A log whose readings stand for up to so many rows, irregularly, as where messages are lost."""
+    table, rng = columns(), np.random.default_rng(3)
+    fresh = np.cumsum(rng.integers(1, most + 1, N))
+    at = fresh[np.searchsorted(fresh, np.arange(N), side="right") - 1].clip(0, N - 1)
+    for name in ("position_rad", "torque_nm"):
+        table[name] = table[name][at]
+    del table["velocity_rad_s"]
+    return table
+
+
+def test_readings_held_while_the_joint_moves_are_refused(tmp_path: Path) -> None:
+    error = error_of(write(tmp_path / "log.csv", held_readings(9)))
+    assert "position_rad" in error
+    assert "of the travel lies in leaps" in error
+
+
+def test_coarse_counts_and_slips_are_no_leaps(tmp_path: Path) -> None:
+    table = columns()
+    del table["velocity_rad_s"]
+    table["position_rad"] = 1.5e-3 * np.round(table["position_rad"] / 1.5e-3)
+    assert len(read_log(write(tmp_path / "coarse.csv", table)).time) == N
+    # a slip takes the joint's inertia some samples
+    phase = np.cumsum(np.clip(np.sin(60.0 * table["time_s"]), 0.0, None) ** 4)
+    table["position_rad"] = 1e-4 * np.round(10.0 * phase)
+    assert len(read_log(write(tmp_path / "slips.csv", table)).time) == N
+
+
 @pytest.mark.parametrize(("factor", "said"), [(1.0, False), (0.97, False), (1.1, True)])
 def test_a_velocity_that_is_not_the_slope_is_said(factor: float, said: bool) -> None:
     c = columns()

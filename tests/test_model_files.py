@@ -338,17 +338,32 @@ def test_a_package_is_known_by_its_manifest_before_any_folder_is(package, tmp_pa
     assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.1, rel=1e-5)
 
 
-def test_meshes_of_a_urdf_that_are_nowhere_are_named(package):
+def test_shapes_whose_meshes_are_nowhere_are_left_out_and_said(package, recwarn):
+    """Masses are the URDF's own, and a robot's dynamics needs no shape."""
+    visual, collision = "package://x/gone.dae", "package://x/meshes/collision/gone.stl"
+    (package / "urdf" / "arm.urdf").write_text(
+        URDF.format(more="", visual=visual, collision=collision)
+    )
+    with pytest.warns(RuntimeWarning, match=r"not found from its folder upwards: .*gone\.stl; the"):
+        model = compile_model(package / "urdf" / "arm.urdf")
+    assert (model.nmesh, float(model.body("link").mass[0])) == (0, 1.0)
+    # what is only looked at is not needed
     text = URDF.format(
-        more="", visual="package://x/gone.dae", collision="package://x/meshes/collision/gone.stl"
+        more="", visual=visual, collision=collision.replace("gone", "link").replace("x", "y", 1)
     )
     (package / "urdf" / "arm.urdf").write_text(text)
-    with pytest.raises(FrictionJointError, match=r"not found from its folder upwards: .*gone\.stl"):
-        read_spec(package / "urdf" / "arm.urdf")
-    # what is only looked at is not needed
-    text = text.replace("meshes/collision/gone", "meshes/collision/link")
-    (package / "urdf" / "arm.urdf").write_text(text)
+    recwarn.clear()
     assert compile_model(package / "urdf" / "arm.urdf").nmesh == 1
+    assert not recwarn.list
+
+
+def test_a_mesh_that_a_link_has_its_mass_of_is_needed(package):
+    text = URDF.format(more="", visual="x.dae", collision="package://x/gone.stl")
+    head, _, rest = text.partition('<link name="link"><inertial>')
+    text = head + '<link name="link">' + rest.partition("</inertial>")[2]
+    (package / "urdf" / "arm.urdf").write_text(text)
+    with pytest.raises(FrictionJointError, match=r"gone\.stl of links without <inertial>: put"):
+        read_spec(package / "urdf" / "arm.urdf")
 
 
 def test_a_folder_of_meshes_that_the_urdf_names_is_looked_at(package):

@@ -80,6 +80,7 @@ def main() -> None:
     """
     signal.signal(signal.SIGTERM, _terminated)
     warnings.showwarning = _one_line
+    warnings.filterwarnings("once", category=RuntimeWarning)  # a model is read several times
     try:
         code = app(sys.argv[1:] or ["--help"], prog_name="frictionjoint", standalone_mode=False)
     except FrictionJointError as error:

@@ -9,12 +9,13 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
-from frictionjoint.diagnose.decisions import LEAST_WARMING
+from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import GX, GY, LOAD, TEMP, A, Q
-from frictionjoint.identify.design import term_bounds
+from frictionjoint.identify.basis import without
+from frictionjoint.identify.design import lengths, term_bounds
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
@@ -101,7 +102,27 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms))
     grid += unnamed_terms(prepared, signals)
     waves = periodic_terms(prepared, signals, fitted, blocks), wave_terms(prepared, fitted)
-    return _with_waves(prepared, fitted, signals, grid, waves)
+    found = _with_waves(prepared, fitted, signals, grid, waves)
+    return [c for c in found if not _explains_itself(prepared, fitted, signals, c)]
+
+
+def _explains_itself(
+    prepared: Prepared, fitted: Fit, signals: list[Array], candidate: Candidate
+) -> bool:
+    """Whether torque beyond a level explains no more of a residual than a multiple of it does.
+
+    The residual is a part of the measured torque, and goes along with it whatever a model lacks.
+    What a drive did not give is missing beyond its level alone, and no multiple of the torque is.
+    """
+    term = candidate.term
+    if not isinstance(term, ExcessTerm):
+        return False
+    torque = columns_of(prepared, signals, replace(term, at=0.0))
+    known = np.column_stack([fitted.free_jacobian, fitted.begun, torque])
+    rest = np.column_stack([candidate.columns, fitted.residual, known]) * fitted.weight[:, None]
+    rest /= lengths(rest)
+    x, r = without(rest[:, :2], rest[:, 2:]).T
+    return bool((x @ r) ** 2 < SMALLEST_GAIN * (x @ x) * (r @ r))
 
 
 def effects(

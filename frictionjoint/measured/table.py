@@ -25,7 +25,7 @@ from frictionjoint.measured.columns import (
 )
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.mend import unwrapped, without_lone_readings, without_repeats
-from frictionjoint.measured.validate import check_columns, check_moves, check_rows
+from frictionjoint.measured.validate import check_columns, check_leaps, check_moves, check_rows
 
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
@@ -92,6 +92,7 @@ def log_of(
     mixed, more = without_repeats(data | further)
     data, further = ({name: mixed[name] for name in part} for part in (data, further))
     own = {name: x for name, x in data.items() if "." not in name}
+    check_leaps(path.name, shown(own))
 
     def first(*choices: str) -> Array | None:
         return next((own[name] for name in choices if name in own), None)

@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.log import FEWEST_ROWS
+from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP
 
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
 RowOf = Callable[[int], int]
@@ -31,6 +31,10 @@ _LARGEST = {
     "supply_v": (2e3, "volts (millivolts?)"),
     "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
+# A reading held while the joint went on shows as a leap over more counts than this, more times as
+# far as the steps beside it; no inertia allows one. Logs of servos at 50 Hz make up to 3% of their
+# travel so, where a bus loses messages it is most of it.
+_LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT = 4.5, 4.0, 0.25
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 # A joint does not run this many times as far as its target.
@@ -131,6 +135,36 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
                 f"{source}, {name}: constant at {x[0]:g}, it was not recorded: "
                 "leave it out or check the column"
             )
+
+
+def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
+    """Raise LogError where most of a position's travel lies in leaps, with no rows repeated."""
+    for name, x in columns.items():
+        held = name.rpartition(".")[2] in _SPEED_OF
+        leapt = _travel_leapt(columns["time_s"], x) if held else 0.0
+        if leapt > _MOST_LEAPT:
+            raise LogError(
+                f"{source}, {name}: {leapt:.0%} of the travel lies in leaps between rows that "
+                "stand still: readings are repeated while the joint moves (lost messages?): "
+                "record each reading once, with its own time_s"
+            )
+
+
+def _travel_leapt(time: Array, position: Array) -> float:
+    """Fraction of all travel made in single samples with hardly any motion before and after.
+
+    Over a gap in time a joint goes on unseen.
+    """
+    tick = np.diff(time)
+    step = np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
+    moved = step[step > 0.0]
+    if len(step) < FEWEST_ROWS or not len(moved):
+        return 0.0
+    beside = np.maximum(step[:-2], step[2:])
+    count = float(np.quantile(moved, 0.01))
+    here = step[1:-1]
+    leaps = (here > _LEAP_ALONE * beside) & (here > _LEAP_COUNTS * count)
+    return float(here[leaps].sum() / step.sum())
 
 
 def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:

@@ -142,6 +142,8 @@ def whole(report: RobotReport) -> str:
 
 def _change(before: Rms, after: Rms, unit: str) -> str:
     first, last = (_of(x) for x in (before, after))
+    if three(first) == three(last):
+        return f"stays at {three(first)}{unit}"
     falls = first is not None and last is not None and last < first
     verb = "falls" if falls else "goes"
     return f"{verb} from {three(first)}{unit} to {three(last)}{unit}"

@@ -27,6 +27,8 @@ from frictionjoint.robot.regressor import Regressor
 
 _SECONDS, _HARMONICS, _SAMPLES, _TRIALS = 20.0, 5, 400, 60
 _RATE_HZ = 100.0
+# standard errors that fall to more than this are not worth a recording
+_LITTLE = 0.9
 # part of a range or of the largest torque that may be used, and speed over that of the logs
 _RANGE, _TORQUE, _FASTER = 0.9, 0.9, 1.25
 # travel beyond that of the logs, over it, where the model states no range
@@ -66,6 +68,13 @@ class Excitation:
     @property
     def text(self) -> str:
         """What it would bring."""
+        if min(self.fall) > _LITTLE:
+            return (
+                f"{self.time[-1]:.3g} s more would tell little: with next_trajectory.csv, the best "
+                "found within the limits of range, speed and torque, standard errors of the base "
+                f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
+                f"{self.fall[1]:.0%}."
+            )
         return (
             f"Record next_trajectory.csv ({self.time[-1]:.3g} s): standard errors of the base "
             f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
