@@ -222,7 +222,7 @@ def test_a_joint_at_rest_does_not_repeat_rows(tmp_path: Path) -> None:
 
 
 def held_readings(most: int) -> dict[str, np.ndarray]:
-    """A log whose readings stand for up to so many rows, irregularly, as where messages are lost."""
+    """A log whose readings stand for up to so many rows, as where messages are lost."""
     table, rng = columns(), np.random.default_rng(3)
     fresh = np.cumsum(rng.integers(1, most + 1, N))
     at = fresh[np.searchsorted(fresh, np.arange(N), side="right") - 1].clip(0, N - 1)
