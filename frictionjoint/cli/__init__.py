@@ -22,6 +22,8 @@ from frictionjoint.cli.motors import motors
 from frictionjoint.cli.sample import sample
 from frictionjoint.errors import FrictionJointError
 
+# what was warned of in this run
+_warned: set[str] = set()
 _INTERRUPTED = 130
 # click's error of wrong usage, wherever this version of typer keeps click
 _UsageError: Any = typer.BadParameter.__base__
@@ -80,7 +82,6 @@ def main() -> None:
     """
     signal.signal(signal.SIGTERM, _terminated)
     warnings.showwarning = _one_line
-    warnings.filterwarnings("once", category=RuntimeWarning)  # a model is read several times
     try:
         code = app(sys.argv[1:] or ["--help"], prog_name="frictionjoint", standalone_mode=False)
     except FrictionJointError as error:
@@ -116,5 +117,8 @@ def _one_line(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Warnings as one line, without the place in our code."""
-    typer.echo(f"frictionjoint: {message}", err=True)
+    """Warnings as one line, without the place in our code, each once: a model is read often."""
+    text = str(message)
+    if text not in _warned:
+        _warned.add(text)
+        typer.echo(f"frictionjoint: {text}", err=True)
