@@ -33,8 +33,8 @@ _LARGEST = {
 }
 # A reading held while the joint went on shows as a leap over more counts than this, more times as
 # far as the steps beside it; no inertia allows one. Logs of servos at 50 Hz make up to 3% of their
-# travel so, where a bus loses messages it is most of it.
-_LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT = 4.5, 4.0, 0.25
+# travel so, where a bus loses messages it is most of it. A few leaps may be anything.
+_LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT, _FEWEST_LEAPS = 4.5, 4.0, 0.25, 10
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 # A joint does not run this many times as far as its target.
@@ -164,6 +164,8 @@ def _travel_leapt(time: Array, position: Array) -> float:
     count = float(np.quantile(moved, 0.01))
     here = step[1:-1]
     leaps = (here > _LEAP_ALONE * beside) & (here > _LEAP_COUNTS * count)
+    if np.count_nonzero(leaps) < _FEWEST_LEAPS:
+        return 0.0
     return float(here[leaps].sum() / step.sum())
 
 
