@@ -98,6 +98,7 @@ def trace(
     laws = Laws(prepared, base, asked=law is not None, progress=progress)
     prepared, current = laws.better(prepared, base)
     state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
+    bent = False
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"step {change}: trying candidates")
         state.law_errs = True
@@ -105,9 +106,11 @@ def trace(
         taken = _step(state, rng)
         if taken:
             progress(f"step {change}: {', '.join(taken)}")
-        if state.fit.drive_rms**2 < (1.0 - APART) * left**2:
-            # what is named now may have bent the laws
+        # what is named now may have bent the laws, and as long as a drive is off they are bent
+        bent = bent or state.fit.drive_rms**2 < (1.0 - APART) * left**2
+        if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
+            bent = False
         if _other_law(state) or taken or exchange_bent(state):
             continue
         # what another law would explain as well may be an effect after all
@@ -130,16 +133,21 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     What is known to be there comes first, then what its controller does to the drive, then the
     rest: without the first the second is mistaken, and the third without the second.
     """
-    effects = state.fit.effects
-    if not effects:
+    if not state.fit.effects:
         return (
             _taken(state, _first(state), rng)
             or _beside_first(state, _first(state), rng)
             or _taken(state, state.candidates, rng)
         )
-    early = all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
+    early = _early(state)
     drive = _of_drive(state, rng) if early else []
     return drive or _taken(state, state.candidates, rng) or ([] if early else _of_drive(state, rng))
+
+
+def _early(state: State) -> bool:
+    """Whether what is named so far is known to be there or of the drive: the drive goes first."""
+    effects = state.fit.effects
+    return all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
 
 
 def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
