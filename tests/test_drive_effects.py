@@ -22,8 +22,11 @@ EMF_TERM = EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf"))
 
 
 def looked(hidden):
+    return looked_at(logs(hidden))
+
+
+def looked_at(made):
     body = RigidBody(PLANT.format(""), "j")
-    made = logs(hidden)
     prepared = prepare(made, body, controller=KNOWN)
     speed = max(float(np.abs(np.gradient(log.position, log.time)).max()) for log in made)
     law = INTEGRATED[0].grid(speed, 2.0)[2]
@@ -53,6 +56,27 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
     assert after < 0.6 * before
+
+
+@pytest.mark.parametrize("gains", [(0.6, 5.0), (1.0, 5.0), (1.7, 3.0)])
+def test_a_target_of_limited_speed_is_told_from_a_protection(gains):
+    """A target too slow never arrives, and from one much too fast no slope leads to it."""
+    made = [
+        servo(
+            f"{m.__name__} {kp}",
+            kp,
+            m,
+            {"rate": 2.08},
+            friction='frictionloss="0.1" damping="0.08"',
+        )
+        for kp in gains
+        for m in (steps, sines, swept)
+    ]
+    found = looked_at(made)[-1]
+    assert found is not None
+    term, _ = found.tried[0]
+    assert term.name == "command-rate"
+    assert term.shape[0] == pytest.approx(2.08, rel=0.01)
 
 
 def test_the_form_of_a_dead_band_is_not_hidden_by_a_smooth_one_of_another_number():

@@ -11,8 +11,9 @@ from frictionjoint.control.kernel import SLEW
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# over the joint's fastest motion
-_FRACTIONS = (0.5, 0.8, 1.2, 1.8)
+# over the joint's fastest motion. A target that is too slow never arrives, and from one much too
+# fast no gradient leads: a start must lie little above the speed that is sought
+_FRACTIONS = tuple(np.geomspace(0.4, 1.8, 10))
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
@@ -28,7 +29,7 @@ def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
 
 def _rates(logs: Sequence[Commands]) -> list[Shape]:
     fastest = max(float(np.quantile(np.abs(x.velocity), 0.999)) for x in logs)
-    return [(fraction * fastest,) for fraction in _FRACTIONS if fastest > 0.0]
+    return [(float(fraction * fastest),) for fraction in _FRACTIONS if fastest > 0.0]
 
 
 EFFECT = Effect(
