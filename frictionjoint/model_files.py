@@ -75,7 +75,7 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
 def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
     if left_out:
         warnings.warn(
-            f"{model}: collision meshes not found from its folder upwards: {_few(left_out)}; these "
+            f"{model}: meshes not found from its folder upwards: {_few(left_out)}; these "
             "shapes are left out, masses are the file's own: put the package beside the URDF where "
             "collisions count",
             RuntimeWarning,

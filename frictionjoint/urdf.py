@@ -19,7 +19,8 @@ class FoundMeshes:
     """A URDF's text with absolute paths of its meshes.
 
     Attributes:
-        left_out: meshes not found whose shapes the text does not have; of collision shapes.
+        left_out: meshes not found whose shapes the text does not have, but for those that are only
+            looked at.
         needed: meshes not found of links without a mass of their own, which the text still names.
     """
 
@@ -40,6 +41,8 @@ def with_found_meshes(path: Path) -> FoundMeshes:
     folder = path.resolve().parent
     folders = [folder / compiler.attrib.pop(key, "") for key in ("meshdir", "assetdir")]
     left_out, needed = [], []
+    # as MuJoCo does by default
+    discards_visual = compiler.get("discardvisual", "true") == "true"
     for link in robot.iter("link"):
         has_mass = link.find("inertial") is not None
         for shape in [*link.findall("visual"), *link.findall("collision")]:
@@ -50,8 +53,8 @@ def with_found_meshes(path: Path) -> FoundMeshes:
             found = next((x for x in _candidates(name, folders) if x.is_file()), None)
             if found is not None:
                 mesh.set("filename", str(found))
-            elif shape.tag == "visual":
-                link.remove(shape)  # by default MuJoCo drops these itself
+            elif shape.tag == "visual" and discards_visual:
+                link.remove(shape)
             elif has_mass:
                 link.remove(shape)
                 left_out.append(name)

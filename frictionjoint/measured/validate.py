@@ -138,7 +138,11 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError where most of a position's travel lies in leaps, with no rows repeated."""
+    """Raise LogError where much of a position's travel lies in leaps.
+
+    Args:
+        columns: without rows that all stand equally often, see `mend.without_repeats`.
+    """
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF
         leapt = _travel_leapt(columns["time_s"], x) if held else 0.0
