@@ -1,5 +1,7 @@
 """Errors a user can mend: one line that names what is wrong, where, and what to do."""
 
+from collections.abc import Sequence
+
 
 class FrictionJointError(ValueError):
     """Base of every error this package raises on bad input.
@@ -23,3 +25,9 @@ class ModelError(FrictionJointError):
 
 class LogError(FrictionJointError):
     """A measured log cannot be read, or its content cannot be trusted."""
+
+
+def few(names: Sequence[str], most: int = 3) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import mujoco
 
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import ModelError, few
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.urdf import with_found_meshes
 
@@ -61,7 +61,7 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
             return spec, spec.compile()
     except ValueError as error:
         looked = (
-            f"; not found from its folder upwards: {_few(needed)} of links without <inertial>: "
+            f"; not found from its folder upwards: {few(needed)} of links without <inertial>: "
             "put the package beside the URDF, or give these links their masses"
             if needed
             else ""
@@ -75,17 +75,12 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
 def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
     if left_out:
         warnings.warn(
-            f"{model}: meshes not found from its folder upwards: {_few(left_out)}; these "
+            f"{model}: meshes not found from its folder upwards: {few(left_out)}; these "
             "shapes are left out, masses are the file's own: put the package beside the URDF where "
             "collisions count",
             RuntimeWarning,
             stacklevel=4,
         )
-
-
-def _few(names: tuple[str, ...], most: int = 3) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
 
 
 def source_name(model: str | Path) -> str:

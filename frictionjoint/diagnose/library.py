@@ -103,26 +103,32 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     grid += unnamed_terms(prepared, signals)
     waves = periodic_terms(prepared, signals, fitted, blocks), wave_terms(prepared, fitted)
     found = _with_waves(prepared, fitted, signals, grid, waves)
-    return [c for c in found if not _explains_itself(prepared, fitted, signals, c)]
+    return _beyond_itself(prepared, fitted, signals, found)
 
 
-def _explains_itself(
-    prepared: Prepared, fitted: Fit, signals: list[Array], candidate: Candidate
-) -> bool:
-    """Whether torque beyond a level explains no more of a residual than a multiple of it does.
+def _beyond_itself(
+    prepared: Prepared, fitted: Fit, signals: list[Array], candidates: list[Candidate]
+) -> list[Candidate]:
+    """Candidates without torque beyond a level that explains no more than a multiple of it does.
 
     The residual is a part of the measured torque, and goes along with it whatever a model lacks.
     What a drive did not give is missing beyond its level alone, and no multiple of the torque is.
     """
-    term = candidate.term
-    if not isinstance(term, ExcessTerm):
-        return False
-    torque = columns_of(prepared, signals, replace(term, at=0.0))
-    known = np.column_stack([fitted.free_jacobian, fitted.begun, torque])
-    rest = np.column_stack([candidate.columns, fitted.residual, known]) * fitted.weight[:, None]
-    rest /= lengths(rest)
-    x, r = without(rest[:, :2], rest[:, 2:]).T
-    return bool((x @ r) ** 2 < SMALLEST_GAIN * (x @ x) * (r @ r))
+    levels = [(c.term, c.columns) for c in candidates if isinstance(c.term, ExcessTerm)]
+    if not levels:
+        return candidates
+    torque = columns_of(prepared, signals, replace(levels[0][0], at=0.0))
+    columns = [*(x for _, x in levels), fitted.residual]
+    known = [fitted.free_jacobian, fitted.begun, torque]
+    U = np.column_stack([*columns, *known]) * fitted.weight[:, None]
+    U /= lengths(U)
+    *found, r = without(U[:, : len(columns)], U[:, len(columns) :]).T
+    idle = {
+        term
+        for (term, _), x in zip(levels, found, strict=True)
+        if (x @ r) ** 2 < SMALLEST_GAIN * (x @ x) * (r @ r)
+    }
+    return [c for c in candidates if c.term not in idle]
 
 
 def effects(

@@ -21,7 +21,7 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
-from frictionjoint.errors import LogError
+from frictionjoint.errors import LogError, few
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Prepared, Segment
@@ -89,8 +89,7 @@ def check(prepared: Prepared) -> None:
         LogError: a sign is wrong, the model explains next to nothing, or a unit is too large.
     """
     balance = _balance(prepared)
-    names = ", ".join(s.name for s in prepared.segments[:3])
-    names += f" and {len(prepared) - 3} more" if len(prepared) > 3 else ""
+    names = few([s.name for s in prepared.segments])
     if not balance.drive.any():
         raise LogError(f"{names}: the {prepared.drive} is zero: check its column")
     _check_signs(prepared, balance, names)

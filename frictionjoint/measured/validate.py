@@ -162,7 +162,7 @@ def _travel_leapt(time: Array, position: Array) -> float:
     tick = np.diff(time)
     step = np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
     moved = step[step > 0.0]
-    if len(step) < FEWEST_ROWS or not len(moved):
+    if not len(moved):
         return 0.0
     beside = np.maximum(step[:-2], step[2:])
     count = float(np.quantile(moved, 0.01))

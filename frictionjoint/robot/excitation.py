@@ -68,18 +68,18 @@ class Excitation:
     @property
     def text(self) -> str:
         """What it would bring."""
-        if min(self.fall) > _LITTLE:
-            return (
-                f"{self.time[-1]:.3g} s more would tell little: with next_trajectory.csv, the best "
-                "found within the limits of range, speed and torque, standard errors of the base "
-                f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
-                f"{self.fall[1]:.0%}."
-            )
-        return (
-            f"Record next_trajectory.csv ({self.time[-1]:.3g} s): standard errors of the base "
+        fall = (
+            "standard errors of the base "
             f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
             f"{self.fall[1]:.0%}."
         )
+        seconds = f"{self.time[-1]:.3g} s"
+        if min(self.fall) > _LITTLE:
+            return (
+                f"{seconds} more would tell little: with next_trajectory.csv, the best found "
+                f"within the limits of range, speed and torque, {fall}"
+            )
+        return f"Record next_trajectory.csv ({seconds}): {fall}"
 
 
 @dataclass(frozen=True)
