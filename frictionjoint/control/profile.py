@@ -73,6 +73,7 @@ def fill_means(
             slope[i] = (x[i + 1] - x[i]) / step if step > 0.0 else 0.0
         else:
             area[i + 1] = area[i] + step * x[i]
+            # the slope of the area as it was rounded: it goes on evenly at the corners
             x[i] = (area[i + 1] - area[i]) / step
     first, last = 0, 0
     for k in range(len(begin)):
