@@ -225,6 +225,7 @@ class Prepared:
 
     def bundles(self, parts: int) -> tuple[Bundle[Segment], ...]:
         """The logs in up to so many parts, of about as many samples."""
+        parts = min(parts, len(self.segments))
         if parts not in self._bundles:
             lengths = np.array([len(s.drive) for s in self.segments])
             middle = np.cumsum(lengths) - 0.5 * lengths
