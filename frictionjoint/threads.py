@@ -49,11 +49,15 @@ def side_by_side() -> Iterator[Callable[..., Any]]:
     one of its threads it is the plain `map`: the outermost loop is the one worth sharing. The
     threads live as long as the process: a search asks for them thousands of times.
     """
-    threads = int(config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
-    if threads == 1 or getattr(_busy, "inside", False):
-        yield map
-        return
-    yield _pool(os.getpid(), threads).map
+    threads = threads_here()
+    yield map if threads == 1 else _pool(os.getpid(), threads).map
+
+
+def threads_here() -> int:
+    """How many threads `side_by_side` would use here: so many parts are worth making of a whole."""
+    if getattr(_busy, "inside", False):
+        return 1
+    return int(config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
 
 
 @functools.lru_cache(maxsize=1)

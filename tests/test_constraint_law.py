@@ -93,3 +93,20 @@ def test_friction_turns_a_lead_before_the_velocity():
     turn = np.flatnonzero(np.diff(np.sign(shape.hysteresis(time, q)[0])))
     velocity = np.flatnonzero(np.diff(np.sign(np.gradient(q, time))))
     assert time[velocity] - time[turn] == pytest.approx(LEAD, rel=0.02)
+
+
+def test_the_lead_is_that_of_each_motion():
+    """Of motions one behind the other, at uneven times; a motion of one sample is at rest."""
+    rng = np.random.default_rng(0)
+    time = np.cumsum(rng.uniform(1e-3, 9e-3, 303))
+    q, edges = np.sin(7.0 * time) + 0.1 * np.sin(40.0 * time), np.array([0, 200, 201, 303])
+    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.3, -1.0, 1.5, 1.0])))
+    found = shape.hysteresis(time, q, edges)[0]
+    for first, end in ((0, 200), (201, 303)):
+        some = slice(first, end)
+        assert found[some] == pytest.approx(shape.hysteresis(time[some], q[some])[0])
+        v = np.gradient(q[some], time[some])
+        ahead = v + LEAD * np.gradient(v, time[some])
+        level = 1.0 + 0.3 * np.exp(-((np.abs(v) / np.exp(-1.0)) ** 1.5))
+        assert found[some] == pytest.approx(level * np.clip(ahead / np.exp(1.0), -1.0, 1.0))
+    assert found[200] == 0.0

@@ -10,7 +10,13 @@ from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of
 from frictionjoint.control.profile import followed_over, held, held_over
-from frictionjoint.control.reconstruct import check_drive, commands, difference, with_drive
+from frictionjoint.control.reconstruct import (
+    AllCommands,
+    check_drive,
+    commands,
+    difference,
+    with_drive,
+)
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
@@ -171,6 +177,20 @@ def test_a_drive_and_its_mean_follow_one_limited_target():
     there = followed_over(T, target, T - 0.017 - 5e-7, 1e-6, 3.0)
     np.testing.assert_allclose(seen.drive(), there, atol=5e-6)
     assert np.max(np.abs(seen.drive() - seen.mean_drive())) < 0.5 * 3.0 * 0.01
+
+
+def test_the_drives_of_several_logs_are_those_of_each():
+    """Each with its own gain, limit and delay, and what its controller remembers."""
+    c = Controller(output="torque_nm", kp="log:kp", ki=2.0, limit=1.0, target_rate=3.0)
+    some = [
+        commands(log(target=np.sin((2 + j) * T), metadata={"kp": 0.5 + j}), c) for j in range(3)
+    ]
+    delays = np.array([0.0, 0.013, 0.2])
+    blocks = np.array([one.block for one in some])
+    blocks[2, k.SLEW] = math.inf
+    together = AllCommands(some).mean_drive(blocks, delays)
+    alone = [x.mean_drive(b, d) for x, b, d in zip(some, blocks, delays.tolist(), strict=True)]
+    np.testing.assert_array_equal(together, np.concatenate(alone))
 
 
 def test_an_integral_does_not_wind_up():

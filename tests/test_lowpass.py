@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frictionjoint.measured.lowpass import LowPass, gentle, steep
+from frictionjoint.measured.lowpass import LowPass, LowPasses, gentle, steep
 
 N, DT, INERTIA = 4000, 5e-3, 0.3
 T = DT * np.arange(N)
@@ -119,3 +119,23 @@ def test_what_lies_beyond_the_ends_is_not_seen_two_periods_away():
     assert error[0] > 0.1
     assert error[spoilt:-spoilt].max() < 1e-3
     assert error[4 * spoilt : -4 * spoilt].max() < 5e-5
+
+
+@pytest.mark.parametrize(
+    ("derivative", "delay"), [(0, 0.0), (0, 7e-3), (1, 0.0), (1, 7e-3), (2, 0)]
+)
+def test_logs_one_behind_the_other_are_filtered_each_by_its_own(derivative, delay):
+    """Of several lengths and clocks; some of them take a transform of one length."""
+    kinds = ((900, 5e-3, 3), (904, 5.1e-3, 3), (700, 5e-3, 3), (900, 5e-3, 1), (904, 4.9e-3, 3))
+    filters = [LowPass(n, dt, 6.0, gentle, step) for n, dt, step in kinds]
+    assert len({(f.length, f.step) for f in filters}) < len(filters)
+    x = np.random.default_rng(0).normal(size=(2, sum(n for n, _, _ in kinds))).cumsum(axis=1)
+    together = LowPasses(filters)
+    found = together.back(together.spectra(x), derivative, delay)
+    edges = np.cumsum([0, *(n for n, _, _ in kinds)])
+    for k, row in enumerate(x):
+        alone = [
+            one.back(one.spectrum(row[first:end]), derivative, delay)
+            for one, first, end in zip(filters, edges[:-1], edges[1:], strict=True)
+        ]
+        np.testing.assert_allclose(found[k], np.concatenate(alone), rtol=1e-12)

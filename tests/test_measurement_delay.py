@@ -70,11 +70,10 @@ def test_a_planned_motion_has_no_drive_of_its_own(late):
     silent = tuple(replace(s, drive=np.zeros_like(s.drive)) for s in prepared.segments)
     planned = driven(replace(prepared, segments=silent), found)
     # what the model asks for, without the noise that is in the measured torque
+    signals = full_signals(prepared, found.shape, *found.levels)
     asked = [
-        s.lowpass(
-            np.gradient(balance(full_signals(s, found.shape, *found.levels), *found.levels), s.dt)
-        )
-        for s in prepared.segments
+        s.lowpass(np.gradient(balance(x, *found.levels), s.dt))
+        for s, x in zip(prepared.segments, signals, strict=True)
     ]
     rate = np.concatenate([x[s.kept] for x, s in zip(asked, prepared.segments, strict=True)])
     assert np.corrcoef(sensitivities(planned, found)[:, -1], rate)[0, 1] > 0.99

@@ -285,3 +285,19 @@ def test_what_cannot_be_differentiated_is_named(kernel):
     nothing = Particulars({}, (), {}, frozenset(), {}, frozenset())
     with pytest.raises(UnknownError, match=f"{kernel.py_func.__name__} cannot be differentiated"):
         Differentiated(kernel, frozenset(), True, nothing)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_motions_one_behind_the_other_each_begin_at_rest_and_never_moved(name):
+    """What a law remembers of one is not seen in the next, nor is what it depends on."""
+    shape = SHAPES[name]
+    some = [q[:n] for q, n in zip(motions().values(), (800, 300, 1, 555, 2), strict=True)]
+    edges = np.cumsum([0, *map(len, some)])
+    t, q = np.concatenate([T[: len(one)] for one in some]), np.concatenate(some)
+    together = [*shape.hysteresis(t, q, edges), *shape.tangents(t, q, edges=edges)]
+    for one, first, end in zip(some, edges[:-1], edges[1:], strict=True):
+        time = T[: len(one)]
+        for x, own in zip(
+            together, [*shape.hysteresis(time, one), *shape.tangents(time, one)], strict=True
+        ):
+            np.testing.assert_array_equal(x[..., first:end], own)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 
 
 def held(time: Array, x: Array, at: Array) -> Array:
@@ -26,13 +26,7 @@ def held_over(time: Array, command: Array, begin: Array, length: Array | float) 
     Args:
         begin, length: of the stretches, s.
     """
-    area = np.concatenate([[0.0], np.cumsum(np.diff(time) * command[:-1])])
-
-    def until(t: Array) -> Array:
-        before, after = np.minimum(t - time[0], 0.0), np.maximum(t - time[-1], 0.0)
-        return np.asarray(np.interp(t, time, area) + before * command[0] + after * command[-1])
-
-    return (until(begin + length) - until(begin)) / length
+    return followed_over(time, command, begin, length, math.inf)
 
 
 def followed_over(
@@ -43,19 +37,9 @@ def followed_over(
     Args:
         rate: of the target, rad/s (m/s); inf: `held_over`.
     """
-    if math.isinf(rate):
-        return held_over(time, command, begin, length)
-    at, x = _corners(time, command, rate)
-    step = np.diff(at)
-    slope = np.append(np.where(step > 0.0, np.diff(x) / np.maximum(step, 1e-300), 0.0), 0.0)
-    area = np.concatenate([[0.0], np.cumsum(0.5 * step * (x[1:] + x[:-1]))])
-
-    def until(t: Array) -> Array:
-        i = np.clip(np.searchsorted(at, t, side="right") - 1, 0, len(at) - 1)
-        s = t - at[i]
-        return np.asarray(area[i] + s * (x[i] + 0.5 * np.maximum(s, 0.0) * slope[i]))
-
-    return (until(begin + length) - until(begin)) / length
+    lengths, out = np.full_like(begin, length), np.empty_like(begin)
+    fill_means(time, command, begin, lengths, rate, out)
+    return out
 
 
 def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
@@ -70,6 +54,54 @@ def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
     at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
     _fill_corners(time, command, max(rate, 1e-9), at, x)
     return at, x
+
+
+@compiled
+def fill_means(
+    time: Array, command: Array, begin: Vector, length: Vector, rate: float, out: Vector
+) -> None:
+    """Fill `out`, see `followed_over`; fastest where stretches come in turn."""
+    at, x, ramps = time, command.copy(), not math.isinf(rate)
+    if ramps:
+        at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
+        _fill_corners(time, command, max(rate, 1e-9), at, x)
+    area, slope = np.zeros(len(at)), np.zeros(len(at))
+    for i in range(len(at) - 1):
+        step = at[i + 1] - at[i]
+        if ramps:
+            area[i + 1] = area[i] + 0.5 * step * (x[i + 1] + x[i])
+            slope[i] = (x[i + 1] - x[i]) / step if step > 0.0 else 0.0
+        else:
+            area[i + 1] = area[i] + step * x[i]
+            # the slope of the area as it was rounded: it goes on evenly at the corners
+            x[i] = (area[i + 1] - area[i]) / step
+    first, last = 0, 0
+    for k in range(len(begin)):
+        end = begin[k] + length[k]
+        first, last = last_before(at, begin[k], first), last_before(at, end, last)
+        out[k] = _until(at, x, slope, area, last, end)
+        out[k] = (out[k] - _until(at, x, slope, area, first, begin[k])) / length[k]
+
+
+@in_line
+def _until(at: Vector, x: Vector, slope: Vector, area: Vector, i: int, t: float) -> float:
+    """Area under a target up to a time after its corner i, or before the first one."""
+    s = t - at[i]
+    return area[i] + s * (x[i] + 0.5 * max(s, 0.0) * slope[i])
+
+
+@in_line
+def last_before(at: Vector, t: float, near: int) -> int:
+    """Place of the last of some increasing times that is not after t, or of the first one.
+
+    Args:
+        near: where the search begins.
+    """
+    while near + 1 < len(at) and at[near + 1] <= t:
+        near += 1
+    while near > 0 and at[near] > t:
+        near -= 1
+    return near
 
 
 @compiled

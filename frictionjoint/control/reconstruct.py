@@ -4,17 +4,19 @@ Where the drive is logged it is compared with what the controller would have mad
 unit shows before anything is fitted.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
-from frictionjoint.control.profile import followed, followed_over
+from frictionjoint.control.profile import fill_means, followed
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
@@ -56,10 +58,7 @@ class Commands:
         """
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
-        width = np.gradient(self.time)
-        begin = self.time - delay - 0.5 * width
-        target = followed_over(self.time, self.target, begin, width, block[k.SLEW])
-        return self._along(target, block)
+        return AllCommands([self]).mean_drive(block[None], np.array([delay]))
 
     def _along(self, target: Array, block: Array) -> Array:
         """Drive for a target that is followed already."""
@@ -77,6 +76,64 @@ class Commands:
             np.zeros(k.STATE),
         )
         return np.where(self.on, drive, 0.0)
+
+
+class AllCommands:
+    """Those of several logs, one behind the other: one call makes the drives of all."""
+
+    def __init__(self, logs: Sequence[Commands]) -> None:
+        self.edges = np.cumsum([0, *(len(log.time) for log in logs)])
+        self.time = np.concatenate([log.time for log in logs])
+        self._given = (
+            np.concatenate([log.target for log in logs]),
+            np.concatenate([log.position for log in logs]),
+            np.concatenate([log.velocity for log in logs]),
+            np.concatenate([log.supply for log in logs]),
+            np.concatenate([log.on for log in logs]),
+        )
+
+    def mean_drive(self, blocks: Array, delays: Array) -> Array:
+        """See `Commands.mean_drive`, shape (n,).
+
+        Args:
+            blocks: of the controller of each log, shape (k, BLOCK). delays: s, shape (k,).
+        """
+        drive = np.empty_like(self.time)
+        _fill_mean_drives(blocks, delays, self.edges, self.time, *self._given, drive)
+        return drive
+
+
+@compiled
+def _fill_mean_drives(
+    blocks: Array,
+    delays: Vector,
+    edges: Index,
+    time: Array,
+    target: Array,
+    position: Array,
+    velocity: Array,
+    supply: Array,
+    on: NDArray[np.bool_],
+    drive: Array,
+) -> None:
+    """Fill `drive` log by log, see `AllCommands`."""
+    for i in range(len(blocks)):
+        first, end = edges[i], edges[i + 1]
+        t, n = time[first:end], end - first
+        width, begin, follows = np.empty(n), np.empty(n), np.empty(n)
+        for j in range(n):
+            before, after = max(j - 1, 0), min(j + 1, n - 1)
+            width[j] = (t[after] - t[before]) / (after - before)
+            begin[j] = t[j] - delays[i] - 0.5 * width[j]
+        block = blocks[i].copy()
+        fill_means(t, target[first:end], begin, width, block[k.SLEW], follows)
+        block[k.SLEW] = np.inf
+        own = drive[first:end]
+        q, v, u = position[first:end], velocity[first:end], supply[first:end]
+        k.along(block, t, follows, q, v, u, own, np.zeros(k.STATE))
+        for j in range(n):
+            if not on[first + j]:
+                own[j] = 0.0
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:

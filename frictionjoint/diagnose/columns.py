@@ -12,7 +12,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
     """Signals of each log under the fitted law; the torque of a motor under the whole model."""
-    found = [full_signals(s, fitted.shape, *fitted.levels) for s in prepared.segments]
+    found = full_signals(prepared, fitted.shape, *fitted.levels)
     if not prepared.gain_unknown:
         return found
     for s, signals in zip(prepared.segments, found, strict=True):

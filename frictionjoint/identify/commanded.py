@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from frictionjoint.arrays import Array
-from frictionjoint.control.reconstruct import Commands
-from frictionjoint.measured.derivatives import uniform
-from frictionjoint.measured.lowpass import LowPass
+from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.compiled import compiled
+from frictionjoint.control.profile import last_before
+from frictionjoint.control.reconstruct import AllCommands, Commands
+from frictionjoint.measured.lowpass import LowPass, LowPasses, places
 
 # from block and delay of a controller to those of another one
 Change = Callable[[Array, float], tuple[Array, float]]
@@ -32,14 +33,61 @@ class Commanded:
 
     def drive(self, changes: Sequence[Change]) -> Array:
         """Drive that the controller makes with some changes, one after the other, shape (n,)."""
-        block, delay = self.commands.block.copy(), self.commands.delay
-        for change in changes:
-            block, delay = change(block, delay)
-        x = uniform(self.commands.time, self.commands.mean_drive(block, delay), self.grid)
-        for smooth in self.filters:
-            x = smooth(x)
-        return np.asarray(x)
+        return CommandedLogs([self]).drive(changes)
 
     def thinned(self, smooth: LowPass) -> "Commanded":
         """On a coarser grid, behind one filter more."""
         return replace(self, filters=(*self.filters, smooth))
+
+
+class CommandedLogs:
+    """Several of them, one behind the other: one call makes the drives of all.
+
+    Attributes:
+        places: of each log in what comes out.
+    """
+
+    def __init__(self, logs: Sequence[Commanded]) -> None:
+        self._logs = [log.commands for log in logs]
+        self._commands = AllCommands(self._logs)
+        self._grid = np.concatenate([log.grid for log in logs])
+        self._edges = np.cumsum([0, *(len(log.grid) for log in logs)])
+        stages = zip(*(log.filters for log in logs), strict=True)
+        self._filters = [LowPasses(filters) for filters in stages]
+        self.places = places([log.filters[-1].given for log in logs])
+
+    def drive(self, changes: Sequence[Change]) -> Array:
+        """See `Commanded.drive`, all logs in turn, shape (n,)."""
+        blocks, delays = [], []
+        for log in self._logs:
+            block, delay = log.block.copy(), log.delay
+            for change in changes:
+                block, delay = change(block, delay)
+            blocks.append(block)
+            delays.append(delay)
+        made = self._commands.mean_drive(np.array(blocks), np.array(delays))
+        x = np.empty_like(self._grid)
+        _fill_uniform(self._commands.time, made, self._commands.edges, self._grid, self._edges, x)
+        rows = x[None]
+        for smooth in self._filters:
+            rows = smooth(rows)
+        return np.asarray(rows[0])
+
+
+@compiled
+def _fill_uniform(
+    time: Array, x: Array, edges: Index, grid: Vector, grid_edges: Index, out: Vector
+) -> None:
+    """Fill `out` with what lies on the straight lines between samples, log by log.
+
+    See `measured.derivatives.uniform`.
+    """
+    for i in range(len(edges) - 1):
+        t, y = time[edges[i] : edges[i + 1]], x[edges[i] : edges[i + 1]]
+        at, last = 0, len(t) - 1
+        for j in range(grid_edges[i], grid_edges[i + 1]):
+            at = last_before(t, grid[j], at)
+            if at == last or grid[j] <= t[0]:
+                out[j] = y[at]
+            else:
+                out[j] = (y[at + 1] - y[at]) / (t[at + 1] - t[at]) * (grid[j] - t[at]) + y[at]

@@ -11,8 +11,10 @@ from typing import Self
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.identify.rival_shape import RivalShape
+from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import Friction
 
 # s, 1/b = dmax timeconst / 2 of the default solimp and solref
@@ -55,16 +57,17 @@ class ConstraintShape:
         """The law at a Coulomb level."""
         return self.static.parameters(Fc, sigma2, sigma1)
 
-    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
         """See `Shape`."""
-        level, saturated, _ = self._parts(time, q)
+        level, saturated, _ = self._parts(time, q, edges_of(q, edges))
         return level * saturated, np.zeros_like(q)
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None
+        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
-        level, saturated, v = self._parts(time, q)
+        edges = edges_of(q, edges)
+        level, saturated, v = self._parts(time, q, edges)
         excess, _, delta, log_V0 = self.vector()
         inside = np.abs(saturated) < 1.0
         ratio = self._ratio(v)
@@ -79,8 +82,8 @@ class ConstraintShape:
             ]
         )
         if q_t is not None:
-            v_t = np.gradient(q_t, time, axis=1)
-            u_t = v_t + LEAD * np.gradient(v_t, time, axis=1)
+            v_t = np.array([gradient(row, time, edges) for row in q_t])
+            u_t = v_t + LEAD * np.array([gradient(row, time, edges) for row in v_t])
             slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
             moved = slope * saturated * v_t + level * inside * u_t / np.exp(log_V0)
             moved[: len(by_number)] += by_number
@@ -88,13 +91,36 @@ class ConstraintShape:
         zero = np.zeros_like(q)
         return level * saturated, zero, by_number, np.zeros_like(by_number)
 
-    def _parts(self, time: Array, q: Array) -> tuple[Array, Array, Array]:
+    def _parts(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array]:
         """Level over Fc, what is saturated, and velocity, each of shape (n,)."""
-        v = np.gradient(q, time)
-        ahead = v + LEAD * np.gradient(v, time)
+        v = gradient(q, time, edges)
+        ahead = v + LEAD * gradient(v, time, edges)
         excess, _, delta, log_V0 = self.vector()
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
         return level, np.clip(ahead / np.exp(log_V0), -1.0, 1.0), v
 
     def _ratio(self, v: Array) -> Array:
         return np.asarray(np.abs(v) / np.exp(self.vector()[1]))
+
+
+def gradient(x: Array, time: Array, edges: Index) -> Array:
+    """Derivative along motions that lie one behind the other, shape (n,), as `numpy.gradient`."""
+    out = np.empty_like(x)
+    _fill_gradient(x, time, edges, out)
+    return out
+
+
+@compiled
+def _fill_gradient(x: Vector, time: Vector, edges: Index, out: Vector) -> None:
+    """Of second order between the ends of each motion."""
+    for i in range(len(edges) - 1):
+        first, last = edges[i], edges[i + 1] - 1
+        if first == last:
+            out[first] = 0.0
+            continue
+        out[first] = (x[first + 1] - x[first]) / (time[first + 1] - time[first])
+        out[last] = (x[last] - x[last - 1]) / (time[last] - time[last - 1])
+        for k in range(first + 1, last):
+            before, after = time[k] - time[k - 1], time[k + 1] - time[k]
+            back, on = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
+            out[k] = (after * back + before * on) / (before + after)

@@ -7,7 +7,7 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from threading import Lock
 
@@ -15,7 +15,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
+from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, V
+from frictionjoint.identify.bundle import Bundle, Spectra
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.segment import Prepared, Segment
@@ -26,13 +27,11 @@ from frictionjoint.identify.terms import (
     EffectTerm,
     Term,
     Timing,
-    changed_drive,
     delay_of,
+    drive_changes,
 )
-from frictionjoint.threads import side_by_side
+from frictionjoint.threads import side_by_side, threads_here
 
-# displacements, over the travel, over which friction may have come to what it held at first
-_REACHED, _POINTS = (1e-7, 3.0), 60
 # how far a term's shape number may move in one search, over itself
 _REACH = 0.6
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
@@ -41,7 +40,7 @@ _STEP = 0.015
 # of H along a law's tangent
 _SMALL = 1e-4
 # columns of the latest points of a search are kept: most stay from one point to the next
-_KEPT_A_LOG = 24
+_KEPT_A_PART = 24
 
 
 class Balance:
@@ -54,9 +53,10 @@ class Balance:
     def __init__(self, prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> None:
         self.prepared = prepared
         self.layout: Layout = layout_of(prepared, law, terms)
-        self.span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
+        self.span = prepared.span
+        self._parts = prepared.bundles(threads_here())
         self._kept: dict[object, Array] = {}
-        self._latest: dict[int, tuple[object, Segment]] = {}
+        self._latest: dict[int, tuple[object, Spectra]] = {}
         self._lock = Lock()
 
     def columns(
@@ -68,10 +68,9 @@ class Balance:
             beta: coefficients that give the torque of the motor; without them what depends on it
                 is zero, see `motor_torque`.
         """
-        delay = delay_of(terms)
         with side_by_side() as each:
-            X = list(each(partial(self._log_columns, law, terms), range(len(self.prepared))))
-        y = [self._target(terms, delay, i) for i in range(len(X))]
+            X = list(each(partial(self._some_columns, law, terms), range(len(self._parts))))
+            y = list(each(partial(self._target, terms), range(len(self._parts))))
         whole = np.concatenate(X)
         if beta is not None:
             whole = with_motor(whole, beta, self.layout, self.prepared.segments)
@@ -88,18 +87,15 @@ class Balance:
             through_terms: with what the law changes in terms that follow it, which a search does
                 without.
         """
-        make = partial(self._log_moves, law, terms, beta, through_terms)
+        make = partial(self._some_moves, law, terms, beta, through_terms)
         with side_by_side() as each:
-            found = list(each(make, range(len(self.prepared))))
+            found = list(each(make, range(len(self._parts))))
         return np.concatenate(found)
 
-    def _log_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
-        s, names = self.prepared.segments[i], self.layout.base
-        parts = []
-        if "load" in names:
-            parts.append(load_torque(s)[:, None])
-        if "sigma2" in names:
-            parts.append(s.balanced_velocity[:, None])
+    def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
+        """Of the logs of a part; so are all that follow."""
+        known, names = self._parts[i].load_and_velocity, self.layout.base
+        parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
         parts.append(self._get(("law", i, law), partial(self._law, law, i)))
         for term in terms:
             if term.coefficients:
@@ -107,60 +103,77 @@ class Balance:
                 parts.append(self._get(key, partial(self._term, term, law, i)))
         return np.column_stack(parts)
 
-    def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
-        """What the law and the terms that follow it add up to in a log, shape (n,)."""
-        at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
-        found = self._law(law, i) @ beta[at]
-        for k, term in enumerate(terms):
-            if term.follows_law:
-                found += self._term(term, law, i) @ beta[self.layout.coefficients(k)]
-        return np.asarray(found)
+    def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
+        """What the law and the terms that follow it add up to, shape (n,).
 
-    def _target(self, terms: tuple[Term, ...], delay: float, i: int) -> Array:
-        changes = tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+        Args:
+            held: friction over Fc at the first sample of each log, in place of its own.
+        """
+        at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
+        found, first = [], 0
+        for part in self._parts:
+            tracks = part.tracks.begun(held[first : first + len(part.logs)])
+            track = tracks.along(law)
+            some = self._columns_of(track, part) @ beta[at]
+            for k, term in enumerate(terms):
+                if term.follows_law:
+                    columns = _columns_of_term(term, with_track(track, part), part)
+                    some += columns @ beta[self.layout.coefficients(k)]
+            found.append(some)
+            first += len(part.logs)
+        return np.concatenate(found)
+
+    def _target(self, terms: tuple[Term, ...], i: int) -> Array:
+        delay, changes = delay_of(terms), _changes(terms)
 
         def make() -> Array:
-            return target(self._driven(terms, i), self.prepared, delay)
+            return self._target_of(self._driven(terms, i), delay, i)
 
         return self._get(("target", i, delay, changes), make)
 
+    def _target_of(self, driven: Spectra, delay: float, i: int) -> Array:
+        """What the columns are to add up to with a drive."""
+        drive = self._parts[i].balanced(driven, delay)
+        known = self._parts[i].load_and_velocity[:, 0]
+        return drive if self.prepared.gain_unknown else drive - known
+
     def _law(self, law: Shape, i: int) -> Array:
-        s = self.prepared.segments[i]
-        track = self._track(law, i)
-        if "sigma1" not in self.layout.base:
-            return kept(s, track[:, :1])
-        return kept(s, np.column_stack([track[:, 0], track[:, 1] * s.signals[:, V]]))
+        return self._columns_of(self._track(law, i), self._parts[i])
+
+    def _columns_of(self, track: Array, part: Bundle[Segment]) -> Array:
+        """Of a law along logs."""
+        if "sigma1" in self.layout.base:
+            return part.kept(np.stack([track[0], track[1] * part.velocity]))
+        return part.kept(track[:1])
 
     def _term(self, term: Term, law: Shape, i: int) -> Array:
-        s = self.prepared.segments[i]
-        return kept(s, term.columns(s, self._signals(term, law, i)))
+        return _columns_of_term(term, self._signals(term, law, i), self._parts[i])
 
-    def _signals(self, term: Term, law: Shape, i: int) -> Array:
-        signals = self.prepared.segments[i].signals
+    def _signals(self, term: Term, law: Shape, i: int) -> Iterable[Array]:
+        """Of each log, as a term sees them."""
         if term.follows_law:
-            signals = signals.copy()
-            signals[:, H], signals[:, RATE] = self._track(law, i).T
-        return signals
+            return with_track(self._track(law, i), self._parts[i])
+        return [s.signals for s in self._parts[i].logs]
 
-    def _driven(self, terms: tuple[Term, ...], i: int) -> Segment:
-        """A log with the drive that these terms make of its commands.
+    def _driven(self, terms: tuple[Term, ...], i: int) -> Spectra:
+        """The drives that these terms make of the logs' commands.
 
-        The latest one of each log is kept: what else moves leaves it as it is.
+        The latest ones are kept: what else moves leaves them as they are.
         """
-        changes = tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+        changes = _changes(terms)
         known, found = self._latest.get(i, (None, None))
         if found is None or known != changes:
-            found = changed_drive(self.prepared.segments[i], terms)
+            found = self._parts[i].changed(drive_changes(terms))
             self._latest[i] = changes, found
         return found
 
     def _track(self, law: Shape, i: int) -> Array:
-        return self._get(("track", i, law), lambda: law_track(self.prepared.segments[i], law))
+        """H and dz/dq, shape (2, n)."""
+        return self._get(("track", i, law), lambda: self._parts[i].tracks.along(law))
 
-    def _log_moves(
+    def _some_moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int
     ) -> Array:
-        s, layout = self.prepared.segments[i], self.layout
         found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
             for j, (x, reach) in enumerate(reaches(term, self.span)):
@@ -169,55 +182,58 @@ class Balance:
                     continue
                 if term.delay or not term.coefficients:
                     # the drive of an earlier time
-                    earlier = self._driven(terms, i).balanced_drive(delay_of(terms), 1)
-                    found.append(earlier[s.kept])
+                    driven = self._driven(terms, i)
+                    found.append(self._parts[i].balanced(driven, delay_of(terms), 1))
                     continue
                 h = _STEP * reach if np.isfinite(reach) else _SMALL
                 pair = [
                     self._term(term.with_shape(_with(term.free_shape, j, x + d)), law, i)
                     for d in (h, -h)
                 ]
-                found.append((pair[0] - pair[1]) @ beta[layout.coefficients(k)] / (2.0 * h))
-        return np.column_stack(found) if found else np.zeros((int(s.kept.sum()), 0))
+                own = beta[self.layout.coefficients(k)]
+                found.append((pair[0] - pair[1]) @ own / (2.0 * h))
+        kept = len(self._parts[i].load_and_velocity)
+        return np.column_stack(found) if found else np.zeros((kept, 0))
 
     def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
         """By number j of term k, an effect of the drive, shape (n,)."""
         x = terms[k].free_shape[j]
         h = _STEP * abs(x) or _STEP
         moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + h))
-        delay = delay_of(terms)
-        s = changed_drive(self.prepared.segments[i], (*terms[:k], moved, *terms[k + 1 :]))
-        there = target(s, self.prepared, delay)
-        return np.asarray((self._target(terms, delay, i) - there) / h)
+        driven = self._parts[i].changed(drive_changes((*terms[:k], moved, *terms[k + 1 :])))
+        there = self._target_of(driven, delay_of(terms), i)
+        return np.asarray((self._target(terms, i) - there) / h)
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """By the numbers of the law, shape (n, number)."""
-        s, layout = self.prepared.segments[i], self.layout
-        dH, drate = law_tangents(s, law)
+        part, layout = self._parts[i], self.layout
+        dH, drate = part.tracks.tangents(law)
         torque = beta[layout.base.index("Fc")] * dH
         if "sigma1" in layout.base:
-            torque += beta[layout.base.index("sigma1")] * drate * s.signals[:, V]
+            torque += beta[layout.base.index("sigma1")] * drate * part.velocity
         for k, term in enumerate(terms):
             if not term.follows_law:
                 continue
-            signals = self._signals(term, law, i).copy()
-            own, weights = signals[:, H].copy(), beta[layout.coefficients(k)]
-            here = term.columns(s, signals) @ weights
-            for j, tangent in enumerate(dH):
-                # these columns are linear in H, but for a bound on it
-                h = _SMALL / (float(np.abs(tangent).max()) or 1.0)
-                signals[:, H] = own + h * tangent
-                torque[j] += (term.columns(s, signals) @ weights - here) / h
-        return kept(s, torque.T)
+            weights = beta[layout.coefficients(k)]
+            logs = zip(part.logs, part.places, self._signals(term, law, i), strict=True)
+            for s, own, signals in logs:
+                level = signals[:, H].copy()
+                here = term.columns(s, signals) @ weights
+                for j, tangent in enumerate(dH[:, own]):
+                    # these columns are linear in H, but for a bound on it
+                    h = _SMALL / (float(np.abs(tangent).max()) or 1.0)
+                    signals[:, H] = level + h * tangent
+                    torque[j, own] += (term.columns(s, signals) @ weights - here) / h
+        return part.kept(torque)
 
     def _get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The columns under a key, made if need be; logs ask side by side."""
+        """The columns under a key, made if need be; parts ask side by side."""
         found = self._kept.get(key)
         if found is not None:
             return found
         made = make()
         with self._lock:
-            while len(self._kept) >= _KEPT_A_LOG * len(self.prepared):
+            while len(self._kept) >= _KEPT_A_PART * len(self._parts):
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = made
         return made
@@ -247,6 +263,11 @@ def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
     return term.name, term.shape, term
 
 
+def _changes(terms: tuple[Term, ...]) -> tuple[object, ...]:
+    """What makes the drive what it is."""
+    return tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+
+
 def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
     return (*shape[:j], x, *shape[j + 1 :])
 
@@ -256,71 +277,31 @@ def kept(segment: Segment, x: Array) -> Array:
     return segment.lowpass(x)[segment.kept]
 
 
-def target(segment: Segment, prepared: Prepared, delay: float) -> Array:
-    """What the columns are to add up to on the kept samples of a log."""
-    drive = segment.balanced_drive(delay)[segment.kept]
-    return drive if prepared.gain_unknown else drive - load_torque(segment)
+def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
+    """Signals of each log with H, RATE and MOTOR filled in for a law."""
+    (whole,) = prepared.bundles(1)
+    found = list(with_track(whole.tracks.along(shape), whole))
+    for signals in found:
+        signals[:, MOTOR] = balance(signals, Fc, sigma2)
+    return found
 
 
-def load_torque(segment: Segment) -> Array:
-    """Torque of the rigid body on the kept samples, N m."""
-    return segment.balanced_load
+def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
+    """Signals of each log with H and RATE of a law, shape (2, n), filled in."""
+    for segment, own in zip(bundle.logs, bundle.places, strict=True):
+        signals = segment.signals.copy()
+        signals[:, H], signals[:, RATE] = track[:, own]
+        yield signals
 
 
-def full_signals(segment: Segment, shape: Shape, Fc: float, sigma2: float) -> Array:
-    """Signals with H, RATE and MOTOR filled in for a law."""
-    track = law_track(segment, shape)
-    signals = segment.signals.copy()
-    signals[:, H], signals[:, RATE] = track[:, 0], track[:, 1]
-    signals[:, MOTOR] = balance(signals, Fc, sigma2)
-    return signals
+def _columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
+    logs = zip(part.logs, signals, strict=True)
+    return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
 
 
 def balance(signals: Array, Fc: float, sigma2: float) -> Array:
     """Torque of the rigid body and a law along signals that hold H, N m, shape (n,)."""
     return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
-
-
-def law_track(segment: Segment, shape: Shape) -> Array:
-    """H and dz/dq along a log, shape (n, 2)."""
-    time, q, before = _whole_path(segment, shape)
-    found = shape.hysteresis(time, q)
-    return segment.path.on_grid(np.column_stack([x[before:] for x in found]))
-
-
-def law_tangents(segment: Segment, shape: Shape) -> tuple[Array, Array]:
-    """Derivatives of H and dz/dq by the numbers of a shape along a log, each of shape (k, n)."""
-    time, q, before = _whole_path(segment, shape)
-    _, _, *moves = shape.tangents(time, q)
-    dH, drate = (segment.path.on_grid(x[:, before:].T).T for x in moves)
-    return dH, drate
-
-
-def _whole_path(segment: Segment, shape: Shape) -> tuple[Array, Array, int]:
-    """Time and position that a law is driven along, and how many of them come before the log."""
-    time, q = segment.path.time, segment.path.position
-    if not segment.held:
-        return time, q, 0
-    before = _approach(shape, segment)
-    time = np.concatenate([time[0] + np.arange(-len(before), 0.0), time])
-    return time, np.concatenate([before, q]), len(before)
-
-
-def _approach(shape: Shape, segment: Segment) -> Array:
-    """Positions, a second apart, over which a law that never moved comes to hold what it held.
-
-    What came before a log is not known, and of the ways to a torque the straight one is taken. A
-    law that never holds as much is brought to the most it holds.
-    """
-    q = segment.signals[:, Q]
-    way = np.concatenate([[0.0], np.geomspace(*_REACHED, _POINTS) * (np.ptp(q) or 1.0)])
-    way *= np.sign(segment.held)
-    level = np.abs(shape.hysteresis(np.arange(float(len(way))), way)[0])
-    enough = np.flatnonzero(level >= abs(segment.held))
-    k = max(1, int(enough[0] if enough.size else np.argmax(level)))
-    fraction = (abs(segment.held) - level[k - 1]) / ((level[k] - level[k - 1]) or 1.0)
-    end = way[k - 1] + min(fraction, 1.0) * (way[k] - way[k - 1])
-    return np.asarray(q[0] - end + way[:k])
 
 
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:

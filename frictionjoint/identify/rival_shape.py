@@ -5,7 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.shape import (
     GRID_LENGTHS,
@@ -17,7 +17,7 @@ from frictionjoint.identify.shape import (
     unit_block,
 )
 from frictionjoint.law import bristle, maxwell_slip
-from frictionjoint.law.motion import drive_rival
+from frictionjoint.law.motion import drive_rival, edges_of
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.laws import LAWS
@@ -143,18 +143,18 @@ class RivalShape:
         found: Friction = self.law.symmetric(**values)
         return found
 
-    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
         """See `Shape`."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_rival(unit_block(self), time, q, H, rate)
+        drive_rival(unit_block(self), time, q, edges_of(q, edges), H, rate)
         return H, rate
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None
+        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = unit_block(self)
-        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, q_t)
+        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, q_t, edges)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

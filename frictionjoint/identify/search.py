@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import V
 from frictionjoint.identify.compass import compass
-from frictionjoint.identify.design import Balance, coefficient_bounds, load_torque, reaches, solve
+from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.hanging import hanging
 from frictionjoint.identify.layout import Layout, layout_of
@@ -133,16 +132,13 @@ class Search:
         self.law = law
         self.layout = layout_of(prepared, law, terms)
         self.balance = Balance(prepared, law, terms)
-        speeds = np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])
-        self.vmax = float(np.quantile(speeds, 0.99)) or 1.0
+        self.vmax = prepared.top_speed
         self.bounds = self._ranges(law, terms)
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)
-        self.weight = np.concatenate([s.kept_weight for s in prepared.segments])
+        self.weight = prepared.weight
         # what an effect of the drive takes away must not pass for a small error
-        self.size = self._size(
-            np.concatenate([s.balanced_drive()[s.kept] for s in prepared.segments])
-        )
+        self.size = self._size(prepared.balanced_drive)
         self._last: tuple[bytes, Solution] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
@@ -301,7 +297,7 @@ class Search:
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )
-        total = y if self.prepared.gain_unknown else y + self._load()
+        total = y if self.prepared.gain_unknown else y + self.prepared.balanced_load
         moves = self.balance.moves(shape, terms, beta)
         low, high = self._ranges(shape, terms)
         return Fit(
@@ -334,6 +330,3 @@ class Search:
     def _near_bound(self, x: Array) -> NDArray[np.bool_]:
         near = _ON_BOUND * (self.bounds[1] - self.bounds[0])
         return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)
-
-    def _load(self) -> Array:
-        return np.concatenate([load_torque(s) for s in self.prepared.segments])

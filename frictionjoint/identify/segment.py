@@ -5,6 +5,7 @@ its columns and its target, passes a second one. So no side of it is filtered mo
 and a law sees a motion sharper than the balance.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -14,12 +15,15 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DT, LOAD, TIME, V
+from frictionjoint.effects.signals import DT, LOAD, TIME, Q, V
+from frictionjoint.identify.bundle import Bundle
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.reversals import Path, path_of
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.tracks import Start
 from frictionjoint.measured.derivatives import HIGHEST
-from frictionjoint.measured.lowpass import LowPass, Spectrum, gentle, steep
+from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle, places, steep
 
 # samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
 # what the filter passes is folded back
@@ -90,12 +94,18 @@ class Segment:
         return self.driven_along or path_of(self.signals, self.noise.resolution)
 
     @cached_property
-    def _drive_spectrum(self) -> tuple[Spectrum, Array]:
-        return self._filter.spectrum(self.drive)
+    def start(self) -> Start:
+        """How the log begins."""
+        position = self.signals[:, Q]
+        return Start(self.held, float(position[0]), float(np.ptp(position)))
+
+    @cached_property
+    def _drive_spectrum(self) -> Spectrum:
+        return self.filter.spectrum(self.drive)
 
     def balanced_drive(self, delay: float = 0.0, derivative: int = 0) -> Array:
         """The drive as it was `delay` seconds before each sample, behind the balance's filter."""
-        return self._filter.back(self._drive_spectrum, derivative, delay)
+        return self.filter.back(self._drive_spectrum, derivative, delay)
 
     def drive_before(self, delay: float) -> Array:
         """The drive as it was `delay` seconds before each sample, shape (n,)."""
@@ -110,18 +120,18 @@ class Segment:
         """Torque of the rigid body on the kept samples, N m."""
         return self.lowpass(self.signals[:, LOAD])[self.kept]
 
-    @cached_property
-    def balanced_velocity(self) -> Array:
-        """Velocity on the kept samples, rad/s."""
-        return self.lowpass(self.signals[:, V])[self.kept]
-
     def lowpass(self, x: Array) -> Array:
         """What the balance has of a signal: filtered along axis 0 and decimated."""
-        return self._filter(x)
+        return self.filter(x)
 
     def smooth(self, x: Array) -> Array:
         """A signal behind the balance's filter, all samples of it."""
-        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)(x)
+        return self.undecimated(x)
+
+    @property
+    def undecimated(self) -> LowPass:
+        """The balance's filter, with all samples given back."""
+        return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)
 
     @property
     def kept_weight(self) -> Array:
@@ -131,7 +141,8 @@ class Segment:
         return self.weight[:: self.step][self.kept]
 
     @property
-    def _filter(self) -> LowPass:
+    def filter(self) -> LowPass:
+        """That the balance passes."""
         return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, self.step)
 
     @property
@@ -183,6 +194,60 @@ class Prepared:
     def commanded(self) -> bool:
         """Whether the drive is what a controller made of its commands, and not measured."""
         return all(s.commanded is not None for s in self.segments)
+
+    @cached_property
+    def span(self) -> float:
+        """Longest travel of a log, rad (m)."""
+        return max(s.start.travel for s in self.segments)
+
+    @cached_property
+    def top_speed(self) -> float:
+        """Of all logs without the fastest hundredth of the samples, rad/s (m/s); 1 if none move."""
+        speeds = np.concatenate([np.abs(s.signals[:, V]) for s in self.segments])
+        return float(np.quantile(speeds, 0.99)) or 1.0
+
+    @cached_property
+    def weight(self) -> Array:
+        """Of the kept samples of all logs in turn."""
+        return np.concatenate([s.kept_weight for s in self.segments])
+
+    @property
+    def balanced_drive(self) -> Array:
+        """Drive on the kept samples of all logs in turn."""
+        (whole,) = self.bundles(1)
+        return whole.balanced(whole.driven)
+
+    @property
+    def balanced_load(self) -> Array:
+        """Torque of the rigid body on the kept samples of all logs in turn, N m."""
+        (whole,) = self.bundles(1)
+        return whole.load_and_velocity[:, 0]
+
+    def bundles(self, parts: int) -> tuple[Bundle[Segment], ...]:
+        """The logs in up to so many parts, of about as many samples."""
+        parts = min(parts, len(self.segments))
+        if parts not in self._bundles:
+            lengths = np.array([len(s.drive) for s in self.segments])
+            middle = np.cumsum(lengths) - 0.5 * lengths
+            part = (middle * (parts / lengths.sum())).astype(int)
+            logs = [[self.segments[i] for i in np.flatnonzero(part == k)] for k in range(parts)]
+            self._bundles[parts] = tuple(Bundle(some) for some in logs if some)
+        return self._bundles[parts]
+
+    def tracks(self, law: Shape) -> list[Array]:
+        """H and dz/dq of a law along each log, shape (2, n)."""
+        (whole,) = self.bundles(1)
+        found = whole.tracks.along(law)
+        return [found[:, own] for own in whole.places]
+
+    def smooth(self, x: Sequence[Array]) -> list[Array]:
+        """A signal of each log behind the balance's filter, all samples of it."""
+        whole = LowPasses([s.undecimated for s in self.segments])(np.concatenate(x)[None])[0]
+        return [whole[own] for own in places([len(one) for one in x])]
+
+    @cached_property
+    def _bundles(self) -> dict[int, tuple[Bundle[Segment], ...]]:
+        return {}
 
     def thinned(self, most: int) -> "Prepared":
         """The logs for a coarse search, in a narrower band where there are more samples than

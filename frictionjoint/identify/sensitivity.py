@@ -14,8 +14,9 @@ from frictionjoint.identify.terms import delay_of
 def driven(prepared: Prepared, fitted: Fit) -> Prepared:
     """Motions with the drive that they ask of a fitted law, without its other terms."""
     segments = []
-    for s in prepared.segments:
-        torque = balance(full_signals(s, fitted.shape, *fitted.levels), *fitted.levels)
+    signals = full_signals(prepared, fitted.shape, *fitted.levels)
+    for s, x in zip(prepared.segments, signals, strict=True):
+        torque = balance(x, *fitted.levels)
         on_time = replace(s, drive=torque / fitted.gain)
         # a position logged late goes with a drive that was earlier
         segments.append(replace(s, drive=on_time.drive_before(-delay_of(fitted.terms))))

@@ -11,9 +11,9 @@ from typing import Protocol, Self, get_args
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.law import integrated
-from frictionjoint.law.motion import drive_integrated
+from frictionjoint.law.motion import drive_integrated, edges_of
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.transition import KNOT_STRIDE
@@ -49,11 +49,15 @@ class Shape(Protocol):
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law at a Coulomb level, N m."""
 
-    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
-        """H, and what times the velocity is dz/dt, along a motion, each of shape (n,)."""
+    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
+        """H, and what times the velocity is dz/dt, along motions, each of shape (n,).
+
+        Args:
+            edges: where each of the motions begins and the last ends; None: it is one.
+        """
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None
+        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n).
 
@@ -195,18 +199,18 @@ class IntegratedShape:
             found.append((z, 2.0 * Fs * F))
         return tuple(found)
 
-    def hysteresis(self, time: Array, q: Array) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_integrated(unit_block(self), time, q, H, rate)
+        drive_integrated(unit_block(self), time, q, edges_of(q, edges), H, rate)
         return H, rate
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None
+        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = unit_block(self)
-        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, q_t)
+        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, q_t, edges)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from frictionjoint.arrays import Array
-from frictionjoint.identify.design import Balance, law_track, lengths, load_torque
+from frictionjoint.arrays import Array, Index
+from frictionjoint.identify.design import Balance, lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.search import ROUGH, refit
@@ -45,20 +45,15 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
     Returns:
         `prepared` itself where no log determines a better start than it has.
     """
-    with side_by_side() as each:
-        begun = list(each(lambda i: _begun(prepared.subset([i]), fitted), range(len(prepared))))
+    begun = []
+    for i, held in enumerate(_starts(prepared, fitted)):
+        own = prepared.segments[i]
+        segment = own if held == own.held else replace(own, held=held)
+        swing = _swing(replace(prepared, segments=(segment,)), fitted)
+        begun.append(segment if swing == own.swing else replace(segment, swing=swing))
     if all(a is b for a, b in zip(begun, prepared.segments, strict=True)):
         return prepared
     return replace(prepared, segments=tuple(begun))
-
-
-def _begun(one: Prepared, fitted: Fit) -> Segment:
-    """A log with its start; the log itself where it determines no better one than it has."""
-    (own,) = one.segments
-    held = _start(one, fitted)
-    segment = own if held == own.held else replace(own, held=held)
-    swing = _swing(replace(one, segments=(segment,)), fitted)
-    return segment if swing == own.swing else replace(segment, swing=swing)
 
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
@@ -71,23 +66,35 @@ def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     return prepared, fitted
 
 
-def _start(one: Prepared, fitted: Fit) -> float:
-    """Torque over Fc at the first sample of a log."""
-    whole = _squares(_left(one, fitted))
-    head = replace(one, segments=(_head(one.segments[0], fitted.shape),))
-    left, before = _left(head, fitted), _of_law(head, fitted)
+def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
+    """Torque over Fc at the first sample of each log."""
+    heads = replace(prepared, segments=_heads(prepared, fitted.shape))
+    known = np.array([s.held for s in heads.segments])
+    whole = [_squares(x) for x in _split(_left(prepared, fitted), prepared)]
+    left, before = _left(heads, fitted), _of_law(heads, fitted, known)
 
-    def squares(held: float) -> float:
+    def squares(held: Array) -> Array:
         # all but the law and what follows it stays as it is
-        return _squares(left - (_of_law(_held(head, held), fitted) - before))
+        left_of_each = _split(left - (_of_law(heads, fitted, held) - before), heads)
+        return np.array([_squares(x) for x in left_of_each])
 
-    tried = [squares(held) for held in _TRIALS]
-    best = _TRIALS[int(np.argmin(tried))]
-    step = _TRIALS[1] - _TRIALS[0]
-    near = (best - step, best + step)
-    found = minimize_scalar(squares, bounds=near, method="bounded", options={"xatol": _NEAR})
-    own = one.segments[0].held
-    return float(found.x) if squares(own) - found.fun > _TELLS * whole else own
+    tried = np.array([squares(np.full(len(heads), x)) for x in _TRIALS])
+    own, best = squares(known), _TRIALS[np.argmin(tried, axis=0)]
+
+    def start(i: int) -> float:
+        """Of one log."""
+        one, step = heads.subset([i]), _TRIALS[1] - _TRIALS[0]
+        mine, its = _split(left, heads)[i], _split(before, heads)[i]
+        found = minimize_scalar(
+            lambda held: _squares(mine - (_of_law(one, fitted, np.array([held])) - its)),
+            bounds=(best[i] - step, best[i] + step),
+            method="bounded",
+            options={"xatol": _NEAR},
+        )
+        return float(found.x) if own[i] - found.fun > _TELLS * whole[i] else float(known[i])
+
+    with side_by_side() as each:
+        return list(each(start, range(len(heads))))
 
 
 def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
@@ -137,24 +144,35 @@ def _left(one: Prepared, fitted: Fit) -> Array:
     return np.asarray(y - X @ fitted.beta)
 
 
-def _of_law(one: Prepared, fitted: Fit) -> Array:
-    """What depends on the law in a log, in units of the drive."""
-    balance = Balance(one, fitted.shape, fitted.terms)
-    return balance.of_law(fitted.shape, fitted.terms, fitted.beta, 0)
+def _of_law(prepared: Prepared, fitted: Fit, held: Array) -> Array:
+    """What depends on the law, by the torque over Fc at the first sample of each log."""
+    balance = Balance(prepared, fitted.shape, fitted.terms)
+    return balance.of_law(fitted.shape, fitted.terms, fitted.beta, held)
+
+
+def _split(x: Array, prepared: Prepared) -> list[Array]:
+    """What is of the kept samples of all logs, log by log."""
+    return np.split(x, np.cumsum([int(s.kept.sum()) for s in prepared.segments])[:-1])
 
 
 def _squares(x: Array) -> float:
     return float(np.sum(x**2))
 
 
-def _held(one: Prepared, held: float) -> Prepared:
-    return replace(one, segments=(replace(one.segments[0], held=float(held)),))
+def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
+    """Logs as far as their start matters: until the law from either side has become the same."""
+    (whole,) = prepared.bundles(1)
+    sides = [np.full(len(prepared), x) for x in _TRIALS[[0, -1]]]
+    first, last = (whole.tracks.begun(held).along(shape)[0] for held in sides)
+    apart = np.abs(last - first) > _ALIKE
+    return tuple(
+        _head(s, np.flatnonzero(apart[own]))
+        for s, own in zip(whole.logs, whole.places, strict=True)
+    )
 
 
-def _head(segment: Segment, shape: Shape) -> Segment:
-    """A log as far as its start matters: until the law from either side has become the same."""
-    first, last = (law_track(replace(segment, held=h), shape)[:, 0] for h in _TRIALS[[0, -1]])
-    apart = np.flatnonzero(np.abs(last - first) > _ALIKE)
+def _head(segment: Segment, apart: Index) -> Segment:
+    """A log as far as its start matters; `apart`: samples where the law is not yet the same."""
     reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):
@@ -202,18 +220,17 @@ class Prediction(NamedTuple):
 
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """Prediction of a fit for logs, without refitting; their initial states are estimated."""
-    found = Prediction([], [], [], [])
     law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
     # the model's columns are those of the logs it was fitted to, let go or not
     like = replace(prepared, let_go=prepared.voltage_driven and "sigma2" in fitted.names)
     begun = with_starts(like, fitted)
-    for i in range(len(begun)):
-        one = begun.subset([i])
-        balance = Balance(one, fitted.shape, fitted.terms)
-        X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)
-        known = 0.0 if begun.gain_unknown else load_torque(one.segments[0])
-        found.measured.append(y * fitted.gain + known)
-        found.predicted.append(X @ fitted.beta * fitted.gain + known)
-        found.friction.append(X[:, law] @ fitted.beta[law] * fitted.gain)
-        found.weight.append(one.segments[0].kept_weight)
-    return found
+    balance = Balance(begun, fitted.shape, fitted.terms)
+    X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)
+    known = 0.0 if begun.gain_unknown else begun.balanced_load
+    torques = (
+        y * fitted.gain + known,
+        X @ fitted.beta * fitted.gain + known,
+        X[:, law] @ fitted.beta[law] * fitted.gain,
+        begun.weight,
+    )
+    return Prediction(*(_split(x, begun) for x in torques))

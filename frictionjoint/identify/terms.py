@@ -9,6 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import SAG, SWAY
+from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
 
 # of a sample, from which on a delay may be an effect
@@ -149,9 +150,14 @@ class DriveTerm(EffectTerm):
         return np.zeros((len(signals), 0))
 
 
+def drive_changes(terms: tuple[Term, ...]) -> list[Change]:
+    """What the effects of the drive among terms make of a controller, one after the other."""
+    return [t.change for t in terms if isinstance(t, DriveTerm)]
+
+
 def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     """A log with the drive that its controller makes with the effects of the drive among terms."""
-    changes = [t.change for t in terms if isinstance(t, DriveTerm)]
+    changes = drive_changes(terms)
     if not changes or segment.commanded is None:
         return segment
     return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])

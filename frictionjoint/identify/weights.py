@@ -13,11 +13,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
-from frictionjoint.identify.design import law_track
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.search import CLOSE, refit
-from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.segment import Prepared
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
@@ -44,8 +43,8 @@ def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tupl
 
 def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
     """What a fit leaves of its logs."""
-    kept = [_sticking(s, fitted)[:: s.step][s.kept] for s in prepared.segments]
-    stuck = np.concatenate(kept)
+    whole = zip(prepared.segments, _sticking(prepared, fitted), strict=True)
+    stuck = np.concatenate([x[:: s.step][s.kept] for s, x in whole])
     e = fitted.residual
     sliding, sticking = e[stuck < _SLIDING], e[stuck > _STICKING]
     base = float(np.sqrt(np.mean(sliding**2))) if sliding.size else fitted.rms
@@ -78,20 +77,23 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
     level = fitted.levels[0]
     base = errors.sliding or 1e-300
     segments = []
-    for s in prepared.segments:
+    for s, stuck in zip(prepared.segments, _sticking(prepared, fitted), strict=True):
         unresolved = min(law.stiffness * s.noise.resolution, level)
         known = unresolved**2 + (DISCREPANCY * level) ** 2
-        variance = _sticking(s, fitted) * max(known, errors.sticking**2 - base**2)
+        variance = stuck * max(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
             variance = variance + s.smooth(np.abs(s.unknown)) ** 2
         segments.append(replace(s, weight=1.0 / np.sqrt(1.0 + variance / base**2)))
     return replace(prepared, segments=tuple(segments))
 
 
-def _sticking(segment: Segment, fitted: Fit) -> Array:
+def _sticking(prepared: Prepared, fitted: Fit) -> list[Array]:
     """Square of dz/dq, 1 in sticking and 0 in sliding, behind the balance's filter, shape (n,)."""
-    rate = np.clip(law_track(segment, fitted.shape)[:, 1], 0.0, 1.0)
-    # slower than the encoder resolves, the direction of the next displacement is not known
-    slowest = segment.noise.resolution * 2.0 * np.pi * segment.corner_hz
-    rate[np.abs(segment.signals[:, V]) < slowest] = 1.0
-    return np.clip(segment.smooth(rate**2), 0.0, 1.0)
+    rates = []
+    for s, (_, rate) in zip(prepared.segments, prepared.tracks(fitted.shape), strict=True):
+        stuck = np.clip(rate, 0.0, 1.0)
+        # slower than the encoder resolves, the direction of the next displacement is not known
+        slowest = s.noise.resolution * 2.0 * np.pi * s.corner_hz
+        stuck[np.abs(s.signals[:, V]) < slowest] = 1.0
+        rates.append(stuck**2)
+    return [np.clip(x, 0.0, 1.0) for x in prepared.smooth(rates)]

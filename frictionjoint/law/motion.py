@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from frictionjoint.arrays import Vector
+from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
@@ -35,36 +35,53 @@ def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F
         commit(P, p, X, 0)
 
 
+def edges_of(position: Array, edges: Index | None) -> Index:
+    """Edges of motions, those of a single one where none are given."""
+    return np.array([0, len(position)]) if edges is None else edges
+
+
 @compiled
-def drive_integrated(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
-    """Fill H with Fh and `rate` with dz/dq along a motion, for a block of the integrated law."""
+def drive_integrated(
+    P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
+) -> None:
+    """Fill H with Fh and `rate` with dz/dq along motions, for a block of the integrated law.
+
+    The motions lie one behind the other, the i-th from edges[i] to before edges[i + 1]; before
+    each the contact is at rest and was never moved.
+    """
     X = np.zeros(HEADER + 2 * CAPACITY)
-    _start(P, 1, X, 0, HEADER)
-    H[0] = 0.0
-    rate[0] = 1.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        _step(P, 1, X, 0, 0, HEADER, dq, dt, dq / dt)
-        make_room(X, 0, HEADER)
-        H[k] = X[FH]
-        rate[k] = X[RATE]
+    for i in range(len(edges) - 1):
+        first = edges[i]
+        _start(P, 1, X, 0, HEADER)
+        H[first] = 0.0
+        rate[first] = 1.0
+        for k in range(first + 1, edges[i + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            _step(P, 1, X, 0, 0, HEADER, dq, dt, dq / dt)
+            make_room(X, 0, HEADER)
+            H[k] = X[FH]
+            rate[k] = X[RATE]
 
 
 @compiled
-def drive_rival(P: Vector, time: Vector, position: Vector, H: Vector, rate: Vector) -> None:
+def drive_rival(
+    P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
+) -> None:
     """As `drive_integrated`, for a block of any other law, its number in front."""
     X = np.zeros(row_size(P, 0))
-    start_row(P, 0, X, 0)
-    H[0] = 0.0
-    rate[0] = X[bristle.RATE]
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        step_row(P, 0, X, 0, dq, dt, dq / dt)
-        commit(P, 0, X, 0)
-        H[k] = X[bristle.FH]
-        rate[k] = X[bristle.RATE]
+    for i in range(len(edges) - 1):
+        first = edges[i]
+        start_row(P, 0, X, 0)
+        H[first] = 0.0
+        rate[first] = X[bristle.RATE]
+        for k in range(first + 1, edges[i + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            step_row(P, 0, X, 0, dq, dt, dq / dt)
+            commit(P, 0, X, 0)
+            H[k] = X[bristle.FH]
+            rate[k] = X[bristle.RATE]
 
 
 def friction_torque(

@@ -74,6 +74,7 @@ def drive_{law}(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -81,19 +82,22 @@ def drive_{law}(
 ) -> None:
     X = np.zeros({size})
     X_t = np.zeros((len(X), DIRECTIONS))
-    {start}
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[{header}.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        {step}
-        H[k], rate[k] = X[{header}.FH], X[{header}.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[{header}.FH, i], X_t[{header}.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        {start}
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[{header}.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            {step}
+            H[k], rate[k] = X[{header}.FH], X[{header}.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[{header}.FH, i], X_t[{header}.RATE, i]
 """
 _STEP = "{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)"
 _STATIC_STEP = "static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))"
@@ -103,7 +107,7 @@ _DRIVE_INTEGRATED = _DRIVE.format(
     size="memory.HEADER + 2 * memory.CAPACITY",
     start="integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)",
     step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)\n"
-    "        memory_make_room(X, X_t, 0, memory.HEADER)",
+    "            memory_make_room(X, X_t, 0, memory.HEADER)",
 )
 
 
@@ -149,7 +153,7 @@ import math
 
 import numpy as np
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import {modules}
 from frictionjoint.law.kernel import row_size, start_row

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import (
     armstrong,
@@ -859,6 +859,7 @@ def drive_integrated(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -866,20 +867,23 @@ def drive_integrated(
 ) -> None:
     X = np.zeros(memory.HEADER + 2 * memory.CAPACITY)
     X_t = np.zeros((len(X), DIRECTIONS))
-    integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[memory.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)
-        memory_make_room(X, X_t, 0, memory.HEADER)
-        H[k], rate[k] = X[memory.FH], X[memory.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[memory.FH, i], X_t[memory.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[memory.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)
+            memory_make_room(X, X_t, 0, memory.HEADER)
+            H[k], rate[k] = X[memory.FH], X[memory.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[memory.FH, i], X_t[memory.RATE, i]
 
 
 @compiled
@@ -889,6 +893,7 @@ def drive_static(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -896,19 +901,22 @@ def drive_static(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
 
 
 @compiled
@@ -918,6 +926,7 @@ def drive_armstrong(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -925,19 +934,22 @@ def drive_armstrong(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
 
 
 @compiled
@@ -947,6 +959,7 @@ def drive_dahl(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -954,19 +967,22 @@ def drive_dahl(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
 
 
 @compiled
@@ -976,6 +992,7 @@ def drive_lugre(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -983,19 +1000,22 @@ def drive_lugre(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
 
 
 @compiled
@@ -1005,6 +1025,7 @@ def drive_elastoplastic(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -1012,19 +1033,22 @@ def drive_elastoplastic(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
 
 
 @compiled
@@ -1034,6 +1058,7 @@ def drive_maxwell_slip(
     time: Vector,
     position: Vector,
     position_t: Tangents,
+    edges: Index,
     H: Vector,
     H_t: Array,
     rate: Vector,
@@ -1041,16 +1066,19 @@ def drive_maxwell_slip(
 ) -> None:
     X = np.zeros(row_size(P, 0))
     X_t = np.zeros((len(X), DIRECTIONS))
-    start_row(P, 0, X, 0)
-    H[0], H_t[:, 0] = 0.0, 0.0
-    rate[0], rate_t[:, 0] = X[bristle.RATE], 0.0
-    for k in range(1, len(position)):
-        dq = position[k] - position[k - 1]
-        dt = time[k] - time[k - 1]
-        dq_t = ZERO
-        if len(position_t) > 0:
-            dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-        maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
-        H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
-        for i in range(len(H_t)):
-            H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]

@@ -1,0 +1,119 @@
+"""Several logs of a fit as one: what a search asks of all of them is one call of a kernel each.
+
+To ask for what is done to a short log takes longer than to do it, and while it is asked for no
+other thread goes on.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import LOAD, V
+from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
+from frictionjoint.identify.reversals import Path
+from frictionjoint.identify.tracks import Start, Tracks
+from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
+
+
+class Log(Protocol):
+    """What a bundle asks of a log, see `segment.Segment`."""
+
+    @property
+    def path(self) -> Path:
+        """Time and position that a law is driven along."""
+
+    @property
+    def start(self) -> Start:
+        """How it begins."""
+
+    @property
+    def filter(self) -> LowPass:
+        """That the balance passes."""
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """The samples behind it that a fit keeps."""
+
+    @property
+    def signals(self) -> Array:
+        """Of the motion, shape (n, N_SIGNALS)."""
+
+    @property
+    def drive(self) -> Array:
+        """As measured or made by a controller, shape (n,)."""
+
+    @property
+    def commanded(self) -> Commanded | None:
+        """What its controller made the drive of."""
+
+
+_Log = TypeVar("_Log", bound=Log)
+# drives of the logs with each filter
+Spectra = list[Spectrum]
+
+
+class Bundle(Generic[_Log]):
+    """Logs one behind the other.
+
+    Attributes:
+        logs: at least one. places: of each among the n samples of all.
+    """
+
+    def __init__(self, logs: Sequence[_Log]) -> None:
+        self.logs = tuple(logs)
+        self.places = places([len(log.drive) for log in logs])
+        self._filters = LowPasses([log.filter for log in logs])
+        self._kept = np.concatenate([log.kept for log in logs])
+
+    @cached_property
+    def tracks(self) -> Tracks:
+        """For laws to be driven along."""
+        paths, starts = zip(*((log.path, log.start) for log in self.logs), strict=True)
+        return Tracks(paths, starts)
+
+    def kept(self, x: Array) -> Array:
+        """What the balance keeps of signals in rows, shape (k, n), as columns, shape (m, k)."""
+        return np.asarray(self._filters(x)[:, self._kept].T)
+
+    def row(self, signal: int) -> Array:
+        """A signal of all logs, shape (n,)."""
+        return np.concatenate([log.signals[:, signal] for log in self.logs])
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Of all samples, rad/s, shape (n,)."""
+        return self.row(V)
+
+    @cached_property
+    def load_and_velocity(self) -> Array:
+        """Torque of the rigid body, N m, and velocity, rad/s, as the balance keeps them, (m, 2)."""
+        return self.kept(np.stack([self.row(LOAD), self.velocity]))
+
+    def balanced(self, spectra: Spectra, delay: float = 0.0, derivative: int = 0) -> Array:
+        """Drives as they were `delay` seconds before each sample that the balance keeps, (m,)."""
+        return np.asarray(self._filters.back(spectra, derivative, delay)[0, self._kept])
+
+    @cached_property
+    def driven(self) -> Spectra:
+        """The drives of the logs."""
+        return self._filters.spectra(np.concatenate([log.drive for log in self.logs])[None])
+
+    def changed(self, changes: Sequence[Change]) -> Spectra:
+        """Drives that their controllers make with some changes, one after the other."""
+        commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
+        if not changes or not commanded:
+            return self.driven
+        drive = np.concatenate([log.drive for log in self.logs])
+        made = self._commanded.drive(changes)
+        for i, own in zip(commanded, self._commanded.places, strict=True):
+            # a log may have been cut off since
+            drive[self.places[i]] = made[own][: len(self.logs[i].drive)]
+        return self._filters.spectra(drive[None])
+
+    @cached_property
+    def _commanded(self) -> CommandedLogs:
+        return CommandedLogs([log.commanded for log in self.logs if log.commanded is not None])

@@ -1,0 +1,129 @@
+"""Laws driven along the motion of several logs, from what friction held when each began.
+
+All logs in one call of a law's kernel: a short log takes less time there than to ask for it.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import block_diag, csr_array, eye_array
+
+from frictionjoint.arrays import Array, Index
+from frictionjoint.identify.reversals import Path
+from frictionjoint.identify.shape import Shape
+
+# displacements, over the travel, over which friction may have come to what it held at first
+_REACHED, _POINTS = (1e-7, 3.0), 60
+_WAY = np.concatenate([[0.0], np.geomspace(*_REACHED, _POINTS)])
+
+
+class Start(NamedTuple):
+    """How a log begins.
+
+    Attributes:
+        held: friction over Fc. position: rad (m). travel: of the whole log, rad (m).
+    """
+
+    held: float
+    position: float
+    travel: float
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Motions of logs for laws to be driven along.
+
+    Attributes:
+        paths, starts: one a log.
+    """
+
+    paths: tuple[Path, ...]
+    starts: tuple[Start, ...]
+
+    def begun(self, held: Array) -> "Tracks":
+        """The same motions after another friction over Fc, one a log."""
+        pairs = zip(self.starts, held.tolist(), strict=True)
+        return replace(self, starts=tuple(start._replace(held=x) for start, x in pairs))
+
+    def along(self, law: Shape) -> Array:
+        """H and dz/dq along all logs in turn, shape (2, n)."""
+        time, q, edges, own = self._whole(law)
+        return self._on_grid(np.stack(law.hysteresis(time, q, edges)), own)
+
+    def tangents(self, law: Shape) -> tuple[Array, Array]:
+        """Derivatives of H and dz/dq by the numbers of a law along them, shape (k, n) each."""
+        time, q, edges, own = self._whole(law)
+        _, _, dH, drate = law.tangents(time, q, edges=edges)
+        return self._on_grid(dH, own), self._on_grid(drate, own)
+
+    def _on_grid(self, x: Array, own: NDArray[np.bool_] | None) -> Array:
+        """Rows along whole paths to those on the grids of the logs."""
+        x = x if own is None else x[:, own]
+        return x if self._mean is None else np.asarray((self._mean @ x.T).T)
+
+    @cached_property
+    def _paths(self) -> tuple[Array, Array, Index]:
+        """Time, position and edges of the logs themselves."""
+        time = np.concatenate([path.time for path in self.paths])
+        q = np.concatenate([path.position for path in self.paths])
+        return time, q, np.cumsum([0, *(len(path.time) for path in self.paths)])
+
+    @cached_property
+    def _mean(self) -> csr_array | None:
+        """Of all logs, see `Path`."""
+        if all(path.mean is None for path in self.paths):
+            return None
+        parts = [
+            eye_array(len(path.time), format="csr") if path.mean is None else path.mean
+            for path in self.paths
+        ]
+        return csr_array(block_diag(parts, format="csr"))
+
+    def _whole(self, law: Shape) -> tuple[Array, Array, Index, NDArray[np.bool_] | None]:
+        """Time, position and edges that a law is driven along, and which of it are the logs.
+
+        Before a log that held something comes the approach to that; where none did: None.
+        """
+        time, q, edges = self._paths
+        held = [i for i, start in enumerate(self.starts) if start.held]
+        if not held:
+            return time, q, edges, None
+        before = dict(zip(held, _approaches(law, [self.starts[i] for i in held]), strict=True))
+        times, positions, own, lengths = [], [], [], [0]
+        for i, path in enumerate(self.paths):
+            way = before.get(i, np.zeros(0))
+            times += [path.time[0] + np.arange(-len(way), 0.0), path.time]
+            positions += [way, path.position]
+            own += [np.zeros(len(way), dtype=bool), np.ones(len(path.time), dtype=bool)]
+            lengths.append(len(way) + len(path.time))
+        return (
+            np.concatenate(times),
+            np.concatenate(positions),
+            np.cumsum(lengths),
+            np.concatenate(own),
+        )
+
+
+def _approaches(law: Shape, starts: list[Start]) -> list[Array]:
+    """Positions, a second apart, over which a law that never moved comes to hold what logs held.
+
+    What came before a log is not known, and of the ways to a torque the straight one is taken. A
+    law that never holds as much is brought to the most it holds.
+    """
+    held = np.array([start.held for start in starts])
+    sizes = np.sign(held) * [start.travel or 1.0 for start in starts]
+    ways = np.outer(sizes, _WAY)
+    seconds = np.tile(np.arange(float(len(_WAY))), len(starts))
+    edges = len(_WAY) * np.arange(len(starts) + 1)
+    levels = np.abs(law.hysteresis(seconds, ways.ravel(), edges)[0]).reshape(ways.shape)
+    found = []
+    for start, way, level in zip(starts, ways, levels, strict=True):
+        enough = np.flatnonzero(level >= abs(start.held))
+        k = max(1, int(enough[0] if enough.size else np.argmax(level)))
+        fraction = (abs(start.held) - level[k - 1]) / ((level[k] - level[k - 1]) or 1.0)
+        end = way[k - 1] + min(fraction, 1.0) * (way[k] - way[k - 1])
+        found.append(start.position - end + way[:k])
+    return found
