@@ -399,6 +399,17 @@ def following_log(tmp_path, ratio, reach, unit="rad", drive="torque_nm"):
     return path
 
 
+def test_a_joint_may_come_to_a_target_that_stood_before_the_log(tmp_path):
+    t = 0.02 * np.arange(50)
+    target = np.full(50, -1.9634954084936207)
+    assert np.std(target) > 0.0  # of rounding alone
+    path = tmp_path / "step.csv"
+    columns = np.column_stack([t, target * (1.0 - np.exp(-t / 0.1)), target])
+    head = "time_s,position_rad,target_rad"
+    np.savetxt(path, columns, delimiter=",", header=head, comments="", fmt="%.17g")
+    assert len(read_log(path, "j").time) == 50
+
+
 @pytest.mark.parametrize("ratio", [5e-4, 1e-3, np.pi / 180])
 def test_a_joint_that_hardly_moves_under_its_target_is_no_mistake(tmp_path, ratio):
     # held by presliding it follows its controller's target by whatever fraction, in step

@@ -100,7 +100,7 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates against a fit's residual."""
     signals = signals_of(prepared, fitted)
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms))
-    grid += unnamed_terms(prepared, signals)
+    grid += unnamed_terms(prepared, fitted, signals)
     waves = periodic_terms(prepared, signals, fitted, blocks), wave_terms(prepared, fitted)
     found = _with_waves(prepared, fitted, signals, grid, waves)
     return _beyond_itself(prepared, fitted, signals, found)
@@ -264,7 +264,7 @@ def _varies(x: Array, least: float = 0.0) -> bool:
     return bool(high - low > max(least, 1e-9 * (1.0 + np.abs(x).max())))
 
 
-def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
+def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list[Term]:
     """Dependences without a physical name, on every measured quantity.
 
     A spline alone and times the direction of friction; hysteresis in position over a hundredth to
@@ -295,7 +295,10 @@ def unnamed_terms(prepared: Prepared, signals: list[Array]) -> list[Term]:
     if not prepared.slide:
         x = np.concatenate([s.signals[s.mask] for s in prepared.segments])
         inertia, *arms = np.linalg.lstsq(x[:, [A, GX, GY]], x[:, LOAD], rcond=None)[0].tolist()
-        terms += [EncoderTerm("position", N, inertia, (arms[0], arms[1])) for N in _ORDERS]
+        _, viscosity = fitted.levels
+        of_joint = (inertia, (arms[0], arms[1]), viscosity)
+        taken = {term.order for term in fitted.terms if isinstance(term, EncoderTerm)}
+        terms += [EncoderTerm("position", N, *of_joint) for N in _ORDERS if N not in taken]
     names = tuple(s.name for s in prepared.segments)
     if len(names) > 1:
         terms.append(LogTerm("log", names))

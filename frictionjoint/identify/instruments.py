@@ -77,23 +77,25 @@ class EncoderTerm(SmoothTerm):
     """A position that is off by a wave of itself: an encoder's disc or shaft off its centre.
 
     With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is off by what it
-    changes along d, in its acceleration and gravity together, and in its velocity.
+    changes along d: in its acceleration, gravity and viscous friction, by one d in all of them.
 
     Attributes:
         order: N, waves in a turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
+        viscosity: N m s/rad.
     """
 
     order: float
     inertia: float
     arms: tuple[float, float]
+    viscosity: float
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Of the two waves."""
-        return ("sin", "cos", "sin_rate", "cos_rate")
+        """Of the two waves, rad."""
+        return ("sin", "cos")
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, 4)."""
+        """Torque per unit of each coefficient, shape (n, 2)."""
         N, v = self.order, signals[:, [V]]
         angle = N * signals[:, [Q]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])
@@ -101,11 +103,12 @@ class EncoderTerm(SmoothTerm):
         # about the joint's axis the first arm turns into the second
         turned = self.arms[0] * signals[:, [GY]] - self.arms[1] * signals[:, [GX]]
         acceleration = rate * signals[:, [A]] - N * N * wave * v**2
-        return np.hstack([self.inertia * acceleration + turned * wave, rate * v])
+        along = self.inertia * acceleration + turned * wave + self.viscosity * rate * v
+        return np.asarray(along)
 
     def says(self, coefficients: Array, unit: str) -> str:
         """How far the position is off."""
         return (
-            f"The logged position seems off by up to {np.hypot(*coefficients[:2]):.2g} rad, in "
+            f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, in "
             f"{self.order:g} waves a turn: an encoder or a shaft off its centre."
         )

@@ -222,10 +222,10 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"
     if target_name not in columns:
         return
-    spans = [float(np.std(columns[c])) for c in (name, target_name)]
-    if min(spans) == 0.0:
+    # the standard deviation of what is constant is its rounding, as of a step before the log
+    if min(float(np.ptp(columns[c])) for c in (name, target_name)) == 0.0:
         return
-    ratio = spans[0] / spans[1]
+    ratio = float(np.std(columns[name]) / np.std(columns[target_name]))
     follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > _FOLLOWS
     factor, far = _MISTAKEN_UNIT[unit]
     long = float(np.ptp(columns[target_name])) > far

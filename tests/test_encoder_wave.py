@@ -1,0 +1,74 @@
+"""A position that is off by a wave of itself: one amplitude, in all that it changes of a torque."""
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.library import library
+from frictionjoint.effects.signals import GX, GY, N_SIGNALS, A, Q, V
+from frictionjoint.identify.instruments import EncoderTerm
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.starts import fit
+from frictionjoint.measured.log import JointLog
+
+MODEL = """<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 0.4"/></body></worldbody></mujoco>"""
+INERTIA, VISCOSITY, ARMS = 0.4, 3.0, (0.3, -0.7)
+LINES = ((0.9, 0.21), (0.4, 0.53), (0.2, 0.93))
+
+
+def motion(t):
+    """Position, velocity and acceleration of three sines."""
+    return [
+        sum(
+            size * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * t + 0.5 * np.pi * k)
+            for size, f in LINES
+        )
+        for k in range(3)
+    ]
+
+
+def off_by(q, v, a, amplitude, order):
+    """The same where the position is less by a wave of itself."""
+    angle = order * q
+    d = amplitude * np.sin(angle)
+    rate = amplitude * order * np.cos(angle)
+    return q - d, v - rate * v, a - rate * a + order**2 * d * v**2
+
+
+def torque(q, v, a):
+    """Of inertia, viscous friction and gravity."""
+    gravity = 9.81 * (ARMS[0] * np.sin(q) + ARMS[1] * np.cos(q))
+    return INERTIA * a + VISCOSITY * v + gravity
+
+
+def test_the_columns_are_the_change_of_the_torque():
+    order, small = 2.0, 1e-6
+    measured = motion(np.linspace(0.0, 3.0, 200))
+    true = off_by(*measured, small, order)
+    signals = np.zeros((200, N_SIGNALS))
+    signals[:, [Q, V, A]] = np.transpose(measured)
+    signals[:, GX], signals[:, GY] = 9.81 * np.sin(measured[0]), 9.81 * np.cos(measured[0])
+    term = EncoderTerm("position", order, INERTIA, ARMS, VISCOSITY)
+    change = (torque(*measured) - torque(*true)) / small
+    np.testing.assert_allclose(term.columns(None, signals)[:, 0], change, rtol=1e-4, atol=1e-4)
+
+
+def test_its_size_is_told_where_viscous_friction_says_it(tmp_path):
+    """Inertia hardly shows: alone, it said 1.8 rad of a measured joint."""
+    rng, t = np.random.default_rng(7), np.arange(0.0, 60.0, 5e-3)
+    measured = motion(t)
+    _, v, a = off_by(*measured, 0.04, 1.0)
+    drive = 0.02 * a + 2.0 * np.clip(v / 0.02, -1.0, 1.0) + 8.0 * v
+    drive += 0.05 * rng.standard_normal(len(t))
+    log = JointLog(name="log", joint="j", time=t, position=measured[0], torque=drive)
+    file = tmp_path / "joint.xml"
+    file.write_text(MODEL.replace("1 1 0.4", "1 1 0.02"))
+    prepared = prepare([log], RigidBody(file, "j"))
+    base = fit(prepared)
+    offered = library(prepared, base, make_blocks(prepared, base))
+    (wave,) = (c for c in offered if isinstance(c.term, EncoderTerm) and c.term.order == 1.0)
+    columns = np.hstack([wave.columns, base.free_jacobian])
+    said = np.linalg.lstsq(columns, base.residual, rcond=None)[0]
+    assert np.hypot(said[0], said[1]) == pytest.approx(0.04, rel=0.1)
