@@ -61,8 +61,8 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
             return spec, spec.compile()
     except ValueError as error:
         looked = (
-            f"; not found from its folder upwards: {few(needed)} of links without <inertial>: "
-            "put the package beside the URDF, or give these links their masses"
+            f"; not found from its folder upwards: {few(needed)} of links that move and have no "
+            "<inertial>: put the package beside the URDF, or give these links their masses"
             if needed
             else ""
         )

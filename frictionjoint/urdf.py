@@ -3,7 +3,7 @@
 ROS names meshes by package, ``package://NAME/meshes/link.stl``, which MuJoCo does not resolve, and
 before 4.0 MuJoCo looks for all meshes of a URDF by their bare names in one folder. A URDF often
 comes without its packages; dynamics needs masses alone, and so a shape whose mesh is not there is
-left out where its link states its mass.
+left out where its link states its mass or cannot move.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,8 @@ class FoundMeshes:
     Attributes:
         left_out: meshes not found whose shapes the text does not have, but for those that are only
             looked at.
-        needed: meshes not found of links without a mass of their own, which the text still names.
+        needed: meshes not found of links that move and have no mass of their own, which the text
+            still names.
     """
 
     text: str
@@ -43,8 +44,9 @@ def with_found_meshes(path: Path) -> FoundMeshes:
     left_out, needed = [], []
     # as MuJoCo does by default
     discards_visual = compiler.get("discardvisual", "true") == "true"
-    for link in robot.iter("link"):
-        has_mass = link.find("inertial") is not None
+    at_rest = _links_at_rest(robot)
+    for link in robot.findall("link"):
+        mass_known = link.find("inertial") is not None or link.get("name") in at_rest
         for shape in [*link.findall("visual"), *link.findall("collision")]:
             mesh = shape.find("geometry/mesh")
             if mesh is None:
@@ -55,7 +57,7 @@ def with_found_meshes(path: Path) -> FoundMeshes:
                 mesh.set("filename", str(found))
             elif shape.tag == "visual" and discards_visual:
                 link.remove(shape)
-            elif has_mass:
+            elif mass_known:
                 link.remove(shape)
                 left_out.append(name)
             else:
@@ -64,6 +66,22 @@ def with_found_meshes(path: Path) -> FoundMeshes:
     compiler.set("strippath", "false")
     text = ElementTree.tostring(robot, encoding="unicode")
     return FoundMeshes(text, tuple(dict.fromkeys(left_out)), tuple(dict.fromkeys(needed)))
+
+
+def _links_at_rest(robot: ElementTree.Element) -> set[str | None]:
+    """Names of the links that no joint moves: the root, and what is fixed to it."""
+    joints = robot.findall("joint")
+    ends = [[_link(joint, end) for end in ("parent", "child")] for joint in joints]
+    at_rest = {link.get("name") for link in robot.findall("link")} - {child for _, child in ends}
+    fixed = [end for joint, end in zip(joints, ends, strict=True) if joint.get("type") == "fixed"]
+    for _ in fixed:
+        at_rest |= {child for parent, child in fixed if parent in at_rest}
+    return at_rest
+
+
+def _link(joint: ElementTree.Element, end: str) -> str | None:
+    found = joint.find(end)
+    return None if found is None else found.get("link")
 
 
 def _compiler(robot: ElementTree.Element) -> ElementTree.Element:

@@ -366,8 +366,22 @@ def test_a_mesh_that_a_link_has_its_mass_of_is_needed(package):
     head, _, rest = text.partition('<link name="link"><inertial>')
     text = head + '<link name="link">' + rest.partition("</inertial>")[2]
     (package / "urdf" / "arm.urdf").write_text(text)
-    with pytest.raises(FrictionJointError, match=r"gone\.stl of links without <inertial>: put"):
+    with pytest.raises(FrictionJointError, match=r"gone\.stl of links that move and have no "):
         read_spec(package / "urdf" / "arm.urdf")
+
+
+def test_a_base_needs_neither_mass_nor_mesh(package):
+    """No joint moves it, nor what is fixed to it."""
+    text = URDF.format(more="", visual="x.dae", collision="package://x/gone.stl")
+    shape = '<collision><geometry><mesh filename="package://x/plate.stl"/></geometry></collision>'
+    head, _, rest = text.partition('<link name="base"><inertial>')
+    text = f"""{head}<link name="world"/>
+      <joint name="floor" type="fixed"><parent link="world"/><child link="base"/></joint>
+      <link name="base">{shape}{rest.partition("</inertial>")[2]}"""
+    (package / "urdf" / "arm.urdf").write_text(text)
+    with pytest.warns(RuntimeWarning, match=r"plate\.stl, .*gone\.stl; these shapes are left out"):
+        model = compile_model(package / "urdf" / "arm.urdf")
+    assert (model.nv, float(model.body("link").mass[0])) == (1, 1.0)
 
 
 def test_a_folder_of_meshes_that_the_urdf_names_is_looked_at(package):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.payload import Payload
@@ -12,10 +11,10 @@ from frictionjoint.robot.clock import clock
 from frictionjoint.robot.corrections import Corrections, Shaft
 from frictionjoint.robot.descend import _Place, _places, descended
 from frictionjoint.robot.inertia import possible
-from frictionjoint.robot.joint import FittedJoint, first_fit
+from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Found
 from tests.arms.arm import hide_mass, random_arm
-from tests.arms.run import run
+from tests.arms.fitted import fitted_joints
 
 
 @pytest.fixture(scope="module")
@@ -23,25 +22,7 @@ def joints() -> list[FittedJoint]:
     """An arm whose second link is three times as heavy as its model believes."""
     arm = random_arm(31, 2)
     hide_mass(arm, "link2", 3.0)
-    log = run(arm, 1, 6.0)
-    return [
-        first_fit(
-            [
-                JointLog(
-                    name="log",
-                    joint=j,
-                    time=log["time_s"],
-                    position=log[f"{j}.position_rad"],
-                    torque=log[f"{j}.torque_nm"],
-                    other_positions={n: log[f"{n}.position_rad"] for n in arm.joints if n != j},
-                )
-            ],
-            arm.believed,
-            j,
-            None,
-        )
-        for j in arm.joints
-    ]
+    return fitted_joints(arm, (1,), 6.0)
 
 
 def found_of(joints: list[FittedJoint], *causes) -> Found:

@@ -1,5 +1,7 @@
 """Logs of a whole robot: which joints are explained, and one that cannot be read stops no other."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -8,9 +10,11 @@ from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.errors import LogError
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.report.write_robot import page_names
+from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import joints_to_explain, read_robot
 from frictionjoint.robot.report_data import mean_percent
-from tests.arms.arm import random_arm
+from tests.arms.arm import hide_mass, random_arm
+from tests.arms.fitted import joint_logs
 
 COLUMNS = {
     "j1": ("position_rad", "torque_nm"),
@@ -72,3 +76,14 @@ def test_pages_have_names_of_their_own():
     names = page_names(["a/b", "a b", "ok"])
     assert len(set(names.values())) == 3
     assert all("/" not in x and " " not in x for x in names.values())
+
+
+def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
+    """It would be one: with masses three times the model's the other joints' logs are in order."""
+    arm = random_arm(31, 2)
+    hide_mass(arm, "link2", 3.0)
+    (right,) = joint_logs(arm, (1,), 6.0)["j2"]
+    first_fit([right], arm.believed, "j2", None)
+    wrong = replace(right, torque=-right.torque)
+    with pytest.raises(LogError, match="wrong sign of position or torque"):
+        first_fit([wrong], arm.believed, "j2", None)

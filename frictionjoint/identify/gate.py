@@ -80,6 +80,15 @@ class Balance(NamedTuple):
         return part._replace(block=_blocks(len(part.drive)))
 
 
+def check_signs(prepared: Prepared) -> None:
+    """See that friction takes power from the joint, whatever the model lacks or holds too much.
+
+    Raises:
+        LogError: a sign is wrong.
+    """
+    _check_signs(prepared, _balance(prepared), few([s.name for s in prepared.segments]))
+
+
 def check(prepared: Prepared) -> None:
     """See that the drive of logs can be that of the model's joint along their motion.
 
@@ -108,8 +117,7 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
     """
     left = fitted.rms / fitted.target_rms
     if left > MOST_LEFT:
-        names = ", ".join(s.name for s in prepared.segments[:3])
-        _refuse(prepared, names, left, "")
+        _refuse(prepared, few([s.name for s in prepared.segments]), left, "")
 
 
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:

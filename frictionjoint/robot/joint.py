@@ -9,6 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.gate import check_signs
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -108,10 +109,11 @@ def first_fit(
     """The law fitted to a joint's logs under the model as it is.
 
     Raises:
-        LogError: see `prepare`.
+        LogError: see `prepare` and `gate.check_signs`: a wrong sign is no cause of the robot.
     """
     body = RigidBody(model, joint, fixed)
     prepared = prepare(list(logs), body)
+    check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
     base = fit(prepared, forms=INTEGRATED)

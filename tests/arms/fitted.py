@@ -7,12 +7,11 @@ from .arm import Arm
 from .run import run
 
 
-def fitted_joints(arm: Arm, seeds: tuple[int, ...], seconds: float) -> list[FittedJoint]:
-    """Every joint of an arm in one log a seed, fitted with the believed model."""
+def joint_logs(arm: Arm, seeds: tuple[int, ...], seconds: float) -> dict[str, list[JointLog]]:
+    """One log a seed of every joint of an arm, by its name."""
     logs = [run(arm, seed, seconds) for seed in seeds]
-    joints = []
-    for j in arm.joints:
-        own = [
+    return {
+        j: [
             JointLog(
                 name=f"log{k}",
                 joint=j,
@@ -24,5 +23,11 @@ def fitted_joints(arm: Arm, seeds: tuple[int, ...], seconds: float) -> list[Fitt
             )
             for k, x in enumerate(logs)
         ]
-        joints.append(first_fit(own, arm.believed, j, None))
-    return joints
+        for j in arm.joints
+    }
+
+
+def fitted_joints(arm: Arm, seeds: tuple[int, ...], seconds: float) -> list[FittedJoint]:
+    """Every joint of an arm in one log a seed, fitted with the believed model."""
+    logs = joint_logs(arm, seeds, seconds)
+    return [first_fit(own, arm.believed, j, None) for j, own in logs.items()]
