@@ -43,7 +43,7 @@ class Driven(NamedTuple):
 def of_drive(score: Scored, now: Scored) -> float:
     """rms of the torque by which a model is nearer than the present one, over the drive's."""
     f = score.fit
-    nearer = max(0.0, now.total - score.total) / len(f.residual)
+    nearer = max(0.0, now.total - float(score.beside(now).sum())) / len(f.residual)
     return float(np.sqrt(nearer)) * f.scale / f.target_rms
 
 
@@ -80,7 +80,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
-        gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
+        gain = 1.0 - (_left(found) / _left(start)) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:
             best[term.name] = gain, term
     order = sorted(best.values(), key=lambda pair: -pair[0])
@@ -92,22 +92,29 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         moved = found.effects[-1]
         assert isinstance(moved, DriveTerm)
         tried.append((moved, scored(found, blocks)))
-    tried.sort(key=lambda pair: pair[1].total)
-    won = _frequencies([score.squares for _, score in tried], rng)
+    tried.sort(key=lambda pair: -pair[1].gain(now))
+    squares = [score.beside(now) for _, score in tried]
+    won = _frequencies(squares, rng)
     rows = [
         Looked(
             Candidate(term, np.zeros((0, 0))),
-            score.squares,
-            min(1.0, len(best) * sign_flips(now.squares - score.squares, rng)),
+            left,
+            min(1.0, len(best) * sign_flips(now.squares - left, rng)),
             frequency,
         )
-        for (term, score), frequency in zip(tried, won, strict=True)
+        for (term, _), left, frequency in zip(tried, squares, won, strict=True)
     ]
     rows += [
         Looked(Candidate(term, np.zeros((0, 0))), (1.0 - gain) * now.squares, 1.0, 0.0)
         for gain, term in order[_LEADERS:]
     ]
     return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
+
+
+def _left(fitted: Fit) -> float:
+    """What a fit leaves, over a drive that it has made smaller."""
+    known = fitted.drive == "torque"
+    return fitted.drive_rms / min(1.0, fitted.acting) if known else fitted.drive_rms
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:

@@ -47,24 +47,29 @@ def _nearer(errors: Array, now: Array) -> bool:
     return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 
-def moving_nearest(state: State, replayed: Replayed) -> None:
+def moving_nearest(state: State, replayed: Replayed) -> bool:
     """Another law, or the same from another valley, where the simulated motion is nearer.
 
     What else is wrong with a drive that a controller reconstructs bends the law: several leave as
     much of the torque, and move quite differently.
+
+    Returns:
+        whether one was taken.
     """
     now = replayed(state.fit)
     if now is None:
-        return
+        return False
     best, least = None, now
     for other in state.laws.near(state.prepared, state.fit):
         errors = replayed(other)
         if errors is not None and _nearer(errors, now) and errors.sum() < least.sum():
             best, least = other, errors
     if best is None:
-        return
+        return False
     moved = refit(state.prepared, best.effects, best.shape, ROUGH)
     prepared, moved = reweighed(*settled(*reweighed(state.prepared, moved)))
     errors = replayed(moved)
-    if errors is not None and _nearer(errors, now):
-        state.prepared, state.fit = prepared, moved
+    if errors is None or not _nearer(errors, now):
+        return False
+    state.prepared, state.fit = prepared, moved
+    return True

@@ -40,8 +40,8 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
         state.prepared, state.fit = reweighed(state.prepared, alone)
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    if law_by_motion:
-        moving_nearest(state, replayed)
+    if law_by_motion and moving_nearest(state, replayed):
+        drop_idle(state)
     drop_what_moves_worse(state, replayed)
     found: list[Finding] = []
     for term in state.fit.effects:

@@ -1,4 +1,8 @@
-"""What a model predicts of motion unlike that it was fitted to: the one score of the search."""
+"""What a model predicts of motion unlike that it was fitted to: the one score of the search.
+
+An effect of the drive changes what is to be explained. Without a drive little would be left, and so
+a model whose drive is smaller than another's is compared by its error over that drive.
+"""
 
 from dataclasses import dataclass, field
 
@@ -32,7 +36,14 @@ class Scored:
 
     def gain(self, other: "Scored") -> float:
         """Fraction of another model's squares that this one does not leave."""
-        return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
+        total = float(self.beside(other).sum())
+        return 1.0 - total / other.total if other.total > 0.0 else 0.0
+
+    def beside(self, other: "Scored") -> Array:
+        """Its squares of each block as they count beside another model's, shape (B,)."""
+        if self.fit.drive != "torque":  # they count over the drive already
+            return self.squares
+        return self.squares * max(1.0, other.fit.acting / self.fit.acting) ** 2
 
     @property
     def above_noise(self) -> float:
@@ -41,7 +52,7 @@ class Scored:
 
     def moved(self, other: "Scored") -> float:
         """rms of the torque by which this model is nearer than another, over the friction's."""
-        return self._over_friction(other.total - self.total)
+        return self._over_friction(other.total - float(self.beside(other).sum()))
 
     def _over_friction(self, squares: float) -> float:
         f = self.fit
@@ -50,7 +61,7 @@ class Scored:
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
         """Whether it predicts better by more than some paired standard errors over blocks."""
-        difference = other.squares - self.squares
+        difference = other.squares - self.beside(other)
         spread = float(np.std(difference)) * np.sqrt(len(difference))
         return bool(difference.sum() > errors * spread)
 

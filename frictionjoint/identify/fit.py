@@ -34,7 +34,7 @@ class Fit:
         begun: columns of what else each log may have begun with, N m, shape (n, m); they belong
             to no parameter of the model. Empty where the model lets nothing swing.
         target_rms: rms of the measured torque.
-        unit: by which errors were multiplied, for effects of the drive that make it smaller.
+        acting: rms of the drive over that before effects of the drive changed it, weighted.
     """
 
     shape: Shape
@@ -53,7 +53,7 @@ class Fit:
     begun: Array
     target_rms: float
     in_drive_units: bool = False
-    unit: float = 1.0
+    acting: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -72,8 +72,8 @@ class Fit:
 
     @property
     def scale(self) -> float:
-        """Torque per unit of what a fit makes small."""
-        return self.gain / self.unit
+        """Torque per unit of what a fit makes small: where the gain is open, what acts counts."""
+        return self.gain if self.drive == "torque" else self.gain * self.acting
 
     @property
     def drive_rms(self) -> float:

@@ -106,12 +106,14 @@ class Solution(NamedTuple):
     """Columns, target and coefficients at a point of a search, in units of the drive.
 
     Attributes:
+        acting: size of the drive over that before effects of it changed it.
         unit: by which an error is multiplied before it is made small.
     """
 
     X: Array
     y: Array
     beta: Array
+    acting: float
     unit: float
 
 
@@ -239,7 +241,10 @@ class Search:
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
             beta = self._coefficients(X, y)
-        found = Solution(X, y, beta, self._unit(y))
+        acting = self._acting(y)
+        # a gain that is open would make an error small together with the drive
+        unit = 1.0 / acting if self.prepared.gain_unknown else 1.0
+        found = Solution(X, y, beta, acting, unit)
         self._last = (key, found)
         return found
 
@@ -259,20 +264,25 @@ class Search:
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))
 
-    def _unit(self, y: Array) -> float:
-        """What an error counts: over what the effects of the drive have left of it."""
-        changed = any(isinstance(t, DriveTerm) for t in self.terms) and self.prepared.gain_unknown
-        return self.size / max(self._size(y), 1e-9 * self.size) if changed else 1.0
+    def _acting(self, y: Array) -> float:
+        """What effects of the drive have left of it, or made of it."""
+        if not any(isinstance(t, DriveTerm) for t in self.terms):
+            return 1.0
+        return max(self._size(self._drive(y)) / self.size, 1e-9)
+
+    def _drive(self, y: Array) -> Array:
+        """The drive of a target, from which the load has been taken where that is known."""
+        return y if self.prepared.gain_unknown else y + self.prepared.balanced_load
 
     def residual(self, x: Array) -> Array:
         """Target less model, weighted."""
-        X, y, beta, unit = self.solved(x)
+        X, y, beta, _, unit = self.solved(x)
         out: Array = (y - X @ beta) * (self.weight * unit)
         return out
 
     def derivative(self, x: Array) -> Array:
         """Of the residual by the numbers searched, the coefficients solved for all along."""
-        X, y, beta, unit = self.solved(x)
+        X, y, beta, _, unit = self.solved(x)
         w = self.weight[:, None]
         moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
         free = with_load(X, self.layout)[:, (beta > self.low) & (beta < self.high)] * w
@@ -291,13 +301,12 @@ class Search:
 
     def result(self, x: Array) -> Fit:
         """The fit at a point."""
-        X, y, beta, unit = self.solved(x)
+        X, y, beta, acting, _ = self.solved(x)
         shape, terms = self.split(x)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
         index = np.concatenate(
             [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
         )
-        total = y if self.prepared.gain_unknown else y + self.prepared.balanced_load
         moves = self.balance.moves(shape, terms, beta)
         low, high = self._ranges(shape, terms)
         return Fit(
@@ -315,8 +324,8 @@ class Search:
             high=np.concatenate([self.high, high - x]),
             log_index=index,
             begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
-            target_rms=float(np.sqrt(np.mean((total * gain) ** 2))),
-            unit=unit,
+            target_rms=float(np.sqrt(np.mean((self._drive(y) * gain) ** 2))),
+            acting=acting,
         )
 
     def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
