@@ -5,7 +5,6 @@ import pytest
 
 from frictionjoint.control import Controller
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
@@ -20,7 +19,8 @@ KP, KD, TICK = 20.0, 1.5, 1e-3
 CONTROLLER = Controller(output="torque_nm", kp=KP, kd=KD)
 BELIEVED, VISCOUS, LEVEL = 0.006, 0.5, 0.25
 MODEL = f"""<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="j" axis="0 0 1"/>
-<inertial pos="0 0 0" mass="0.1" diaginertia="{BELIEVED} {BELIEVED} {BELIEVED}"/></body></worldbody></mujoco>"""
+<inertial pos="0 0 0" mass="0.1" diaginertia="{BELIEVED} {BELIEVED} {BELIEVED}"/></body>
+</worldbody></mujoco>"""
 LIMIT = next(effect for effect in DRIVE_EFFECTS if effect.name == "drive-limit")
 
 
