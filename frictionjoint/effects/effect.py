@@ -121,6 +121,11 @@ class Effect:
         return self.first or self.drive is not None
 
     @property
+    def scales(self) -> bool:
+        """Whether its coefficient is by how much a measured torque is too large, over the true one."""
+        return self.units == ("1",) and self.entry == "acts on the measurement"
+
+    @property
     def size(self) -> int:
         """Length of the number block: shape numbers, then coefficients."""
         return len(self.shape) + len(self.coefficients)

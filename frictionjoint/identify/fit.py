@@ -34,7 +34,8 @@ class Fit:
         begun: columns of what else each log may have begun with, N m, shape (n, m); they belong
             to no parameter of the model. Empty where the model lets nothing swing.
         target_rms: rms of the measured torque.
-        acting: rms of the drive over that before effects of the drive changed it, weighted.
+        acting: rms of the drive over that before effects of the drive changed it, weighted; or what
+            a gain of a torque that no one measured makes of the load, where that is less.
     """
 
     shape: Shape

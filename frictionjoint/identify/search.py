@@ -34,6 +34,8 @@ _ROUNDS, _GAINED = 3, 1e-3
 _PARTS = 3
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
+# least that a drive may come to: to compare errors over it
+_HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
 
@@ -106,7 +108,7 @@ class Solution(NamedTuple):
     """Columns, target and coefficients at a point of a search, in units of the drive.
 
     Attributes:
-        acting: size of the drive over that before effects of it changed it.
+        acting: what effects of the drive have left of it, see `Fit.acting`.
         unit: by which an error is multiplied before it is made small.
     """
 
@@ -241,7 +243,7 @@ class Search:
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
             beta = self._coefficients(X, y)
-        acting = self._acting(y)
+        acting = self._acting(terms, y, beta)
         # a gain that is open would make an error small together with the drive
         unit = 1.0 / acting if self.prepared.gain_unknown else 1.0
         found = Solution(X, y, beta, acting, unit)
@@ -264,11 +266,16 @@ class Search:
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))
 
-    def _acting(self, y: Array) -> float:
-        """What effects of the drive have left of it, or made of it."""
-        if not any(isinstance(t, DriveTerm) for t in self.terms):
-            return 1.0
-        return max(self._size(self._drive(y)) / self.size, 1e-9)
+    def _acting(self, terms: tuple[Term, ...], y: Array, beta: Array) -> float:
+        """See `Fit.acting`."""
+        found = 1.0
+        if any(isinstance(t, DriveTerm) for t in terms):
+            found = self._size(self._drive(y)) / self.size
+        if self.prepared.commanded and not self.prepared.gain_unknown:
+            for i, term in enumerate(terms):
+                if isinstance(term, EffectTerm) and term.effect.scales:
+                    found = min(found, 1.0 + float(beta[self.layout.coefficients(i)][0]))
+        return max(found, _HARDLY)
 
     def _drive(self, y: Array) -> Array:
         """The drive of a target, from which the load has been taken where that is known."""

@@ -49,8 +49,7 @@ class Common:
 
 def may_be_common(effect: Effect) -> bool:
     """Whether one cause may bring an effect to all joints: heat, or the scale of their torques."""
-    scale = effect.units == ("1",) and effect.entry == "acts on the measurement"
-    return effect.slow or scale
+    return effect.slow or effect.scales
 
 
 def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
