@@ -124,8 +124,8 @@ def as_much(one: Scored, other: Scored) -> bool:
 def needed(now: Scored, other: Scored, first: bool = False) -> bool:
     """Whether a model predicts better than another, and by more than the law's own error.
 
-    That is measured by what remains: a law beside which hardly anything does is more exact here than
-    laws are. None is needed with a number that is impossible and not the other's too.
+    That is measured by what remains: a law beside which hardly anything does is more exact than
+    laws usually are. None is needed with a number that is impossible and not the other's too.
 
     Args:
         first: what it has besides comes first: it is known to be there, and only its size is not,

@@ -122,7 +122,7 @@ class Effect:
 
     @property
     def scales(self) -> bool:
-        """Whether its coefficient is by how much a measured torque is too large, over the true one."""
+        """Whether its coefficient is the error of a measured torque over the true one."""
         return self.units == ("1",) and self.entry == "acts on the measurement"
 
     @property
