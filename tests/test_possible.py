@@ -8,15 +8,11 @@ from frictionjoint.diagnose.possible import impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
 from frictionjoint.effects.nonlinear_viscous import EFFECT
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.measured.log import JointLog
+from tests.three_sines import INERTIA, A, T, V, logged
 
-MODEL = """<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
-<inertial pos="0 0 0" mass="1" diaginertia="1 1 0.05"/></body></worldbody></mujoco>"""
 LIMIT = EFFECT.shape_bounds[0][1]
 
 
@@ -24,21 +20,10 @@ LIMIT = EFFECT.shape_bounds[0][1]
 def joint(request, tmp_path_factory):
     """Logs of a joint whose torque has a power of the speed, with the law alone fitted."""
     p, rng = request.param, np.random.default_rng(7)
-    t = np.arange(0.0, 40.0, 2e-3)
-    lines = [(0.9, 0.31), (0.5, 0.73), (0.3, 1.31)]
-    q, v, a = (
-        sum(
-            A * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * t + 0.5 * np.pi * k) for A, f in lines
-        )
-        for k in range(3)
-    )
-    speed = np.abs(v) / np.abs(v).max()
-    torque = 0.05 * a + np.sign(v) * (0.5 * np.minimum(np.abs(v) / 0.02, 1.0) + speed**p)
-    torque += rng.normal(0.0, 0.02, len(t))
-    file = tmp_path_factory.mktemp("model") / "j.xml"
-    file.write_text(MODEL)
-    log = JointLog(name="log", joint="j", time=t, position=q, torque=torque)
-    prepared = prepare([log], RigidBody(file, "j"))
+    speed = np.abs(V) / np.abs(V).max()
+    torque = INERTIA * A + np.sign(V) * (0.5 * np.minimum(np.abs(V) / 0.02, 1.0) + speed**p)
+    torque += rng.normal(0.0, 0.02, len(T))
+    prepared = logged(tmp_path_factory.mktemp("model"), torque)
     return p, prepared, fit(prepared)
 
 

@@ -1,0 +1,33 @@
+"""A joint of known inertia led along three sines, 40 s at 500 Hz."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.measured.log import JointLog
+
+INERTIA = 0.05
+_MODEL = f"""<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 {INERTIA}"/></body></worldbody></mujoco>"""
+_LINES = [(0.9, 0.31), (0.5, 0.73), (0.3, 1.31)]
+
+T = np.arange(0.0, 40.0, 2e-3)
+Q, V, A = (
+    sum(
+        (size * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * T + 0.5 * np.pi * k))
+        for size, f in _LINES
+    )
+    for k in range(3)
+)
+
+
+def logged(folder: Path, torque: NDArray[np.float64]) -> Prepared:
+    """The log of a torque, N m, prepared with the joint's model."""
+    file = folder / "j.xml"
+    file.write_text(_MODEL)
+    log = JointLog(name="log", joint="j", time=T, position=Q, torque=torque)
+    return prepare([log], RigidBody(file, "j"))
