@@ -54,12 +54,6 @@ class Scored:
         """rms of the torque by which this model is nearer than another, over the friction's."""
         return self._over_friction(other.total - float(self.beside(other).sum()))
 
-    def remaining(self, other: "Scored") -> float:
-        """Fraction of another model's squares above the noise that this one leaves."""
-        before = other.total - other.noise
-        after = float(self.beside(other).sum()) - self.noise
-        return max(0.0, after) / before if before > 0.0 else 1.0
-
     def _over_friction(self, squares: float) -> float:
         f = self.fit
         friction = float(np.sum((f.friction * f.weight) ** 2)) / f.scale**2

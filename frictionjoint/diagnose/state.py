@@ -131,7 +131,7 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
         first: what it has besides comes first: it is known to be there, and only its size is not,
             so that to predict better at all is enough.
     """
-    small = now.moved(other) < DISCREPANCY and now.remaining(other) > TIE
+    small = now.moved(other) < DISCREPANCY and now.gain(other) < 1.0 - TIE
     if small or now.impossible - other.impossible:
         return False
     if first:
