@@ -20,6 +20,7 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured import JointLog, read_log
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.simulate.stick_slip import kuka_model
+from tests import leg
 
 MODELS = kuka_model().parent
 N, DT = 5000, 2e-3
@@ -144,6 +145,14 @@ def named_with_either_reversed(good: JointLog, body: RigidBody) -> None:
         wrong = replace(good, **{name: -getattr(good, name)})
         with pytest.raises(LogError, match=f"wrong sign of position or {drive}"):
             check(prepare([wrong], body))
+
+
+def test_where_no_torque_was_measured_the_target_is_named() -> None:
+    body, good = RigidBody(leg.MODEL, "j"), leg.leg(leg.BELIEVED)
+    check(prepare([good], body, controller=leg.CONTROLLER))
+    wrong = replace(good, position=-good.position)
+    with pytest.raises(LogError, match=r"position or target: .* of position_rad and target_rad, "):
+        check(prepare([wrong], body, controller=leg.CONTROLLER))
 
 
 @pytest.mark.parametrize("kind", ["torque", "current"])

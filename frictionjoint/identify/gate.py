@@ -13,7 +13,7 @@ balance of torques is solved as a linear one, in a fraction of a second:
   torque shows cannot be the same many times the model's.
 """
 
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
+from frictionjoint.identify.refusals import too_large, unexplained, wrong_sign
 from frictionjoint.identify.segment import Prepared, Segment
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
@@ -104,7 +105,7 @@ def check(prepared: Prepared) -> None:
     _check_signs(prepared, balance, names)
     left = _left(balance, prepared.gain_unknown)
     if left > MOST_LEFT:
-        _refuse(prepared, names, left, _hint(prepared, balance))
+        raise LogError(unexplained(prepared, names, left, _hint(prepared, balance)))
     if not prepared.gain_unknown:
         _check_too_large(prepared, balance, names)
 
@@ -117,7 +118,8 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
     """
     left = fitted.rms / fitted.target_rms
     if left > MOST_LEFT:
-        _refuse(prepared, few([s.name for s in prepared.segments]), left, "")
+        names = few([s.name for s in prepared.segments])
+        raise LogError(unexplained(prepared, names, left, ""))
 
 
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
@@ -157,12 +159,7 @@ def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
         power, error, free = _friction_power(part)
         wrong = power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
-            position, drive = _columns(prepared)
-            raise LogError(
-                f"{name}: wrong sign of position or {prepared.drive}: friction would drive the "
-                f"joint ({-power / error:.0f} standard errors): check the signs of {position} and "
-                f"{drive}, both positive along the joint's axis in the MJCF, and their clocks"
-            )
+            raise LogError(wrong_sign(prepared, name, -power / error))
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:
@@ -197,11 +194,7 @@ def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
     beta, cov = _regression(X, b.drive, b.block)
     low = beta[:2] - SURE * np.sqrt(np.diag(cov)[:2])
     if low.min() > _TOO_LARGE and beta[:2].max() < _ALIKE * beta[:2].min():
-        raise LogError(
-            f"{names}: the measured torque is {beta[:2].mean():.3g} times the load of the model: "
-            f"check the unit of {_columns(prepared)[1]} (N mm, mN m, N cm?) and the masses in the "
-            "MJCF"
-        )
+        raise LogError(too_large(prepared, names, float(beta[:2].mean())))
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
@@ -214,26 +207,6 @@ def _hint(prepared: Prepared, b: Balance) -> str:
     if factor < SURE * error or 0.5 < factor < 2.0:
         return ""
     return f", which is {factor:.2g} times the load of the model"
-
-
-def _refuse(prepared: Prepared, names: str, left: float, hint: str) -> NoReturn:
-    position, drive = _columns(prepared)
-    of = "m" if prepared.slide else "rad, not degrees"
-    at = "N" if prepared.slide else "N m at the joint, not kN m, mN m or at the motor"
-    unit = at if prepared.drive == "torque" else "on one clock with the position"
-    raise LogError(
-        f"{names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check the units of "
-        f"{position} ({of}) and {drive} ({unit}), their signs, their clock, and that they are of "
-        f"joint {prepared.joint!r} of the MJCF"
-    )
-
-
-def _columns(prepared: Prepared) -> tuple[str, str]:
-    """Our names of the columns of position and drive."""
-    drives = {"voltage": "voltage_v", "current": "current_a"}
-    if prepared.slide:
-        return "position_m", drives.get(prepared.drive, "force_n")
-    return "position_rad", drives.get(prepared.drive, "torque_nm")
 
 
 def _balance(prepared: Prepared) -> Balance:

@@ -1,0 +1,74 @@
+"""What is said of logs that cannot be of the model: what is wrong, where, and the mend."""
+
+from typing import NamedTuple
+
+from frictionjoint.identify.segment import Prepared
+
+_MEASURED = {"voltage": "voltage_v", "current": "current_a"}
+
+
+class _Columns(NamedTuple):
+    """Of the position and of what drives the joint, and their units.
+
+    Attributes:
+        what: the drive, or the target where a controller makes it.
+        rest: of the drive, that no column says.
+    """
+
+    position: str
+    drive: str
+    position_unit: str
+    drive_unit: str
+    what: str
+    rest: str = ""
+
+
+def wrong_sign(prepared: Prepared, name: str, errors: float) -> str:
+    """Friction would drive the joint, by so many standard errors."""
+    c = _columns(prepared)
+    exchanged = ", that the two are not exchanged" if prepared.commanded else ""
+    return (
+        f"{name}: wrong sign of position or {c.what}: friction would drive the joint "
+        f"({errors:.0f} standard errors): check the signs of {c.position} and {c.drive}, both "
+        f"positive along the joint's axis in the MJCF{exchanged}, and their clocks"
+    )
+
+
+def too_large(prepared: Prepared, names: str, factor: float) -> str:
+    """The torque is so many times the load of the model, in gravity and inertia alike."""
+    c = _columns(prepared)
+    torque, check = f"measured {c.what}", f"the unit of {c.drive} (N mm, mN m, N cm?)"
+    if prepared.commanded:
+        torque, check = "torque of the controller", "its gains (per rad, not per degree?)"
+    return (
+        f"{names}: the {torque} is {factor:.3g} times the load of the model: check {check} and "
+        "the masses in the MJCF"
+    )
+
+
+def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
+    """Of the drive's rms so much is left; `hint` is the factor by which a torque is too small."""
+    c = _columns(prepared)
+    units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
+    return (
+        f"{names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check {units}"
+        f"{c.rest}, their signs, their clock, and that they are of joint {prepared.joint!r} of the "
+        "MJCF"
+    )
+
+
+def _columns(prepared: Prepared) -> _Columns:
+    """Our names of the columns, as this log has them."""
+    side = ("position_m", "m") if prepared.slide else ("position_rad", "rad, not degrees")
+    if prepared.commanded:
+        target = "target_m" if prepared.slide else "target_rad"
+        per = "m" if prepared.slide else "rad"
+        gains = f", the controller's gains (per {per})"
+        return _Columns(side[0], target, side[1], side[1], "target", gains)
+    if prepared.slide:
+        drive = "force_n", "N"
+    else:
+        drive = "torque_nm", "N m at the joint, not kN m, mN m or at the motor"
+    if prepared.drive in _MEASURED:
+        drive = _MEASURED[prepared.drive], "on one clock with the position"
+    return _Columns(side[0], drive[0], side[1], drive[1], prepared.drive)
