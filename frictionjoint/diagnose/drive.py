@@ -80,7 +80,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
-        gain = 1.0 - (_left(found) / _left(start)) ** 2
+        gain = 1.0 - (found.drive_rms_over_acting / start.drive_rms_over_acting) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:
             best[term.name] = gain, term
     order = sorted(best.values(), key=lambda pair: -pair[0])
@@ -109,12 +109,6 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         for gain, term in order[_LEADERS:]
     ]
     return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
-
-
-def _left(fitted: Fit) -> float:
-    """What a fit leaves, over a drive that it has made smaller."""
-    known = fitted.drive == "torque"
-    return fitted.drive_rms / min(1.0, fitted.acting) if known else fitted.drive_rms
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:

@@ -33,7 +33,8 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
             errors = replayed(other)
             if errors is None or not _nearer(errors, now) or np.median(now - errors) <= 0.0:
                 continue
-            if errors.sum() * other.drive_rms**2 < now.sum() * state.fit.drive_rms**2:
+            left, more = state.fit.drive_rms_over_acting, other.drive_rms_over_acting
+            if errors.sum() * more**2 < now.sum() * left**2:
                 trials.append((float(errors.sum()), other))
         if not trials:
             return

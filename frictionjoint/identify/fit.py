@@ -82,6 +82,11 @@ class Fit:
         return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.scale
 
     @property
+    def drive_rms_over_acting(self) -> float:
+        """The same over a drive of known size that effects have made smaller."""
+        return self.drive_rms / (min(1.0, self.acting) if self.drive == "torque" else 1.0)
+
+    @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can still move in both directions, shape (n, free)."""
         return with_load(self.jacobian, self.layout)[:, ~self.bound]
