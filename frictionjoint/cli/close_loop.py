@@ -137,12 +137,12 @@ def close_loop_command(
     if unit or joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain)
         robot = models_of(model)
-        if controller or refine:
-            raise ModelError("--controller and --refine are for one joint: name it with --joint")
+        if refine:
+            raise ModelError("--refine is for one joint: name it with --joint")
         if isinstance(robot, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out, Path(robot), joint or [], reading)
-        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler)
+        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler, controller)
         if unit:
             close_loop_of_units(request, units_of(unit), wanted)
         else:

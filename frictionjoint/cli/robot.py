@@ -78,7 +78,7 @@ class Wanted:
 
     Attributes:
         out, force: folder of the report, and whether it may be overwritten. as_json: on stdout.
-        seed, law, fixed, scheduler: see `close_loop_robot`.
+        seed, law, fixed, scheduler, controller: see `close_loop_robot`.
     """
 
     out: Path
@@ -88,11 +88,12 @@ class Wanted:
     fixed: "Mapping[str, Pose]"
     as_json: bool
     scheduler: str | None = None
+    controller: str | None = None
 
     @property
     def search(self) -> dict[str, Any]:
         """Arguments of the search by name."""
-        names = ("seed", "law", "fixed", "scheduler")
+        names = ("seed", "law", "fixed", "scheduler", "controller")
         return {name: getattr(self, name) for name in names}
 
 

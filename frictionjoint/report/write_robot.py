@@ -1,4 +1,7 @@
-"""Write a robot's report: one page for all, one a joint behind it, report.json and model.xml."""
+"""Write a robot's report: one page for all, one a joint behind it, report.json and model.xml.
+
+Where controllers are known, each joint has its own: what was found of its drive is in it.
+"""
 
 import json
 import re
@@ -25,6 +28,10 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
         "report.html": render_robot(report, pages, command),
         "model.xml": placed(report.mjcf, folder),
     } | {pages[name]: render(r.report, command) for name, r in report.joints.items()}
+    for name, result in report.joints.items():
+        if result.report.controller is not None:
+            file = Path(pages[name]).with_suffix(".controller.toml").name
+            contents[file] = result.report.controller.to_toml()
     if report.excitation:
         contents["next_trajectory.csv"] = report.excitation.csv()
     write_files(folder, contents, {"model.xml": require_compiles})

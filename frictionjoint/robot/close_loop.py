@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller, read_controller
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.report_data import Evidence
 from frictionjoint.diagnose.rms import Rms
@@ -52,6 +53,7 @@ def close_loop_robot(
     fixed: Mapping[str, Pose] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
+    controller: Controller | str | Path | None = None,
 ) -> RobotReport:
     """Fit every joint, find what they show together, then what each lacks; report.
 
@@ -63,13 +65,19 @@ def close_loop_robot(
         fixed: see `diagnose.close_loop`.
         jobs: processes; None: one for each core. The result does not depend on it.
         scheduler: address of a Dask scheduler whose workers take the joints instead.
+        controller: of every joint, for logs of targets, see `diagnose.close_loop`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
     begin = time.perf_counter()
     compile_model(model)
     user = State(model)
-    tasks = {n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law) for n in logs.joints}
+    if controller is not None and not isinstance(controller, Controller):
+        controller = read_controller(controller)
+    tasks = {
+        n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law, controller=controller)
+        for n in logs.joints
+    }
     count = processes(len(tasks)) if jobs is None else jobs
     with workers(count, scheduler) as each:
         progress(f"base fit of {len(tasks)} joints")
@@ -120,7 +128,7 @@ def close_loop_robot(
 
 def _first(task: Task) -> FittedJoint | str:
     try:
-        return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed)
+        return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed, task.controller)
     except FrictionJointError as error:
         return str(error)
 
@@ -179,8 +187,8 @@ def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
 
 
 def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Array]) -> Rms:
-    """Of all joints together, on the logs fitted and on those held out."""
-    if any(x.fit.in_drive_units for x in joints.values()):
+    """Of all joints together, on the logs fitted and on those held out; none without a torque."""
+    if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
         return Rms(None, None)
     fits = {n: x.fit for n, x in joints.items()}
     run = partial(replay_robot, poses=poses)

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.diagnose.replay import replay
+from frictionjoint.diagnose.refined import Loops
+from frictionjoint.diagnose.replay import Replay, replay
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
@@ -54,7 +55,7 @@ class Task:
     Attributes:
         user: the model as it is. corrected: with all shared causes; without: with all but one
             that acts on this joint, by its number.
-        shape: of the law fitted under the user's model.
+        shape: of the law fitted under the user's model. controller: of logs without a torque.
     """
 
     joint: str
@@ -67,6 +68,7 @@ class Task:
     corrected: State | None = None
     without: Mapping[int, State] = field(default_factory=dict)
     shape: Shape | None = None
+    controller: Controller | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,14 @@ def explain_joint(task: Task) -> Explained | str:
 def _explained(task: Task) -> Explained:
     assert task.corrected is not None
     body = task.corrected.body(task.joint, task.fixed)
-    report, trace = explain(task.logs, task.held_out, Bodies.one(body), task.seed, law=task.law)
+    report, trace = explain(
+        task.logs,
+        task.held_out,
+        Bodies.one(body),
+        task.seed,
+        law=task.law,
+        controller=task.controller,
+    )
     final = stated_covariance(trace.prepared, trace.final)
     left = errors_elsewhere(trace.prepared, trace.final, final)
     kept_back = _kept_back(task, body, trace, left)
@@ -147,7 +156,7 @@ def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepa
     """Logs held out, weighted by what the final fit is expected to leave of them."""
     if not task.held_out:
         return None
-    prepared = prepare_kept_back(task.held_out, body, trace.prepared.band)
+    prepared = prepare_kept_back(task.held_out, body, trace.prepared.band, task.controller)
     return weighted(prepared, trace.final, left)
 
 
@@ -155,7 +164,7 @@ def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
     """The law under another model, on the same samples with the same weights."""
     assert task.shape is not None
     body = state.body(task.joint, task.fixed)
-    prepared = prepare(list(task.logs), body, trace.prepared.band)
+    prepared = prepare(list(task.logs), body, trace.prepared.band, task.controller)
     prepared = weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
     fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
     prepared, best = settled(prepared, min(fits, key=lambda f: f.drive_rms))
@@ -188,17 +197,28 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
 def _replay(fitted: Fitted, task: Task) -> Rms:
     if fitted.fit.in_drive_units:
         return Rms(None, None)
-    body = task.user.body(task.joint, task.fixed)
-    held = replay(fitted.kept_back, body, fitted.fit).stated if fitted.kept_back else None
-    return Rms(replay(fitted.prepared, body, fitted.fit).stated, held)
+    runs, held = _replays(fitted, task.user, task)
+    return Rms(runs.stated, held.stated if held else None)
+
+
+def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay | None]:
+    """Free runs as the joint's own report has them: to the target where there is a controller."""
+    body = state.body(task.joint, task.fixed)
+    if task.controller:
+        pairs = [(logs, [body] * len(logs)) for logs in (task.logs, task.held_out)]
+        if loops := Loops.of(pairs, task.controller):
+            return loops.errors([fitted.fit])[0].replays
+    held = replay(fitted.kept_back, body, fitted.fit) if fitted.kept_back else None
+    return replay(fitted.prepared, body, fitted.fit), held
 
 
 def _replay_increase(before: Fitted, after: Fitted, task: Task) -> Interval:
     """Of the free runs held out, run by run."""
     assert task.corrected
-    return replay_increase(_runs(before, task.user, task), _runs(after, task.corrected, task))
-
-
-def _runs(fitted: Fitted, state: State, task: Task) -> Array:
-    assert fitted.kept_back
-    return replay(fitted.kept_back, state.body(task.joint, task.fixed), fitted.fit).runs
+    one, other = (
+        _replays(fitted, state, task)[1]
+        for fitted, state in ((before, task.user), (after, task.corrected))
+    )
+    assert one
+    assert other
+    return replay_increase(one.runs, other.runs)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check_signs
@@ -104,7 +105,11 @@ class FittedJoint:
 
 
 def first_fit(
-    logs: Sequence[JointLog], model: str | Path, joint: str, fixed: Mapping[str, Pose] | None
+    logs: Sequence[JointLog],
+    model: str | Path,
+    joint: str,
+    fixed: Mapping[str, Pose] | None,
+    controller: Controller | None = None,
 ) -> FittedJoint:
     """The law fitted to a joint's logs under the model as it is.
 
@@ -112,7 +117,7 @@ def first_fit(
         LogError: see `prepare` and `gate.check_signs`: a wrong sign is no cause of the robot.
     """
     body = RigidBody(model, joint, fixed)
-    prepared = prepare(list(logs), body)
+    prepared = prepare(list(logs), body, controller=controller)
     check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)

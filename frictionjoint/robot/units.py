@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionjoint.control.controller import Controller
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
@@ -110,6 +111,7 @@ def close_loop_units(
     fixed: Mapping[str, Pose] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
+    controller: Controller | str | Path | None = None,
 ) -> UnitsReport:
     """`close_loop_robot` of each unit; one that cannot be explained stops no other.
 
@@ -127,7 +129,7 @@ def close_loop_units(
 
         try:
             found[name] = close_loop_robot(
-                logs, model, seed, say, law, fixed, jobs, scheduler=scheduler
+                logs, model, seed, say, law, fixed, jobs, scheduler, controller
             )
         except FrictionJointError as error:
             failed[name] = str(error)

@@ -1,0 +1,89 @@
+"""A whole leg in logs of targets and positions: no torque was measured in any joint."""
+
+import json
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint.control import Controller
+from frictionjoint.report.write_robot import write_robot_report
+from frictionjoint.robot.close_loop import close_loop_robot
+from frictionjoint.robot.logs import read_robot
+
+# s: of the plant and its controller; a target comes, and a row is logged, once in so many
+TICK, EVERY = 5e-4, 10
+KP, KD, ROTOR = 25.0, 0.8, 0.03
+CONTROLLER = Controller(output="torque_nm", kp=KP, kd=KD)
+LEG = """<mujoco><compiler angle="radian"/><worldbody><body pos="0 0 1">
+  <joint name="hip" axis="0 1 0" damping="0.2" frictionloss="0.2" armature="0.01"/>
+  <inertial pos="0 0.02 -0.1" mass="1" diaginertia="4e-3 4e-3 1e-3"/>
+  <body pos="0 0 -0.2">
+    <joint name="knee" axis="0 1 0" damping="0.2" frictionloss="0.2" armature="{}"/>
+    <inertial pos="0 0 -0.1" mass="0.3" diaginertia="1e-3 1e-3 1e-4"/>
+  </body></body></worldbody></mujoco>"""
+LINES = {"hip": [(0.5, 0.7), (0.2, 2.3)], "knee": [(0.6, 1.1), (0.25, 2.9)]}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A log of a leg whose model lacks the knee's rotor, and that model."""
+    folder = tmp_path_factory.mktemp("leg")
+    model = mujoco.MjModel.from_xml_string(LEG.format(ROTOR))
+    model.opt.timestep = TICK
+    data = mujoco.MjData(model)
+    time = TICK * np.arange(24_000)
+    target = np.column_stack(
+        [
+            sum(a * np.sin(2.0 * np.pi * f * time + i) for i, (a, f) in enumerate(lines))
+            for lines in LINES.values()
+        ]
+    )
+    target = np.repeat(target[::EVERY], EVERY, axis=0)
+    position = np.empty_like(target)
+    data.qpos[:] = target[0]
+    for k in range(len(time)):
+        position[k] = data.qpos
+        data.qfrc_applied[:] = KP * (target[k] - data.qpos) - KD * data.qvel
+        mujoco.mj_step(model, data)
+    position += 2e-5 * np.random.default_rng(0).standard_normal(position.shape)
+    columns = {"time_s": time}
+    for i, joint in enumerate(LINES):
+        columns |= {f"{joint}.position_rad": position[:, i], f"{joint}.target_rad": target[:, i]}
+    table = np.column_stack(list(columns.values()))[::EVERY]
+    np.savetxt(folder / "leg.csv", table, delimiter=",", header=",".join(columns), comments="")
+    believed = folder / "leg.xml"
+    believed.write_text(LEG.format(0.0))
+    return folder / "leg.csv", believed
+
+
+@pytest.fixture(scope="module")
+def report(files):
+    log, model = files
+    return close_loop_robot(read_robot([log], model), model, jobs=1, controller=CONTROLLER)
+
+
+def test_joints_are_explained_and_the_knee_follows_its_target(report):
+    assert list(report.joints) == ["hip", "knee"]
+    before, after = report.before.torque_percent.held_out, report.after.torque_percent.held_out
+    assert after < 0.05 * before
+    knee = report.joints["knee"]
+    assert knee.report.after_replay.held_out < 0.1 * knee.before_replay.held_out
+
+
+def test_the_rotor_that_the_model_lacks_is_named(report):
+    (cause,) = report.shared
+    assert (cause.cause, cause.place) == ("rotor-inertia", {"joint": "knee"})
+    assert cause.parameters["armature"].value == pytest.approx(ROTOR, rel=0.02)
+
+
+def test_no_torque_is_replayed_where_none_was_measured(report):
+    assert report.before.replay.held_out is None
+    assert report.after.replay.held_out is None
+
+
+def test_each_joints_controller_is_written(report, tmp_path):
+    write_robot_report(report, tmp_path, "frictionjoint close-loop")
+    text = (tmp_path / "joint_knee.controller.toml").read_text()
+    assert f"kp = {KP}" in text
+    assert json.loads((tmp_path / "report.json").read_text())["schema"] == "frictionjoint/report-2"
