@@ -14,9 +14,9 @@ from frictionjoint.identify.terms import Timing
 # standard errors beyond which an offset of the clocks is more than chance
 _BEYOND = 2.0
 DIVERGES = (
-    "The simulation diverges: driven by the measured torque it leaves the logged motion by more "
-    "than all its travel, so no position error is stated. Check masses, gravity and signs of the "
-    "MJCF, and the units of the logs."
+    "The simulation diverges: restarted from the log and driven as it says, it leaves the logged "
+    "motion by more than all its travel, so no position error is stated. Check masses, gravity and "
+    "signs of the MJCF, and the units of the logs."
 )
 NO_LOAD = (
     "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
