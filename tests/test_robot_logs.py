@@ -87,3 +87,8 @@ def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
     wrong = replace(right, torque=-right.torque)
     with pytest.raises(LogError, match="wrong sign of position or torque"):
         first_fit([wrong], arm.believed, "j2", None)
+
+
+def test_a_robot_without_a_log_is_not_explained(model):
+    with pytest.raises(LogError, match="no log to fit"):
+        read_robot([], model)

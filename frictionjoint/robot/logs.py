@@ -12,7 +12,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.identify.held import joint_label
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
-from frictionjoint.measured.readers import joints_with_drive, read_log
+from frictionjoint.measured.readers import joints_with_drive, read_log, require_logs
 from frictionjoint.model_files import ONE_DOF, compile_model
 
 # travel below which a joint stands still, rad (m)
@@ -97,8 +97,9 @@ def read_robot(
         held_out: logs, or the fraction to cut off every log's end.
         joints: names; None: all of the model whose drive the logs hold.
     Raises:
-        LogError: see `read_log` and `joints_to_explain`.
+        LogError: there is no log; see `read_log` and `joints_to_explain`.
     """
+    require_logs(logs, held_out)
     files = held_out if not isinstance(held_out, float | int) else []
     names = joints or joints_to_explain([*logs, *files], compile_model(model))
 
