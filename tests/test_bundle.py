@@ -59,7 +59,7 @@ def test_logs_together_are_what_they_are_alone(name, threads, logs, monkeypatch)
     for terms in ((), (SPRING, LOAD), DRIVE):
         whole, x = search(logs, terms, SHAPES[name])
         law, moved = whole.split(x)
-        X, y, beta, _ = whole.solved(x)
+        X, y, beta, *_ = whole.solved(x)
         moves = whole.balance.moves(law, moved, beta)
         rows = np.cumsum([0, *(int(s.kept.sum()) for s in logs.segments)])
         for i, (first, end) in enumerate(itertools.pairwise(rows)):
