@@ -11,22 +11,12 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.measured.log import JointLog
+from tests.three_sines import sines
 
 MODEL = """<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
 <inertial pos="0 0 0" mass="1" diaginertia="1 1 0.4"/></body></worldbody></mujoco>"""
 INERTIA, VISCOSITY, ARMS = 0.4, 3.0, (0.3, -0.7)
 LINES = ((0.9, 0.21), (0.4, 0.53), (0.2, 0.93))
-
-
-def motion(t):
-    """Position, velocity and acceleration of three sines."""
-    return [
-        sum(
-            size * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * t + 0.5 * np.pi * k)
-            for size, f in LINES
-        )
-        for k in range(3)
-    ]
 
 
 def off_by(q, v, a, amplitude, order):
@@ -45,7 +35,7 @@ def torque(q, v, a):
 
 def test_the_columns_are_the_change_of_the_torque():
     order, small = 2.0, 1e-6
-    measured = motion(np.linspace(0.0, 3.0, 200))
+    measured = sines(np.linspace(0.0, 3.0, 200), LINES)
     true = off_by(*measured, small, order)
     signals = np.zeros((200, N_SIGNALS))
     signals[:, [Q, V, A]] = np.transpose(measured)
@@ -58,7 +48,7 @@ def test_the_columns_are_the_change_of_the_torque():
 def test_its_size_is_told_where_viscous_friction_says_it(tmp_path):
     """Inertia hardly shows: alone, it said 1.8 rad of a measured joint."""
     rng, t = np.random.default_rng(7), np.arange(0.0, 60.0, 5e-3)
-    measured = motion(t)
+    measured = sines(t, LINES)
     _, v, a = off_by(*measured, 0.04, 1.0)
     drive = 0.02 * a + 2.0 * np.clip(v / 0.02, -1.0, 1.0) + 8.0 * v
     drive += 0.05 * rng.standard_normal(len(t))

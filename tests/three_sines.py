@@ -15,14 +15,20 @@ _MODEL = f"""<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
 <inertial pos="0 0 0" mass="1" diaginertia="1 1 {INERTIA}"/></body></worldbody></mujoco>"""
 _LINES = [(0.9, 0.31), (0.5, 0.73), (0.3, 1.31)]
 
+
+def sines(t, lines):
+    """Position, velocity and acceleration of sines of some sizes, rad, and frequencies, Hz."""
+    return [
+        sum(
+            size * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * t + 0.5 * np.pi * k)
+            for size, f in lines
+        )
+        for k in range(3)
+    ]
+
+
 T = np.arange(0.0, 40.0, 2e-3)
-Q, V, A = (
-    sum(
-        (size * (2 * np.pi * f) ** k * np.sin(2 * np.pi * f * T + 0.5 * np.pi * k))
-        for size, f in _LINES
-    )
-    for k in range(3)
-)
+Q, V, A = sines(T, _LINES)
 
 
 def logged(folder: Path, torque: NDArray[np.float64]) -> Prepared:

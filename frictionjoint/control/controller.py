@@ -153,6 +153,15 @@ def _check_number(name: str, value: Any) -> None:
         raise ParameterError(f"{name} is {value}: give at most 1")
 
 
+def controller_of(given: "Controller | str | Path | None") -> "Controller | None":
+    """A controller, or that of a file or a preset; None where none is given.
+
+    Raises:
+        ParameterError: see `read_controller`.
+    """
+    return given if given is None or isinstance(given, Controller) else read_controller(given)
+
+
 def read_controller(path: str | Path) -> Controller:
     """A controller from its TOML file, or a preset by its name.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller, read_controller
+from frictionjoint.control.controller import Controller, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
@@ -20,9 +20,9 @@ from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
 from frictionjoint.diagnose.replay import (
-    Replay,
     friction_spec,
     replay,
+    replay_rms,
     replayed_whole,
     simulated_effects,
     simulated_whole,
@@ -118,10 +118,9 @@ def close_loop(
     require_seed(seed)
     forms_of(law or INTEGRATED_LAW)
     bodies = Bodies(model, joint, fixed)
-    if controller is not None and not isinstance(controller, Controller):
-        controller = read_controller(controller)
+    known = controller_of(controller)
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
-    return explain(logs, held_out, bodies, seed, progress, law, controller, refine)[0]
+    return explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
 
 
 @one_thread
@@ -205,7 +204,7 @@ def explain(
             for f in (found.base, found.final)
             if scaled
         ]
-    before, after = [_replay_rms(*run) for run in runs] or _NO_REPLAY
+    before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
     torque = [torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
@@ -302,7 +301,3 @@ def _check_refinable(controller: Controller | None, logs: Sequence[JointLog]) ->
     for log in logs:
         if log.target is None:
             raise LogError(f"{log.name}: no target to simulate, add target_rad or leave out refine")
-
-
-def _replay_rms(fit: Replay, held: Replay | None) -> Rms:
-    return Rms(fit.stated, held.stated if held else None)

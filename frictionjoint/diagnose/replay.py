@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.rms import Rms
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.fit import Fit
@@ -73,6 +74,11 @@ class Replay:
     def stated(self) -> float | None:
         """The rms as it is reported; None where the runs diverge, for then it means nothing."""
         return None if self.diverges else self.rms
+
+
+def replay_rms(fit: Replay, held_out: Replay | None) -> Rms:
+    """As reported, of logs fitted and held out."""
+    return Rms(fit.stated, held_out.stated if held_out else None)
 
 
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller, read_controller
+from frictionjoint.control.controller import Controller, controller_of
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.report_data import Evidence
 from frictionjoint.diagnose.rms import Rms
@@ -72,10 +72,9 @@ def close_loop_robot(
     begin = time.perf_counter()
     compile_model(model)
     user = State(model)
-    if controller is not None and not isinstance(controller, Controller):
-        controller = read_controller(controller)
+    driven_by = controller_of(controller)
     tasks = {
-        n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law, controller=controller)
+        n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law, controller=driven_by)
         for n in logs.joints
     }
     count = processes(len(tasks)) if jobs is None else jobs

@@ -12,7 +12,7 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.diagnose.refined import Loops
-from frictionjoint.diagnose.replay import Replay, replay
+from frictionjoint.diagnose.replay import Replay, replay, replay_rms
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
@@ -197,8 +197,7 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
 def _replay(fitted: Fitted, task: Task) -> Rms:
     if fitted.fit.in_drive_units:
         return Rms(None, None)
-    runs, held = _replays(fitted, task.user, task)
-    return Rms(runs.stated, held.stated if held else None)
+    return replay_rms(*_replays(fitted, task.user, task))
 
 
 def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay | None]:
