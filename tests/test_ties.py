@@ -13,9 +13,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.terms import EffectTerm
 
 BLOCKS = 48
-FIT = SimpleNamespace(
-    friction=np.ones(BLOCKS), weight=np.ones(BLOCKS), scale=1.0, drive="torque", acting=1.0
-)
+FIT = SimpleNamespace(friction=np.ones(BLOCKS), weight=np.ones(BLOCKS), error_unit=1.0)
 RNG = np.random.default_rng(2)
 WITHOUT = RNG.uniform(0.5, 1.5, BLOCKS)
 

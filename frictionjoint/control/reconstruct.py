@@ -4,6 +4,7 @@ Where the drive is logged it is compared with what the controller would have mad
 unit shows before anything is fitted.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -22,6 +23,8 @@ from frictionjoint.measured.log import JointLog
 
 # difference from a measured drive, median over its rms, from which on the controller is another
 _LARGEST = 0.05
+# change of a position that shows how a drive answers it, over a log's travel
+_NUDGE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -98,8 +101,33 @@ class AllCommands:
         Args:
             blocks: of the controller of each log, shape (k, BLOCK). delays: s, shape (k,).
         """
+        return self._mean_drive(blocks, delays, np.zeros(len(delays)))
+
+    def answer(self, blocks: Array, delays: Array) -> Array:
+        """How much drive a position that is off by a little calls for, per rad (m), shape (n,).
+
+        A constant error, for which an integral would wind up as long as the log lasts: its part is
+        left out.
+
+        Args:
+            blocks, delays: as above.
+        """
+        blocks = blocks.copy()
+        blocks[:, k.KI] = 0.0
+        position = self._given[1]
+        travel = [np.ptp(position[a:b]) for a, b in itertools.pairwise(self.edges)]
+        counts = blocks[:, k.COUNT]
+        nudge = np.where(counts > 0.0, counts, _NUDGE * np.array(travel))
+        less, more = (self._mean_drive(blocks, delays, way * nudge) for way in (-1.0, 1.0))
+        return (less - more) / np.repeat(2.0 * nudge, np.diff(self.edges))
+
+    def _mean_drive(self, blocks: Array, delays: Array, off: Array) -> Array:
+        """With the positions of each log off by so much."""
+        target, position, *rest = self._given
+        position = position + np.repeat(off, np.diff(self.edges))
         drive = np.empty_like(self.time)
-        _fill_mean_drives(blocks, delays, self.edges, self.time, *self._given, drive)
+        given = (target, position, *rest)
+        _fill_mean_drives(blocks, delays, self.edges, self.time, *given, drive)
         return drive
 
 

@@ -43,8 +43,8 @@ class Driven(NamedTuple):
 def of_drive(score: Scored, now: Scored) -> float:
     """rms of the torque by which a model is nearer than the present one, over the drive's."""
     f = score.fit
-    nearer = max(0.0, now.total - float(score.beside(now).sum())) / len(f.residual)
-    return float(np.sqrt(nearer)) * f.scale / f.target_rms
+    nearer = max(0.0, now.total - score.total) / len(f.residual)
+    return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
 
 
 def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:
@@ -80,7 +80,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
-        gain = 1.0 - (found.drive_rms_over_acting / start.drive_rms_over_acting) ** 2
+        gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:
             best[term.name] = gain, term
     order = sorted(best.values(), key=lambda pair: -pair[0])
@@ -93,7 +93,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         assert isinstance(moved, DriveTerm)
         tried.append((moved, scored(found, blocks)))
     tried.sort(key=lambda pair: -pair[1].gain(now))
-    squares = [score.beside(now) for _, score in tried]
+    squares = [score.squares for _, score in tried]
     won = _frequencies(squares, rng)
     rows = [
         Looked(

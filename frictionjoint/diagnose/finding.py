@@ -116,7 +116,7 @@ def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
     enough = needed * (1.0 - APART) / APART
     return Sight(
-        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.scale,
+        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.error_unit,
         duration,
         duration * enough / blocks,
     )

@@ -33,7 +33,7 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
             errors = replayed(other)
             if errors is None or not _nearer(errors, now) or np.median(now - errors) <= 0.0:
                 continue
-            left, more = state.fit.drive_rms_over_acting, other.drive_rms_over_acting
+            left, more = state.fit.drive_rms, other.drive_rms
             if errors.sum() * more**2 < now.sum() * left**2:
                 trials.append((float(errors.sum()), other))
         if not trials:

@@ -1,8 +1,4 @@
-"""What a model predicts of motion unlike that it was fitted to: the one score of the search.
-
-An effect of the drive changes what is to be explained. Without a drive little would be left, and so
-a model whose drive is smaller than another's is compared by its error over that drive.
-"""
+"""What a model predicts of motion unlike that it was fitted to: the one score of the search."""
 
 from dataclasses import dataclass, field
 
@@ -31,19 +27,12 @@ class Scored:
 
     @property
     def total(self) -> float:
-        """Of all blocks, N m squared."""
+        """Of all blocks, squares of `Fit.error_unit`."""
         return float(self.squares.sum())
 
     def gain(self, other: "Scored") -> float:
         """Fraction of another model's squares that this one does not leave."""
-        total = float(self.beside(other).sum())
-        return 1.0 - total / other.total if other.total > 0.0 else 0.0
-
-    def beside(self, other: "Scored") -> Array:
-        """Its squares of each block as they count beside another model's, shape (B,)."""
-        if self.fit.drive != "torque":  # they count over the drive already
-            return self.squares
-        return self.squares * max(1.0, other.fit.acting / self.fit.acting) ** 2
+        return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
     @property
     def above_noise(self) -> float:
@@ -52,16 +41,16 @@ class Scored:
 
     def moved(self, other: "Scored") -> float:
         """rms of the torque by which this model is nearer than another, over the friction's."""
-        return self._over_friction(other.total - float(self.beside(other).sum()))
+        return self._over_friction(other.total - self.total)
 
     def _over_friction(self, squares: float) -> float:
         f = self.fit
-        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.scale**2
+        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.error_unit**2
         return float(np.sqrt(max(0.0, squares) / friction)) if friction else 0.0
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
         """Whether it predicts better by more than some paired standard errors over blocks."""
-        difference = other.squares - self.beside(other)
+        difference = other.squares - self.squares
         spread = float(np.std(difference)) * np.sqrt(len(difference))
         return bool(difference.sum() > errors * spread)
 
@@ -73,4 +62,5 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     squares, _ = found.held_out(found.terms)
     noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
     beyond = impossible(fitted, blocks)
-    return Scored(fitted, squares / fitted.scale**2, noise / fitted.scale**2, beyond)
+    unit = fitted.error_unit**2
+    return Scored(fitted, squares / unit, noise / unit, beyond)

@@ -104,16 +104,31 @@ class Bundle(Generic[_Log]):
 
     def changed(self, changes: Sequence[Change]) -> Spectra:
         """Drives that their controllers make with some changes, one after the other."""
-        commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
-        if not changes or not commanded:
+        if not changes or self._commanded is None:
             return self.driven
         drive = np.concatenate([log.drive for log in self.logs])
-        made = self._commanded.drive(changes)
-        for i, own in zip(commanded, self._commanded.places, strict=True):
-            # a log may have been cut off since
-            drive[self.places[i]] = made[own][: len(self.logs[i].drive)]
+        self._put(self._commanded.drive(changes), drive)
         return self._filters.spectra(drive[None])
 
+    def answer(self, changes: Sequence[Change]) -> Array:
+        """How much of such drives a small error of the position calls for, per rad (m), (m,).
+
+        Zero where the drive is measured.
+        """
+        found = np.zeros_like(self.velocity)
+        if self._commanded is not None:
+            self._put(self._commanded.answer(changes), found)
+        return self.kept(found[None])[:, 0]
+
+    def _put(self, made: Array, all_logs: Array) -> None:
+        """What controllers made, in the places of their logs."""
+        commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
+        assert self._commanded is not None
+        for i, own in zip(commanded, self._commanded.places, strict=True):
+            # a log may have been cut off since
+            all_logs[self.places[i]] = made[own][: len(self.logs[i].drive)]
+
     @cached_property
-    def _commanded(self) -> CommandedLogs:
-        return CommandedLogs([log.commanded for log in self.logs if log.commanded is not None])
+    def _commanded(self) -> CommandedLogs | None:
+        logs = [log.commanded for log in self.logs if log.commanded is not None]
+        return CommandedLogs(logs) if logs else None

@@ -58,6 +58,14 @@ class CommandedLogs:
 
     def drive(self, changes: Sequence[Change]) -> Array:
         """See `Commanded.drive`, all logs in turn, shape (n,)."""
+        return self._behind(self._commands.mean_drive(*self._changed(changes)))
+
+    def answer(self, changes: Sequence[Change]) -> Array:
+        """How much of such a drive a small error of the position calls for, per rad, (n,)."""
+        return self._behind(self._commands.answer(*self._changed(changes)))
+
+    def _changed(self, changes: Sequence[Change]) -> tuple[Array, Array]:
+        """Block and delay of each log's controller after some changes."""
         blocks, delays = [], []
         for log in self._logs:
             block, delay = log.block.copy(), log.delay
@@ -65,7 +73,10 @@ class CommandedLogs:
                 block, delay = change(block, delay)
             blocks.append(block)
             delays.append(delay)
-        made = self._commands.mean_drive(np.array(blocks), np.array(delays))
+        return np.array(blocks), np.array(delays)
+
+    def _behind(self, made: Array) -> Array:
+        """What a controller made of its samples, on the grid of the fit and behind its filters."""
         x = np.empty_like(self._grid)
         _fill_uniform(self._commands.time, made, self._commands.edges, self._grid, self._edges, x)
         rows = x[None]

@@ -137,6 +137,13 @@ class Balance:
         known = self._parts[i].load_and_velocity[:, 0]
         return drive if self.prepared.gain_unknown else drive - known
 
+    def answer(self, terms: tuple[Term, ...]) -> Array:
+        """How much of the drive a small error of the position calls for, per rad (m), shape (n,).
+
+        Zero where the drive is measured.
+        """
+        return np.concatenate([part.answer(drive_changes(terms)) for part in self._parts])
+
     def _law(self, law: Shape, i: int) -> Array:
         return self._columns_of(self._track(law, i), self._parts[i])
 

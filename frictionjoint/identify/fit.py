@@ -34,8 +34,9 @@ class Fit:
         begun: columns of what else each log may have begun with, N m, shape (n, m); they belong
             to no parameter of the model. Empty where the model lets nothing swing.
         target_rms: rms of the measured torque.
-        acting: rms of the drive over that before effects of the drive changed it, weighted; or what
-            a gain of a torque that no one measured makes of the load, where that is less.
+        acting: rms of the drive over that before effects of the drive changed it, weighted.
+        holding: torque that a small error of the position calls for, of the drive and the load, over
+            that before effects changed them; geometric mean. 1 where the drive is measured.
     """
 
     shape: Shape
@@ -55,6 +56,7 @@ class Fit:
     target_rms: float
     in_drive_units: bool = False
     acting: float = 1.0
+    holding: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,14 +79,20 @@ class Fit:
         return self.gain if self.drive == "torque" else self.gain * self.acting
 
     @property
-    def drive_rms(self) -> float:
-        """rms of the weighted residual: what a fit makes small."""
-        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.scale
+    def error_unit(self) -> float:
+        """Torque per unit of error as models are compared.
+
+        What a log of a target holds is where the joint went. A torque that a model leaves stands
+        for an error of the position that calls for it: the likelihood of the motion has the
+        determinant of this map besides the torques that are left. Without it a drive that hardly
+        acts, of which little can be left, would explain any motion.
+        """
+        return self.gain * self.holding
 
     @property
-    def drive_rms_over_acting(self) -> float:
-        """The same over a drive of known size that effects have made smaller."""
-        return self.drive_rms / (min(1.0, self.acting) if self.drive == "torque" else 1.0)
+    def drive_rms(self) -> float:
+        """rms of the weighted residual, in `error_unit`."""
+        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.error_unit
 
     @property
     def free_jacobian(self) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import Q
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.fit import Fit
@@ -243,7 +244,7 @@ class Search:
         for _ in range(solutions(terms) - 1):
             X, _ = self.balance.columns(shape, terms, beta)
             beta = self._coefficients(X, y)
-        acting = self._acting(terms, y, beta)
+        acting = self._acting(terms, y)
         # a gain that is open would make an error small together with the drive
         unit = 1.0 / acting if self.prepared.gain_unknown else 1.0
         found = Solution(X, y, beta, acting, unit)
@@ -266,16 +267,31 @@ class Search:
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))
 
-    def _acting(self, terms: tuple[Term, ...], y: Array, beta: Array) -> float:
+    def _acting(self, terms: tuple[Term, ...], y: Array) -> float:
         """See `Fit.acting`."""
-        found = 1.0
-        if any(isinstance(t, DriveTerm) for t in terms):
-            found = self._size(self._drive(y)) / self.size
-        if self.prepared.commanded and not self.prepared.gain_unknown:
-            for i, term in enumerate(terms):
-                if isinstance(term, EffectTerm) and term.effect.scales:
-                    found = min(found, 1.0 + float(beta[self.layout.coefficients(i)][0]))
-        return max(found, _HARDLY)
+        if not any(isinstance(t, DriveTerm) for t in terms):
+            return 1.0
+        return max(self._size(self._drive(y)) / self.size, _HARDLY)
+
+    def _holding(self, terms: tuple[Term, ...], beta: Array) -> float:
+        """See `Fit.holding`."""
+        if not self.prepared.commanded:
+            return 1.0
+        (whole,) = self.prepared.bundles(1)
+        position = whole.kept(whole.row(Q)[None])[:, 0]
+        travel = self._size(position - np.average(position, weights=self.weight))
+        load = self._size(self.prepared.balanced_load) / travel
+        before, after = load, load
+        if self.prepared.gain_unknown:
+            before = after = load * float(beta[self.layout.base.index("load")])
+        for i, term in enumerate(terms):
+            if isinstance(term, EffectTerm) and term.effect.scales:
+                after *= 1.0 + float(beta[self.layout.coefficients(i)][0])
+        held = np.maximum(self.balance.answer(()), 0.0) + before
+        holds = np.maximum(self.balance.answer(terms), 0.0) + max(after, 0.0)
+        least = _HARDLY * float(np.max(held))
+        change = np.log(np.maximum(holds, least) / np.maximum(held, least))
+        return float(np.exp(np.average(change, weights=self.weight**2)))
 
     def _drive(self, y: Array) -> Array:
         """The drive of a target, from which the load has been taken where that is known."""
@@ -333,6 +349,7 @@ class Search:
             begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
             target_rms=float(np.sqrt(np.mean((self._drive(y) * gain) ** 2))),
             acting=acting,
+            holding=self._holding(terms, beta),
         )
 
     def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
