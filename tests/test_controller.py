@@ -9,6 +9,7 @@ import pytest
 from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of
+from frictionjoint.control.controller_file import controller_of
 from frictionjoint.control.profile import followed_over, held, held_over
 from frictionjoint.control.reconstruct import (
     AllCommands,
@@ -61,6 +62,47 @@ def test_a_bad_file_is_one_line(tmp_path, text, message):
         read_controller(file)
     assert message in str(found.value)
     assert "servo.toml" in str(found.value)
+    assert "\n" not in str(found.value)
+
+
+PER_JOINT = """output = "torque_nm"
+kp = 80.0
+kd = 2.5
+[joint.elbow]
+kp = 120.0
+"""
+
+
+def test_a_file_says_what_differs_by_joint(tmp_path):
+    file = tmp_path / "arm.toml"
+    file.write_text(PER_JOINT)
+    joints = ("shoulder", "elbow")
+    shoulder = Controller(output="torque_nm", kp=80.0, kd=2.5)
+    elbow = Controller(output="torque_nm", kp=120.0, kd=2.5)
+    assert controller_of(file, "shoulder", joints) == read_controller(file) == shoulder
+    assert controller_of(file, "elbow", joints) == elbow
+    assert controller_of({"elbow": elbow}, "elbow", joints) == elbow
+    assert controller_of(shoulder, "elbow", joints) == shoulder
+    assert controller_of("mit", "elbow", joints) == PRESETS["mit"]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (PER_JOINT + "[joint.wrist]\nkp = 1.0", "no joint 'wrist' in the model, it has elbow, sh"),
+        (PER_JOINT + "gain = 1.0", r"\[joint.elbow\]: unknown 'gain', it has"),
+        (PER_JOINT.replace("120.0", "-1.0"), r"\[joint.elbow\]: kp is -1.0: give 0 or more"),
+        (PER_JOINT.split("[joint")[0] + "joint = 1", r"joint is 1: give tables \[joint.NAME"),
+        (PER_JOINT.replace("kp = 80.0", ""), "no kp: a controller needs output and kp"),
+        ({"elbow": PRESETS["mit"]}, "controller: none for joint 'shoulder', there is elbow"),
+    ],
+)
+def test_bad_controllers_of_joints_are_one_line(tmp_path, given, message):
+    if isinstance(given, str):
+        (tmp_path / "arm.toml").write_text(given)
+        given = tmp_path / "arm.toml"
+    with pytest.raises(ParameterError, match=message) as found:
+        controller_of(given, "shoulder", ("shoulder", "elbow"))
     assert "\n" not in str(found.value)
 
 

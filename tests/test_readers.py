@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.io import savemat
-from torch_file import torch_file
+from torch_file import Plain, torch_file
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import read_log
@@ -224,6 +224,16 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
             read_log(path, joint, columns)
 
 
+def test_gains_beside_a_log_of_pace_are_its_figures(tmp_path: Path) -> None:
+    """Logs of IIT's DLS lab hold them as arrays of numpy, a number a joint."""
+    gains = {"kp": Plain(np.array([80.0, 120.0])), "kd": Plain(np.array([[2.5, 1.5]]).T[:, 0])}
+    velocity = np.gradient(PACE["dof_pos"], T, axis=0).astype(np.float32)
+    path = torch_file(tmp_path / "walk.pt", PACE | {"dof_vel": velocity} | gains)
+    log = read_log(path, "joint_2")
+    assert log.metadata == {"kp": 120.0, "kd": 1.5}
+    np.testing.assert_array_equal(log.velocity, velocity[:, 1].astype(float))
+
+
 class Harm:
     def __reduce__(self) -> tuple[object, tuple[str]]:
         return print, ("harm",)
@@ -236,6 +246,8 @@ class Harm:
         ({"time": PACE["time"]}, 0, "no tensor 'dof_pos', it has time"),
         ([PACE["time"]], 0, "holds a list, a dict of tensors is needed"),
         (PACE | {"des_dof_pos": PACE["dof_pos"][:-1]}, 0, "give a row a time"),
+        (PACE | {"kp": Plain(np.ones(3))}, 0, r"kp \(3,\): give it a number for each of the 2"),
+        (PACE | {"kp": Plain(np.array(["high", "low"]))}, 0, "an array of 'U4', not of numbers"),
         (PACE, 4, "storage 2 holds 2396 bytes and not 2400"),
     ],
 )

@@ -6,15 +6,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from frictionjoint.control import Controller
 from frictionjoint.report.write_robot import write_robot_report
 from frictionjoint.robot.close_loop import close_loop_robot
 from frictionjoint.robot.logs import read_robot
 
 # s: of the plant and its controller; a target comes, and a row is logged, once in so many
 TICK, EVERY = 5e-4, 10
-KP, KD, ROTOR = 25.0, 0.8, 0.03
-CONTROLLER = Controller(output="torque_nm", kp=KP, kd=KD)
+KP, KD, ROTOR = {"hip": 30.0, "knee": 25.0}, 0.8, 0.03
+CONTROLLER = f"""output = "torque_nm"
+kp = {KP["hip"]}
+kd = {KD}
+[joint.knee]
+kp = {KP["knee"]}
+"""
 LEG = """<mujoco><compiler angle="radian"/><worldbody><body pos="0 0 1">
   <joint name="hip" axis="0 1 0" damping="0.2" frictionloss="0.2" armature="0.01"/>
   <inertial pos="0 0.02 -0.1" mass="1" diaginertia="4e-3 4e-3 1e-3"/>
@@ -42,9 +46,10 @@ def files(tmp_path_factory):
     target = np.repeat(target[::EVERY], EVERY, axis=0)
     position = np.empty_like(target)
     data.qpos[:] = target[0]
+    gains = np.array(list(KP.values()))
     for k in range(len(time)):
         position[k] = data.qpos
-        data.qfrc_applied[:] = KP * (target[k] - data.qpos) - KD * data.qvel
+        data.qfrc_applied[:] = gains * (target[k] - data.qpos) - KD * data.qvel
         mujoco.mj_step(model, data)
     position += 2e-5 * np.random.default_rng(0).standard_normal(position.shape)
     columns = {"time_s": time}
@@ -54,13 +59,15 @@ def files(tmp_path_factory):
     np.savetxt(folder / "leg.csv", table, delimiter=",", header=",".join(columns), comments="")
     believed = folder / "leg.xml"
     believed.write_text(LEG.format(0.0))
-    return folder / "leg.csv", believed
+    controller = folder / "leg.toml"
+    controller.write_text(CONTROLLER)
+    return folder / "leg.csv", believed, controller
 
 
 @pytest.fixture(scope="module")
 def report(files):
-    log, model = files
-    return close_loop_robot(read_robot([log], model), model, jobs=1, controller=CONTROLLER)
+    log, model, controller = files
+    return close_loop_robot(read_robot([log], model), model, jobs=1, controller=controller)
 
 
 def test_joints_are_explained_and_the_knee_follows_its_target(report):
@@ -84,6 +91,6 @@ def test_no_torque_is_replayed_where_none_was_measured(report):
 
 def test_each_joints_controller_is_written(report, tmp_path):
     write_robot_report(report, tmp_path, "frictionjoint close-loop")
-    text = (tmp_path / "joint_knee.controller.toml").read_text()
-    assert f"kp = {KP}" in text
+    for name, kp in KP.items():
+        assert f"kp = {kp}\n" in (tmp_path / f"joint_{name}.controller.toml").read_text()
     assert json.loads((tmp_path / "report.json").read_text())["schema"] == "frictionjoint/report-2"

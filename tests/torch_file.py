@@ -7,16 +7,24 @@ import zipfile
 from collections import OrderedDict
 from pathlib import Path
 from types import ModuleType
-from typing import BinaryIO
+from typing import Any, BinaryIO
 from unittest.mock import patch
 
 import numpy as np
 
 
+class Plain:
+    """An array that is saved as numpy pickles it."""
+
+    def __init__(self, array: np.ndarray[Any, Any]) -> None:
+        self.array = array
+
+
 def torch_file(path: Path | BinaryIO, table: object, cut: int = 0) -> Path | BinaryIO:
     """A file as ``torch.save`` writes it since PyTorch 1.6, `cut` bytes short in its last storage.
 
-    Names of torch are those of its own pickles; none of its code is needed.
+    Names of torch are those of its own pickles; none of its code is needed. What is `Plain` stays
+    an array of numpy.
     """
     stored: list[bytes] = []
 
@@ -25,6 +33,8 @@ def torch_file(path: Path | BinaryIO, table: object, cut: int = 0) -> Path | Bin
             return x.pid if isinstance(x, Numbers) else None
 
         def reducer_override(self, x: object) -> object:
+            if isinstance(x, Plain):
+                return x.array.__reduce__()
             if not isinstance(x, np.ndarray):
                 return NotImplemented
             stored.append(x.astype("<f4").tobytes())

@@ -62,7 +62,7 @@ def identify(
 
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
-    from frictionjoint.control.controller import read_controller
+    from frictionjoint.control.controller_file import controller_of
     from frictionjoint.control.reconstruct import check_drive
     from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text, toml_text_without_scale
@@ -88,7 +88,7 @@ def identify(
         forms = forms_of(law)
         joint = the_joint(joint, model)
         bodies = Bodies(models_of(model), joint, poses(fixed))
-        driven_by = read_controller(controller) if controller else None
+        driven_by = controller_of(controller, joint, bodies.joints)
         reading = Reading.of(joint, column, signal, wrap, gain)
         read = bounded([reading.read(path) for path in logs])
         said = bodies.check(read, ())

@@ -63,8 +63,9 @@ ControllerFile = Annotated[
     typer.Option(
         "--controller",
         metavar="FILE|PRESET",
-        help="TOML file of what drove the joint to its target, or xl330, sts3215, unitree, mit. "
-        "Logs of target and position alone need it.",
+        help="TOML file of what drove the joints to their targets, one for all or with a table "
+        "[joint.NAME] where one differs; or xl330, sts3215, unitree, mit. Logs of target and "
+        "position alone need it.",
     ),
 ]
 Model = Annotated[

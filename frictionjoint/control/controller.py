@@ -1,15 +1,12 @@
-"""What is known of a controller: gains, limits, delays; its file."""
+"""What is known of a controller: gains, limits, delays."""
 
 import math
-import tomllib
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 import tomlkit
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.measured.arguments import expect
 
 Output = Literal["torque_nm", "voltage_v", "duty"]
 Velocity = Literal["measured", "differentiated"]
@@ -151,49 +148,6 @@ def _check_number(name: str, value: Any) -> None:
         raise ParameterError(f"{name} is {value}: give {'more than 0' if above else '0 or more'}")
     if name == "drop_left" and value > 1.0:
         raise ParameterError(f"{name} is {value}: give at most 1")
-
-
-def controller_of(given: "Controller | str | Path | None") -> "Controller | None":
-    """A controller, or that of a file or a preset; None where none is given.
-
-    Raises:
-        ParameterError: see `read_controller`.
-    """
-    return given if given is None or isinstance(given, Controller) else read_controller(given)
-
-
-def read_controller(path: str | Path) -> Controller:
-    """A controller from its TOML file, or a preset by its name.
-
-    Raises:
-        ParameterError: one line that names the file, the key and the mend.
-    """
-    from frictionjoint.control.presets import PRESETS
-
-    expect(path, (str, Path), "controller", "give the path of its TOML file, or a preset's name")
-    if str(path) in PRESETS:
-        return PRESETS[str(path)]
-    path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        listed = ", ".join(PRESETS)
-        raise ParameterError(
-            f"{path}: cannot be read: {error.strerror}; give a TOML file or one of {listed}"
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
-    known = [field.name for field in fields(Controller)]
-    unknown = [key for key in content if key not in known]
-    if unknown:
-        raise ParameterError(f"{path}: unknown {unknown[0]!r}, it has {', '.join(known)}")
-    missing = [key for key in ("output", "kp") if key not in content]
-    if missing:
-        raise ParameterError(f"{path}: no {missing[0]}: a controller needs output and kp")
-    try:
-        return Controller(**content)
-    except ParameterError as error:
-        raise ParameterError(f"{path}: {error}") from None
 
 
 def without_unknowns(controller: Controller) -> Controller:

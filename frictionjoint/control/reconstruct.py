@@ -123,11 +123,12 @@ class AllCommands:
 
     def _mean_drive(self, blocks: Array, delays: Array, off: Array) -> Array:
         """With the positions of each log off by so much."""
-        target, position, *rest = self._given
-        position = position + np.repeat(off, np.diff(self.edges))
+        target, position, velocity, supply, on = self._given
+        q = position + np.repeat(off, np.diff(self.edges))
         drive = np.empty_like(self.time)
-        given = (target, position, *rest)
-        _fill_mean_drives(blocks, delays, self.edges, self.time, *given, drive)
+        _fill_mean_drives(
+            blocks, delays, self.edges, self.time, target, q, velocity, supply, on, drive
+        )
         return drive
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller, controller_of
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
@@ -91,7 +92,7 @@ def close_loop(
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
-    controller: Controller | str | Path | None = None,
+    controller: GivenController | None = None,
     refine: bool = False,
 ) -> Report:
     """Fit, trace, add, refit and report.
@@ -107,8 +108,9 @@ def close_loop(
         law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
-        controller: what drove the joint to its target, its file, or the name of a preset. Logs
-            without torque, voltage or current need it; all are simulated with it.
+        controller: what drove the joint to its target, its file, or the name of a preset; or one
+            for each joint by its name. Logs without torque, voltage or current need it; all are
+            simulated with it.
         refine: fit all numbers of the named model to simulated motion in the end.
     Raises:
         FrictionJointError: bad logs or model, in one line.
@@ -118,7 +120,7 @@ def close_loop(
     require_seed(seed)
     forms_of(law or INTEGRATED_LAW)
     bodies = Bodies(model, joint, fixed)
-    known = controller_of(controller)
+    known = controller_of(controller, joint, bodies.joints)
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
     return explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
 

@@ -26,7 +26,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import term_estimates
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import IN_MOTION, Prediction, predict
+from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 
 # length of the blocks of an rms's interval, s
@@ -121,10 +121,13 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
         # gain that the residual before is stated by.
         scale = found.final.scale / found.base.scale
         own, base, *_ = predict(prepared, found.base)
-        measured, after, friction, weight = predict(prepared, found.final)
+        last = predict(prepared, found.final)
+        measured, after, friction = last.measured, last.predicted, last.friction
+        ends = np.cumsum([len(m) for m in measured])[:-1]
+        moving = np.split(last.in_motion, ends)
         before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
-        rows = zip(prepared.segments, measured, before, after, friction, weight, strict=True)
-        for s, m, b, a, f, w in rows:
+        rows = zip(prepared.segments, measured, before, after, friction, moving, strict=True)
+        for s, m, b, a, f, in_motion in rows:
             kept = s.signals[:: s.step][s.kept]
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
             for name, x in s.others.items():
@@ -140,7 +143,7 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
                     b,
                     a,
                     f,
-                    w**2 > IN_MOTION,
+                    in_motion,
                     {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
                 )
             )

@@ -39,6 +39,12 @@ class Bodies:
         found._bodies = {"*": body}
         return found
 
+    @property
+    def joints(self) -> set[str]:
+        """Names of the hinges and slides of the models."""
+        bodies = self._bodies.values()
+        return {name for body in bodies for name in (body.joint, *body.joint_names)}
+
     def of(self, logs: Sequence[JointLog]) -> list[RigidBody]:
         """One a log.
 

@@ -35,8 +35,8 @@ class Fit:
             to no parameter of the model. Empty where the model lets nothing swing.
         target_rms: rms of the measured torque.
         acting: rms of the drive over that before effects of the drive changed it, weighted.
-        holding: torque that a small error of the position calls for, of the drive and the load, over
-            that before effects changed them; geometric mean. 1 where the drive is measured.
+        holding: torque that a small error of the position calls for, of the drive and the load,
+            over that before effects changed them; geometric mean. 1 where the drive is measured.
     """
 
     shape: Shape

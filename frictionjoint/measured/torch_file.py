@@ -3,7 +3,8 @@
 Such a file is a zip archive: a pickle of plain containers, whose tensors refer to members
 ``data/0``, ``data/1``, ... that hold their numbers (PyTorch 1.6 and later,
 https://docs.pytorch.org/docs/stable/notes/serialization.html). A pickle can call any function by
-name, so this one is read by an unpickler that knows three names of its own and refuses all others.
+name, so this one is read by an unpickler that knows the names of a table of tensors, and of arrays
+of numpy beside them, and refuses all others.
 """
 
 import io
@@ -18,6 +19,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, one_line
+from frictionjoint.measured.pickled_arrays import PickledArray, stand_in
 
 # classes of storages, and what their numbers are; a half has no digits to spare for a log
 _STORAGES = {
@@ -41,7 +43,7 @@ class _Storage(NamedTuple):
 
 
 def read_tensors(path: Path) -> dict[str, Array]:
-    """The tensors of a file that holds a table of them, by name, as float64.
+    """The tensors and arrays of a file that holds a table of them, by name, as float64.
 
     Raises:
         LogError: not such a file, or one that holds more than tensors and plain containers.
@@ -66,9 +68,10 @@ def read_tensors(path: Path) -> dict[str, Array]:
         raise LogError(
             f"{path.name}: holds a {type(content).__name__}, a dict of tensors is needed"
         )
+    arrays = {n: x.numbers if isinstance(x, PickledArray) else x for n, x in content.items()}
     return {
         str(name): np.asarray(x, dtype=np.float64)
-        for name, x in content.items()
+        for name, x in arrays.items()
         if isinstance(x, np.ndarray)
     }
 
@@ -103,6 +106,8 @@ class _Unpickler(pickle.Unpickler):
             return _tensor
         if (module, name) == ("collections", "OrderedDict"):
             return dict
+        if found := stand_in(module, name):
+            return found
         raise pickle.UnpicklingError(f"{module}.{name}")
 
     def persistent_load(self, pid: Any) -> _Storage:

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller, controller_of
+from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.report_data import Evidence
 from frictionjoint.diagnose.rms import Rms
@@ -53,7 +53,7 @@ def close_loop_robot(
     fixed: Mapping[str, Pose] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
-    controller: Controller | str | Path | None = None,
+    controller: GivenController | None = None,
 ) -> RobotReport:
     """Fit every joint, find what they show together, then what each lacks; report.
 
@@ -65,16 +65,19 @@ def close_loop_robot(
         fixed: see `diagnose.close_loop`.
         jobs: processes; None: one for each core. The result does not depend on it.
         scheduler: address of a Dask scheduler whose workers take the joints instead.
-        controller: of every joint, for logs of targets, see `diagnose.close_loop`.
+        controller: of all joints or of each, for logs of targets, see `diagnose.close_loop`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
     begin = time.perf_counter()
-    compile_model(model)
+    compiled = compile_model(model)
+    names = {compiled.joint(j).name for j in range(compiled.njnt)}
     user = State(model)
-    driven_by = controller_of(controller)
     tasks = {
-        n: Task(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law, controller=driven_by)
+        n: Task(
+            *(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law),
+            controller=controller_of(controller, n, names),
+        )
         for n in logs.joints
     }
     count = processes(len(tasks)) if jobs is None else jobs

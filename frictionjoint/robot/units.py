@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionjoint.control.controller import Controller
+from frictionjoint.control.controller_file import GivenController
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
@@ -111,7 +111,7 @@ def close_loop_units(
     fixed: Mapping[str, Pose] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
-    controller: Controller | str | Path | None = None,
+    controller: GivenController | None = None,
 ) -> UnitsReport:
     """`close_loop_robot` of each unit; one that cannot be explained stops no other.
 

@@ -1,0 +1,95 @@
+"""Files of controllers: one for all joints, and in tables [joint.NAME] what differs in some."""
+
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.presets import PRESETS
+from frictionjoint.errors import ParameterError
+from frictionjoint.measured.arguments import expect
+
+# one for every joint, one for each by its name, or the file of either or a preset's name
+GivenController = Controller | Mapping[str, Controller] | str | Path
+_JOINTS = "joint"
+
+
+def controller_of(
+    given: GivenController | None, joint: str, joints: Collection[str]
+) -> Controller | None:
+    """The controller of a joint; None where none is given.
+
+    Args:
+        joints: all that the model has.
+    Raises:
+        ParameterError: no controller for this joint, one for a joint that the model does not have,
+            or see `read_controller`.
+    """
+    if given is None or isinstance(given, Controller):
+        return given
+    if isinstance(given, Mapping):
+        by_joint, where = dict(given), "controller"
+        if joint not in by_joint:
+            listed = ", ".join(by_joint) or "none"
+            raise ParameterError(f"controller: none for joint {joint!r}, there is {listed}")
+    else:
+        by_joint, where = _by_joint(given), str(given)
+    strange = [name for name in by_joint if name not in joints]
+    if strange:
+        listed = ", ".join(sorted(joints))
+        raise ParameterError(f"{where}: no joint {strange[0]!r} in the model, it has {listed}")
+    found = by_joint.get(joint)
+    return found if found or isinstance(given, Mapping) else read_controller(given)
+
+
+def read_controller(path: str | Path) -> Controller:
+    """A controller from its TOML file, or a preset by its name, without what differs by joint.
+
+    Raises:
+        ParameterError: one line that names the file, the key and the mend.
+    """
+    if str(path) in PRESETS:
+        return PRESETS[str(path)]
+    content = _content(path)
+    content.pop(_JOINTS, None)
+    return _made(str(path), content)
+
+
+def _by_joint(path: str | Path) -> dict[str, Controller]:
+    """The controllers of the joints that a file has a table of."""
+    if str(path) in PRESETS:
+        return {}
+    content = _content(path)
+    tables = content.pop(_JOINTS, {})
+    if not (isinstance(tables, dict) and all(isinstance(x, dict) for x in tables.values())):
+        raise ParameterError(f"{path}: joint is {tables!r}: give tables [joint.NAME]")
+    return {name: _made(f"{path}, [joint.{name}]", content | own) for name, own in tables.items()}
+
+
+def _content(path: str | Path) -> dict[str, Any]:
+    expect(path, (str, Path), "controller", "give the path of its TOML file, or a preset's name")
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        listed = ", ".join(PRESETS)
+        raise ParameterError(
+            f"{path}: cannot be read: {error.strerror}; give a TOML file or one of {listed}"
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
+
+
+def _made(where: str, content: Mapping[str, Any]) -> Controller:
+    known = [field.name for field in fields(Controller)]
+    unknown = [key for key in content if key not in known]
+    if unknown:
+        raise ParameterError(f"{where}: unknown {unknown[0]!r}, it has {', '.join(known)}")
+    missing = [key for key in ("output", "kp") if key not in content]
+    if missing:
+        raise ParameterError(f"{where}: no {missing[0]}: a controller needs output and kp")
+    try:
+        return Controller(**content)
+    except ParameterError as error:
+        raise ParameterError(f"{where}: {error}") from None
