@@ -1,6 +1,7 @@
 """A simulation that runs away is no result: no figure of it is stated, and nothing is explained."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,9 @@ from frictionjoint.diagnose.replay import Replay, replay, simulated_whole
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.effects import backlash, duty_drop, joint_elasticity
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured import JointLog
 
@@ -42,6 +46,24 @@ def test_runs_that_leave_the_travel_diverge() -> None:
     assert far.diverges
     assert far.stated is None
     assert Replay((np.full(3, np.nan),), travel=1.0).stated is None
+
+
+def test_runs_that_become_unstable_diverge_and_are_not_heard_of(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """MuJoCo begins such a run anew at the model's pose, which may be near what was measured."""
+    monkeypatch.chdir(tmp_path)
+    body = RigidBody(JOINT, "j")
+    prepared = prepare([log()], body)
+    fitted = fit(prepared)
+    assert not replay(prepared, body, fitted).diverges
+    light = RigidBody(JOINT.replace('"1 0.05 1"', '"1e-13 1e-13 1e-13"'), "j")
+    found = replay(prepared, light, fitted)
+    assert np.isinf(found.errors[0]).any()
+    assert found.diverges
+    assert found.runs.max() == pytest.approx(found.travel**2)
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_report_states_no_figure_of_a_diverging_simulation(

@@ -22,6 +22,7 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
+from frictionjoint.mujoco_warnings import became_unstable, unheard
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
@@ -38,7 +39,8 @@ class Replay:
     """Free runs of a model.
 
     Attributes:
-        errors: position error, m or rad, one array a log, NaN where nothing was run.
+        errors: position error, m or rad, one array a log, NaN where nothing was run, infinite in
+            runs that became unstable.
         travel: largest travel measured in a log, m or rad.
     """
 
@@ -49,7 +51,7 @@ class Replay:
     def rms(self) -> float | None:
         """Over all logs; None without a single run."""
         e = np.concatenate(self.errors) if self.errors else np.zeros(0)
-        e = e[np.isfinite(e)]
+        e = e[~np.isnan(e)]
         return float(np.sqrt(np.mean(e**2))) if e.size else None
 
     @property
@@ -193,7 +195,7 @@ def _of_body(body: RigidBody, segments: list[Segment], fitted: Fit) -> list[Arra
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
     motor = motor_of(fitted)
-    with attach(model):
+    with attach(model), unheard():
         return [_one_log(model, body, s, motor) for s in segments]
 
 
@@ -232,7 +234,8 @@ def _one_log(
                     data.qfrc_applied[dof] = now
                     mujoco.mj_step(model, data)
             errors[k + 1] = data.qpos[qpos] - q[k + 1]
-        if not np.all(np.isfinite(data.qpos)):
+        if became_unstable(data):
+            errors[begin + 1 : begin + length] = np.inf
             mujoco.mj_resetData(model, data)
     return errors
 

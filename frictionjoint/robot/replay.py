@@ -17,6 +17,7 @@ from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import lock, take_pose
 from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.mujoco_warnings import became_unstable, unheard
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.mechanism import deflection
 
@@ -55,12 +56,12 @@ def replay_robot(
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
     errors: list[Array] = []
-    with attach(model):
+    with attach(model), unheard():
         for i in range(len(first)):
             segments = {name: prepared.segments[i] for name, (prepared, _) in joints.items()}
             errors.append(_one_log(model, segments, {n: f for n, (_, f) in joints.items()}, moving))
     e = np.concatenate(errors)
-    e = e[np.isfinite(e)]
+    e = e[~np.isnan(e)]
     travel = max(float(np.ptp(s.signals[:, Q])) for p, _ in joints.values() for s in p.segments)
     rms = float(np.sqrt(np.mean(e**2))) if e.size else np.inf
     return rms if rms <= travel else None
@@ -115,6 +116,8 @@ def _one_log(
             for joint in led:
                 data.qpos[at[joint]], data.qvel[dofs[joint]] = q[k + 1, joint], v[k + 1, joint]
             errors[k + 1] = data.qpos[own] - q[k + 1, driven]
+        if became_unstable(data):
+            errors[begin + 1 : begin + length] = np.inf
     return errors.ravel()
 
 
