@@ -287,3 +287,24 @@ def test_the_controller_of_emps_agrees_with_its_log(measured_data):
     given = read_log(measured_data / "emps" / "DATA_EMPS.mat")
     known = read_controller(MODELS / "emps.controller.toml")
     assert difference(given, known) < 0.004
+
+
+@pytest.mark.parametrize(
+    ("known", "edge", "below", "above"),
+    [
+        ({}, 1.0, 8.0, 8.0),
+        ({"ki": 3.0}, 1.0, 8.0, 8.0),
+        ({"count_rad": 1e-3}, 1.0, 8.0, 8.0),
+        ({"limit": 0.8}, 0.1, 8.0, 0.0),
+        ({"deadband": 0.1}, 0.1, 0.0, 8.0),
+        ({"drop_above": 0.1, "drop_left": 0.25}, 0.1, 8.0, 2.0),
+    ],
+)
+def test_how_a_drive_answers_a_small_error_of_the_position(known, edge, below, above):
+    c = Controller(output="torque_nm", kp=8.0, **known)
+    seen = commands(log(target=np.sin(3 * T), position=0.8 * np.sin(3 * T)), c)
+    found = AllCommands([seen]).answer(seen.block[None], np.zeros(1))
+    e = np.abs(seen.target - seen.position)
+    # around a sample the target is on either side of an edge
+    far = np.abs(e - edge) > 0.02
+    np.testing.assert_allclose(found[far], np.where(e < edge, below, above)[far], rtol=1e-6)
