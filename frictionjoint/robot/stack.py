@@ -87,8 +87,8 @@ class Stack:
         self._places = np.full((len(self.joints), self.size), -1)
         for k, joint in enumerate(self.joints):
             self._places[k, joint.columns] = np.arange(len(joint.columns))
-        self.folds = np.unique(clock.fold)
-        self.outside = [self._sum(clock.fold != fold) for fold in self.folds]
+        self.folds, self._fold = np.unique(clock.fold, return_inverse=True)
+        self.outside = np.array([self._sum(clock.fold != fold) for fold in self.folds])
         self.total = self._sum(np.ones(clock.count, dtype=bool))
 
     def _sum(self, blocks: NDArray[np.bool_]) -> Array:
@@ -118,14 +118,15 @@ class Stack:
     def held_out(self, at: Columns) -> Array:
         """Squares of each joint and block under coefficients fitted without its fold, (J, B)."""
         left = self.squares.copy()
-        for fold, G in zip(self.folds, self.outside, strict=True):
-            beta = least_squares(G[np.ix_(at, at)], G[at, -1])
-            inside = np.flatnonzero(self.clock.fold == fold)
-            for k, joint in enumerate(self.joints):
-                own, weights = self._own(k, at, beta)
-                cross = joint.grams[inside[:, None], own, -1] @ weights
-                quadratic = joint.grams[np.ix_(inside, own, own)] @ weights @ weights
-                left[k, inside] += quadratic - 2.0 * cross
+        betas = least_squares(self.outside[:, at[:, None], at], self.outside[:, at, -1])
+        # of each block, those fitted without its fold
+        beta = betas[self._fold]
+        for k, joint in enumerate(self.joints):
+            here = self._places[k, at] >= 0
+            own, weights = self._places[k, at[here]], beta[:, here, None]
+            along = joint.grams[:, own[:, None], own] @ weights
+            along -= 2.0 * joint.grams[:, own, -1:]
+            left[k] += np.sum(weights * along, axis=(1, 2))
         return left
 
     def solution(self, at: Columns) -> Array:
@@ -173,10 +174,9 @@ class Stack:
         total = A.sum(axis=0) + np.diag(self.precision[at])
         scale = roots(total)
         A, b, total = A / np.outer(scale, scale), b / scale, total / np.outer(scale, scale)
-        elsewhere = np.zeros_like(b)
-        for fold in self.folds:
-            inside = self.clock.fold == fold
-            elsewhere[inside] = least_squares(total - A[inside].sum(axis=0), b[~inside].sum(axis=0))
+        inside = (self.folds[:, None] == self.clock.fold).astype(float)
+        outside = total - np.tensordot(inside, A, axes=1)
+        elsewhere = least_squares(outside, b.sum(axis=0) - inside @ b)[self._fold]
         free = np.full(len(at), np.inf)
         low, high = room.T * scale if len(room) else (-free, free)
         return surprise(A, b, elsewhere, total, (low, high), signs, self.clock.log)
@@ -188,15 +188,20 @@ class Stack:
 
 
 def least_squares(A: Array, b: Array) -> Array:
-    """Solution of normal equations, the shortest where they are singular."""
-    if not len(b):
+    """Solutions of normal equations, the shortest where they are singular.
+
+    Args:
+        A: shape (..., k, k). b: shape (..., k), as what comes back.
+    """
+    if not b.shape[-1]:
         return b
     scale = roots(A)
-    inverse = np.linalg.pinv(A / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
-    return np.asarray(inverse @ (b / scale) / scale)
+    scaled = A / (scale[..., :, None] * scale[..., None, :])
+    inverse = np.linalg.pinv(scaled, rcond=_RCOND, hermitian=True)
+    return np.asarray((inverse @ (b / scale)[..., None])[..., 0] / scale)
 
 
 def roots(A: Array) -> Array:
-    """Of a Gram matrix's diagonal, 1 where a column is zero, shape (k,)."""
-    diagonal = np.diag(A)
+    """Of the diagonals of Gram matrices, 1 where a column is zero, shape (..., k)."""
+    diagonal = np.diagonal(A, axis1=-2, axis2=-1)
     return np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
