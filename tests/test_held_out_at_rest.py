@@ -1,0 +1,33 @@
+"""A held-out log in which the joint hardly slides: its errors count, and so does what they are of."""
+
+import numpy as np
+
+import frictionjoint as fj
+from frictionjoint.measured import JointLog
+from frictionjoint.report.wording import measured_rms, sentence
+
+N, DT, STIFFNESS, LEVEL = 3000, 4e-3, 100.0, 0.5
+JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
+<inertial mass="1" pos="0 0 0" diaginertia="0.05 0.05 0.05"/></body></worldbody></mujoco>"""
+
+
+def log(size: float, name: str) -> JointLog:
+    """A bristle that slips, along two sines."""
+    t = DT * np.arange(N)
+    q = size * (np.sin(2.0 * np.pi * 0.3 * t) + 0.3 * np.sin(2.0 * np.pi * 0.8 * t))
+    a = np.gradient(np.gradient(q, DT), DT)
+    held, friction = 0.0, np.empty(N)
+    for k in range(N):
+        held = np.clip(held + STIFFNESS * (q[k] - q[k - 1] if k else 0.0), -LEVEL, LEVEL)
+        friction[k] = held
+    noise = 2e-3 * np.random.default_rng(1).standard_normal(N)
+    return JointLog(name=name, joint="j", time=t, position=q, torque=0.05 * a + friction + noise)
+
+
+def test_the_error_of_a_log_at_rest_is_a_part_of_what_was_measured_there() -> None:
+    report = fj.close_loop([log(0.5, "slides")], JOINT, "j", [log(2e-3, "sticks")])
+    held = [c for c in report.curves if c.role == "held-out"]
+    assert all(c.in_motion.all() for c in held)
+    whole = np.sqrt(np.mean(np.concatenate([c.measured for c in held]) ** 2))
+    assert measured_rms(report, "held-out") == whole
+    assert "nan" not in sentence(report)
