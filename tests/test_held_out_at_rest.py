@@ -1,4 +1,4 @@
-"""A held-out log in which the joint hardly slides: its errors count, and so does what they are of."""
+"""A held-out log in which the joint hardly slides: what its errors are a part of."""
 
 import numpy as np
 

@@ -4,7 +4,6 @@ Where the drive is logged it is compared with what the controller would have mad
 unit shows before anything is fitted.
 """
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -23,8 +22,8 @@ from frictionjoint.measured.log import JointLog
 
 # difference from a measured drive, median over its rms, from which on the controller is another
 _LARGEST = 0.05
-# change of a position that shows how a drive answers it, over a log's travel
-_NUDGE = 1e-4
+# rad (m): change of a position that shows how a drive answers it, where it is not seen in counts
+_NUDGE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -114,10 +113,7 @@ class AllCommands:
         """
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
-        position = self._given[1]
-        travel = [np.ptp(position[a:b]) for a, b in itertools.pairwise(self.edges)]
-        counts = blocks[:, k.COUNT]
-        nudge = np.where(counts > 0.0, counts, _NUDGE * np.array(travel))
+        nudge = np.where(blocks[:, k.COUNT] > 0.0, blocks[:, k.COUNT], _NUDGE)
         less, more = (self._mean_drive(blocks, delays, way * nudge) for way in (-1.0, 1.0))
         return (less - more) / np.repeat(2.0 * nudge, np.diff(self.edges))
 
