@@ -1,10 +1,16 @@
 """The paired interval of an error's increase: narrow for what both have, honest about blocks."""
 
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from frictionjoint.robot.paired import replay_increase, torque_increase
+from frictionjoint.diagnose.replay import Replay
+from frictionjoint.robot import explain
+from frictionjoint.robot.paired import error_increase, replay_increase
 
 N, LOGS = 4000, 2
 
@@ -25,7 +31,7 @@ def test_errors_that_differ_by_chance_are_seldom_told_apart():
         rng = np.random.default_rng(seed)
         both = slow_noise(rng)
         before, after = (both + 0.3 * slow_noise(rng) for _ in range(2))
-        low, high = torque_increase(before, after, log_index())
+        low, high = error_increase(before, after, log_index())
         beyond += not low <= 0.0 <= high
     assert beyond <= 8
 
@@ -34,7 +40,7 @@ def test_a_small_increase_shows_that_each_error_alone_hides():
     rng = np.random.default_rng(1)
     before = slow_noise(rng)
     after = before + 0.3 * slow_noise(rng)
-    low, high = torque_increase(before, after, log_index())
+    low, high = error_increase(before, after, log_index())
     rise = np.sqrt(np.mean(after**2)) - np.sqrt(np.mean(before**2))
     assert low < rise < high
     assert high - low < 0.1
@@ -46,6 +52,20 @@ def test_runs_are_blocks():
     low, high = replay_increase(before, before * rng.uniform(1.1, 1.3, 30))
     assert 0.0 < low < high
     low, high = replay_increase(before, rng.permutation(before))
+    assert low < 0.0 < high
+
+
+def test_a_log_that_is_simulated_whole_is_compared_along_its_time(monkeypatch):
+    def of_log(fitted: Replay, *_: object) -> tuple[None, Replay]:
+        return None, fitted
+
+    monkeypatch.setattr(explain, "_replays", of_log)
+    task: Any = SimpleNamespace(user=None, corrected=True)
+    before = slow_noise(np.random.default_rng(3))
+    increase = partial(explain._replay_increase, Replay((before,), 10.0), task=task)
+    low, high = increase(Replay((1.2 * before,), 10.0))
+    assert 0.0 < low < 0.2 < high
+    low, high = increase(Replay((slow_noise(np.random.default_rng(4)),), 10.0))
     assert low < 0.0 < high
 
 

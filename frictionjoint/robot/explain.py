@@ -29,7 +29,7 @@ from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, 
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Shaft
-from frictionjoint.robot.paired import Interval, replay_increase, torque_increase
+from frictionjoint.robot.paired import Interval, error_increase, replay_increase
 from frictionjoint.robot.report_data import JointResult
 from frictionjoint.robot.torsion import torsion
 
@@ -191,7 +191,7 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
     both = one.in_motion & other.in_motion
     log_index = np.repeat(np.arange(len(one.weight)), [len(w) for w in one.weight])
     gain = after.fit.gain / before.fit.gain
-    return torque_increase(one.error[both] * gain, other.error[both], log_index[both])
+    return error_increase(one.error[both] * gain, other.error[both], log_index[both])
 
 
 def _replay(fitted: Fitted, task: Task) -> Rms:
@@ -220,4 +220,10 @@ def _replay_increase(before: Fitted, after: Fitted, task: Task) -> Interval:
     )
     assert one
     assert other
-    return replay_increase(one.runs, other.runs)
+    if len(one.runs) > len(one.errors):
+        return replay_increase(one.runs, other.runs)
+    # whole logs, from their targets: the difference is gone again after a time
+    first, then = (np.concatenate(runs.errors) for runs in (one, other))
+    log = np.repeat(np.arange(len(one.errors)), [len(e) for e in one.errors])
+    both = np.isfinite(first) & np.isfinite(then)
+    return error_increase(first[both], then[both], log[both])

@@ -18,7 +18,7 @@ _CORRELATION_TIMES = 5.0
 _QUANTILE = 0.975
 
 
-def torque_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
+def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
     """95% interval of the rms of one error less another's, over blocks of time.
 
     Blocks span several correlation times of what the squares differ by, as far as a log is long.
