@@ -4,6 +4,7 @@ Everything is linear but the shapes, so the shapes are searched and the rest is 
 point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -275,20 +276,22 @@ class Search:
 
     def _holding(self, terms: tuple[Term, ...], beta: Array) -> float:
         """See `Fit.holding`."""
-        if not self.prepared.commanded:
+        scaling = [
+            1.0 + float(beta[self.layout.coefficients(i)][0])
+            for i, term in enumerate(terms)
+            if isinstance(term, EffectTerm) and term.effect.scales
+        ]
+        changed = scaling or any(isinstance(term, DriveTerm) for term in terms)
+        if not (self.prepared.commanded and changed):
             return 1.0
         (whole,) = self.prepared.bundles(1)
         position = whole.kept(whole.row(Q)[None])[:, 0]
         travel = self._size(position - np.average(position, weights=self.weight))
         load = self._size(self.prepared.balanced_load) / travel
-        before, after = load, load
         if self.prepared.gain_unknown:
-            before = after = load * float(beta[self.layout.base.index("load")])
-        for i, term in enumerate(terms):
-            if isinstance(term, EffectTerm) and term.effect.scales:
-                after *= 1.0 + float(beta[self.layout.coefficients(i)][0])
-        held = np.maximum(self.balance.answer(()), 0.0) + before
-        holds = np.maximum(self.balance.answer(terms), 0.0) + max(after, 0.0)
+            load *= float(beta[self.layout.base.index("load")])
+        held = np.maximum(self.balance.answer(()), 0.0) + load
+        holds = np.maximum(self.balance.answer(terms), 0.0) + max(load * math.prod(scaling), 0.0)
         least = _HARDLY * float(np.max(held))
         change = np.log(np.maximum(holds, least) / np.maximum(held, least))
         return float(np.exp(np.average(change, weights=self.weight**2)))
