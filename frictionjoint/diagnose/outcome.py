@@ -42,7 +42,7 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
     if law_by_motion and moving_nearest(state, replayed):
         drop_idle(state)
-    drop_what_moves_worse(state, replayed)
+    drop_what_moves_worse(state, base, replayed)
     found: list[Finding] = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.prescribed_motion import Free, Prescribed
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, A, Q, V
@@ -206,10 +207,12 @@ def _one_log(
     substeps = max(1, int(np.ceil(segment.dt / _LONGEST_STEP)))
     model.opt.timestep = segment.dt / substeps
     q, v = segment.signals[:, Q], segment.signals[:, V]
-    others = _others(model, segment)
+    joints = [body.joint_id]
     qpos, dof = int(model.jnt_qposadr[body.joint_id]), int(model.jnt_dofadr[body.joint_id])
     ours = _row(model, body.joint)
     link = deflection(model, body.joint)
+    free = Free(model, data, joints if link < 0 else [*joints, link])
+    others = Prescribed.of(model, data, segment)
     memory = _memories(model, data, segment, qpos, dof, ours, link)
     errors = np.full(len(q), np.nan)
     length = max(2, round(WINDOW_S / segment.dt))
@@ -223,13 +226,16 @@ def _one_log(
         if link >= 0:
             data.qpos[model.jnt_qposadr[link]], data.qvel[model.jnt_dofadr[link]] = ahead
         for k in range(begin, begin + length - 1):
+            if others:
+                others.put(k)
             for i in range(substeps):
                 part = i / substeps
                 now = (1 - part) * segment.drive[k] + part * segment.drive[k + 1]
                 if motor:
                     now = motor.torque(now, data.qvel[dof]) if segment.driven[k] else 0.0
                 if others:
-                    _step_among_others(model, data, others, k, body.joint_id, link, now)
+                    free.step(now)
+                    data.time += free.dt
                 else:
                     data.qfrc_applied[dof] = now
                     mujoco.mj_step(model, data)
@@ -262,6 +268,7 @@ def _memories(
     rows = []
     # samples, not steps of a simulation: a gap of several time steps would start the memory afresh
     step, model.opt.timestep = model.opt.timestep, segment.dt
+    behind = Free(model, data, [link]) if link >= 0 else None
     length = max(2, round(WINDOW_S / segment.dt))
     for k in range(len(segment.signals)):
         data.time = k * segment.dt
@@ -278,57 +285,8 @@ def _memories(
             ahead = float(data.qpos[to]), float(data.qvel[rate])
         if k % length == 0:
             rows.append((data.userdata[ours].copy(), ahead))
-        if link >= 0:
+        if behind:
             data.qacc[dof] = segment.signals[k, A]
-            _accelerate(model, data, [link], [0.0])
+            behind.step(0.0)
     model.opt.timestep = step
     return rows
-
-
-def _others(model: mujoco.MjModel, segment: Segment) -> list[tuple[int, int, Array, Array, Array]]:
-    found: list[tuple[int, int, Array, Array, Array]] = []
-    names = {n.rpartition(".")[0] for n in segment.others}
-    for name in sorted(names):
-        j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-        if j >= 0:
-            q, v, a = (
-                segment.others[f"{name}.{k}"] for k in ("position", "velocity", "acceleration")
-            )
-            found.append((int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j]), q, v, a))
-    return found
-
-
-def _step_among_others(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    others: Sequence[tuple[int, int, Array, Array, Array]],
-    k: int,
-    joint: int,
-    link: int,
-    torque: float,
-) -> None:
-    """One semi-implicit step of our joint alone, the others on their measured motion."""
-    for position, other, q, v, a in others:
-        data.qpos[position], data.qvel[other], data.qacc[other] = q[k], v[k], a[k]
-    free = [joint] if link < 0 else [joint, link]
-    _accelerate(model, data, free, [torque, 0.0][: len(free)])
-    data.time += model.opt.timestep
-
-
-def _accelerate(
-    model: mujoco.MjModel, data: mujoco.MjData, joints: Sequence[int], torques: Sequence[float]
-) -> None:
-    """One semi-implicit step of some joints; the others have the accelerations in `data`.
-
-    Inverse dynamics with these joints' accelerations at zero gives the torque that everything else
-    takes; the rest accelerates them.
-    """
-    dofs = model.jnt_dofadr[list(joints)]
-    data.qacc[dofs] = 0.0
-    mujoco.mj_inverse(model, data)
-    mass = np.empty((len(dofs), model.nv))
-    for row, dof in zip(mass, dofs, strict=True):
-        mujoco.mj_mulM(model, data, row, np.eye(1, model.nv, dof)[0])
-    taken = np.asarray(torques) - data.qfrc_inverse[dofs]
-    data.qvel[dofs] += model.opt.timestep * np.linalg.solve(mass[:, dofs], taken)
-    data.qpos[model.jnt_qposadr[list(joints)]] += model.opt.timestep * data.qvel[dofs]

@@ -1,0 +1,74 @@
+"""Steps of a model some joints of which are free, while the others follow their measured motion."""
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.segment import Segment
+
+
+class Prescribed:
+    """Other joints of an arm on their measured motion."""
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, ids: list[int], motion: Array
+    ) -> None:
+        at, dofs = model.jnt_qposadr[ids].astype(int), model.jnt_dofadr[ids].astype(int)
+        # every look into `data` makes an array anew
+        self._moved = ((data.qpos, at), (data.qvel, dofs), (data.qacc, dofs))
+        self._motion = motion
+
+    @classmethod
+    def of(
+        cls, model: mujoco.MjModel, data: mujoco.MjData, segment: Segment
+    ) -> "Prescribed | None":
+        """Those of a log; None where it holds none."""
+        names = sorted({n.rpartition(".")[0] for n in segment.others})
+        found = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in names}
+        known = {n: j for n, j in found.items() if j >= 0}
+        kinds = ("position", "velocity", "acceleration")
+        motion = np.array([[segment.others[f"{n}.{k}"] for n in known] for k in kinds])
+        if not known:
+            return None
+        in_time = np.ascontiguousarray(np.moveaxis(motion, 2, 0))
+        return cls(model, data, list(known.values()), in_time)
+
+    def put(self, k: int) -> None:
+        """Where they were at a sample, and how they moved."""
+        for (array, at), row in zip(self._moved, self._motion[k], strict=True):
+            array[at] = row
+
+
+class Free:
+    """Joints that are free to move; all others have the accelerations in the data.
+
+    Inverse dynamics with these joints' accelerations at zero gives the torque that everything else
+    takes; the rest accelerates them.
+
+    Attributes:
+        dt: of a step, s.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int]) -> None:
+        self._model, self._data, self.dt = model, data, model.opt.timestep
+        # indices of numpy's own type are looked up three times as fast
+        self._at = model.jnt_qposadr[joints].astype(int)
+        self._dofs = model.jnt_dofadr[joints].astype(int)
+        # every look into `data` makes an array anew
+        self._qpos, self._qvel, self._qacc = data.qpos, data.qvel, data.qacc
+        self._inverse = data.qfrc_inverse
+        self._units = np.eye(model.nv)[self._dofs]
+        self._rows = np.empty_like(self._units)
+
+    def step(self, torque: float) -> None:
+        """One semi-implicit step with a torque on the first of them."""
+        self._qacc[self._dofs] = 0.0
+        mujoco.mj_inverse(self._model, self._data)
+        for row, unit in zip(self._rows, self._units, strict=True):
+            mujoco.mj_mulM(self._model, self._data, row, unit)
+        taken = -self._inverse[self._dofs]
+        taken[0] += torque
+        mass = self._rows[:, self._dofs]
+        gained = taken / mass[0] if len(taken) == 1 else np.linalg.solve(mass, taken)
+        self._qvel[self._dofs] += self.dt * gained
+        self._qpos[self._at] += self.dt * self._qvel[self._dofs]
