@@ -138,6 +138,20 @@ def test_wrong_signs_are_named_where_gravity_looks_right() -> None:
     named_with_either_reversed(log("level", q, torque), pendulum(level=True))
 
 
+def test_a_log_that_something_pushes_is_not_refused_beside_others() -> None:
+    """Its own balance has a friction that drives, but not the sign that the others would have."""
+    _, q, v, a = motion()
+    pushed = log("pushed", q, J * a + MGL * np.sin(q) - 3.0 * v)
+    with pytest.raises(LogError, match="wrong sign"):
+        check(prepare([pushed], pendulum()))
+    _, q, v, a = motion(0.7)
+    good = log("good", q, J * a + MGL * np.sin(q) + 0.4 * np.tanh(v / 0.01) + 0.8 * v)
+    check(prepare([good, pushed], pendulum()))
+    turned = replace(good_logs()["coulomb"], torque=-good_logs()["coulomb"].torque)
+    with pytest.raises(LogError, match="coulomb: wrong sign"):
+        check(prepare([good, turned], pendulum()))
+
+
 def named_with_either_reversed(good: JointLog, body: RigidBody) -> None:
     check(prepare([good], body))
     drive = next(n for n in ("torque", "voltage", "current") if getattr(good, n) is not None)

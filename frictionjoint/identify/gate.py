@@ -151,25 +151,44 @@ def load_shows(fitted: Fit) -> bool:
 
 
 def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
-    """Friction must not drive, in all logs together or in one of them."""
-    logs = [(names, balance)]
+    """Friction must not drive, in all logs together or in one of them.
+
+    The balance of one log may be wrong by more than its standard errors tell, as where gravity and
+    inertia of a swing cancel. So the balance of the other logs must agree that its sign is wrong.
+    """
+    logs = [(names, balance, True)]
     if len(prepared) > 1:
-        logs += [(s.name, balance.of_log(i)) for i, s in enumerate(prepared.segments)]
-    for name, part in logs:
+        for i, s in enumerate(prepared.segments):
+            logs.append((s.name, balance.of_log(i), _turned(balance, i)))
+    for name, part, turned in logs:
         power, error, free = _friction_power(part)
-        wrong = power < -SURE * error and free < _MEANINGFUL
+        wrong = turned and power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
             raise LogError(wrong_sign(prepared, name, -power / error))
+
+
+def _turned(b: Balance, i: int) -> bool:
+    """Whether the balance of all other logs has the i-th log's torque the other way round."""
+    own = b.log == i
+    X = _free(b)
+    beta, _ = _regression(X[~own], b.drive[~own], b.block[~own])
+    return float(b.drive[own] @ (X[own] @ beta)) < 0.0
+
+
+def _free(b: Balance) -> Array:
+    """Columns of a balance of free signs, shape (n, k); the first two are friction's.
+
+    All else is free: the load and what may be wrong with it, gravity, a spring, a bias, and a delay
+    of the inertia's torque, which looks like viscosity.
+    """
+    return np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, b.one])
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:
     """Mean power that friction takes, in N m rad/s or units of the drive, its standard error, and
     the part of the drive's rms that the balance leaves.
-
-    All else is free: the load and what may be wrong with it, gravity, a spring, a bias, and a delay
-    of the inertia's torque, which looks like viscosity.
     """
-    X = np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, b.one])
+    X = _free(b)
     beta, cov = _regression(X, b.drive, b.block)
     each = np.zeros(X.shape[1])
     each[:2] = np.mean(b.side * b.v), np.mean(b.v**2)

@@ -13,6 +13,8 @@ from frictionjoint.identify.result import Estimate
 _NOISE_ALONE = 1.5
 # beyond them a number is written with an exponent
 _MOST_DECIMALS = 6
+# decimals of a value without a standard error
+_ROUNDING = 15
 
 MEANINGS = {
     "Fs": "breakaway",
@@ -196,7 +198,9 @@ def value(x: Estimate | None, spread: bool = False) -> str:
     if x is None:
         return "–"
     if not x.stderr or not math.isfinite(x.stderr):
-        return _plain(f"{x.value:.5g}") + ("\u00a0±\u00a0–" if spread else "")
+        # what is smaller in any unit of a joint is the rounding of a zero
+        number = round(x.value, _ROUNDING) + 0.0
+        return _plain(f"{number:.5g}") + ("\u00a0±\u00a0–" if spread else "")
     decimals = 1 - math.floor(math.log10(x.stderr))
     # adding zero takes the sign off a zero
     texts = [
