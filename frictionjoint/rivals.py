@@ -244,6 +244,36 @@ class DahlParameters(_Rival):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DahlStribeckParameters(_Stribeck):
+    """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
+
+    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
+
+    Attributes:
+        sigma0: stiffness at zero torque and creeping, N m/rad, > 0.
+        i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
+    """
+
+    sigma0: float
+    i: float = 1.0
+
+    law: ClassVar[str] = "dahl_stribeck"
+    number: ClassVar[int] = 8
+    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness at a reversal of a symmetric joint, N m/rad."""
+        rise: float = 2.0**self.i
+        return self.sigma0 * rise
+
+    def _check(self) -> None:
+        super()._check()
+        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
+        require(0 <= self.i <= 10, "i", self.i, "in [0, 10]")
+
+
+@dataclass(frozen=True, kw_only=True)
 class LuGreParameters(_Stribeck):
     """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
 
@@ -372,6 +402,7 @@ RIVALS: tuple[type[_Rival], ...] = (
     StaticParameters,
     ArmstrongParameters,
     DahlParameters,
+    DahlStribeckParameters,
     LuGreParameters,
     ElastoplasticParameters,
     MaxwellSlipParameters,

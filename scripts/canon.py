@@ -26,6 +26,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.rivals import (
     ArmstrongParameters,
     DahlParameters,
+    DahlStribeckParameters,
     ElastoplasticParameters,
     LuGreParameters,
     MaxwellSlipParameters,
@@ -53,6 +54,7 @@ LAWS: dict[str, Friction] = {
     "static": StaticParameters.symmetric(**LEVELS, V0=1e-4),
     "armstrong": ArmstrongParameters.symmetric(**LEVELS, sigma0=K),
     "dahl": DahlParameters.symmetric(Fc=FC, sigma2=0.4, sigma0=K),
+    "dahl_stribeck": DahlStribeckParameters.symmetric(**LEVELS, sigma0=K),
     "lugre": LuGreParameters.symmetric(**LEVELS, sigma0=K, sigma1=DAMPING),
     "elastoplastic": ElastoplasticParameters.symmetric(**LEVELS, sigma0=K, sigma1=DAMPING),
     "integrated 1997": integrated("ganseman1997"),

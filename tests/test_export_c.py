@@ -24,6 +24,7 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.rivals import (
     ArmstrongParameters,
     DahlParameters,
+    DahlStribeckParameters,
     ElastoplasticParameters,
     LuGreParameters,
     MaxwellSlipParameters,
@@ -49,11 +50,13 @@ INTEGRATED = [
     )
 ]
 DAHL = {"Fc_pos": 1.0, "Fc_neg": 1.2, "sigma2_pos": 0.4, "sigma0": 1e4}
+LUGRE = LuGreParameters(**LEVELS, sigma0=1e4, sigma1=10.0)
 RIVALS = [
     StaticParameters(**LEVELS, V0=1e-3),
     ArmstrongParameters(**LEVELS, sigma0=1e4),
     *(DahlParameters(**DAHL, i=i) for i in (0.0, 0.7, 1.0, 2.0)),
-    LuGreParameters(**LEVELS, sigma0=1e4, sigma1=10.0),
+    DahlStribeckParameters(**LEVELS, sigma0=1e4, i=1.3),
+    LUGRE,
     ElastoplasticParameters(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
     MaxwellSlipParameters(**LEVELS, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0),
 ]
@@ -129,7 +132,7 @@ def test_effects_are_the_same(tmp_path):
     friction = {}
     for effect in CATALOGUE:
         friction[effect_name(effect)] = JointFriction(INTEGRATED[8], (acting(effect),))
-    friction["two"] = JointFriction(RIVALS[6], (acting(CATALOGUE[-1]), acting(CATALOGUE[0])))
+    friction["two"] = JointFriction(LUGRE, (acting(CATALOGUE[-1]), acting(CATALOGUE[0])))
     around = rng.normal(size=(4000, 6)) * (1.0, 0.1, 0.1, 9.81, 9.81, 1.0)
     worst = compared(friction, tmp_path, around)
     assert max(worst.values()) < 1e-12, worst
@@ -189,7 +192,7 @@ def test_only_what_the_joints_need_is_in_the_header():
     assert "fj_law_integrated_step" in text
     assert "fj_law_lugre_step" not in text
     assert "effect_torque" not in text
-    assert "fj_law_lugre_step" in header({"j": JointFriction(RIVALS[6])}, "friction.h")
+    assert "fj_law_lugre_step" in header({"j": JointFriction(LUGRE)}, "friction.h")
 
 
 def test_what_only_a_log_knows_is_named():

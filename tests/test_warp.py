@@ -15,6 +15,7 @@ from frictionjoint.law.memory import N_MAX, N_MIN
 from frictionjoint.rivals import (
     ArmstrongParameters,
     DahlParameters,
+    DahlStribeckParameters,
     ElastoplasticParameters,
     LuGreParameters,
     MaxwellSlipParameters,
@@ -157,6 +158,7 @@ RIVALS = [
     StaticParameters.symmetric(**LEVELS, V0=1e-3),
     ArmstrongParameters.symmetric(**LEVELS, sigma0=1e4),
     DahlParameters.symmetric(Fc=1.0, sigma2=0.4, sigma0=1e4),
+    DahlStribeckParameters.symmetric(**LEVELS, sigma0=1e4, i=1.3),
     LuGreParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0),
     ElastoplasticParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
     MaxwellSlipParameters.symmetric(**LEVELS, elements=((5e3, 0.3), (3e3, 0.7)), C=100.0),

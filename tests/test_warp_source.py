@@ -7,6 +7,7 @@ import pytest
 from numba import njit
 
 from frictionjoint.errors import ModelError
+from frictionjoint.laws import LAWS
 from frictionjoint.simulate.row import evaluate, torque_now
 from frictionjoint.simulate.together import is_stiff, settle
 from frictionjoint.simulate.warp_source import source
@@ -21,8 +22,7 @@ def functions(text: str) -> dict[str, ast.FunctionDef]:
 
 def test_all_laws_and_effects_are_translated_callees_first():
     found = functions(source(KERNELS, 66))
-    laws = ("integrated", "static", "armstrong", "dahl", "lugre", "elastoplastic", "maxwell_slip")
-    assert {f"law_{law}_step" for law in laws} <= set(found)
+    assert {f"law_{law}_step" for law in LAWS} <= set(found)
     assert "effects_position_periodic_level_torque" in found
     seen = set()
     for name, function in found.items():

@@ -31,6 +31,7 @@ _RIVALS = (
     prompt_maxwell_slip(),
     forms_of("lugre"),
     forms_of("elastoplastic"),
+    forms_of("dahl_stribeck"),
     forms_of("static"),
     _CONSTRAINT,
 )

@@ -44,6 +44,7 @@ _OWN = {
     "static": ["V0"],
     "armstrong": ["sigma0"],
     "dahl": ["sigma0", "i"],
+    "dahl_stribeck": ["sigma0", "i"],
     "lugre": ["sigma0"],
     "elastoplastic": ["sigma0", "breakaway"],
 }

@@ -29,6 +29,7 @@ _VARIABLES: dict[str, tuple[str, ...]] = {
     "static": (*_LEVELS, "log V0"),
     "armstrong": (*_LEVELS, "log length"),
     "dahl": ("log length", "i"),
+    "dahl_stribeck": (*_LEVELS, "log length", "i"),
     "lugre": (*_LEVELS, "log length"),
     "elastoplastic": (*_LEVELS, "log length", "breakaway"),
     "maxwell_slip": (*_LEVELS, "log length", "log reach", "log C"),

@@ -17,6 +17,7 @@ from frictionjoint.law import (
     armstrong,
     bristle,
     dahl,
+    dahl_stribeck,
     elastoplastic,
     integrated,
     lugre,
@@ -27,13 +28,14 @@ from frictionjoint.law.memory import CAPACITY, FH, HEADER, make_room
 from frictionjoint.law.relaxation import late_advance, late_distance
 from frictionjoint.law.stribeck import FC
 
-INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP = range(1, 8)
+INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_STRIBECK = range(1, 9)
 
 _start_integrated = integrated.start
 _step_integrated = integrated.usual_step
 _step_static = static.step
 _step_armstrong = armstrong.step
 _step_dahl = dahl.step
+_step_dahl_stribeck = dahl_stribeck.step
 _step_lugre = lugre.step
 _step_elastoplastic = elastoplastic.step
 _step_maxwell_slip = maxwell_slip.step
@@ -47,6 +49,8 @@ def _rival_header(P: Vector, p: int) -> int:
         return _size_maxwell_slip(P, p + 1)
     if P[p] == ARMSTRONG:
         return armstrong.SIZE
+    if P[p] == DAHL_STRIBECK:
+        return dahl_stribeck.SIZE
     return bristle.HEADER
 
 
@@ -93,6 +97,8 @@ def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: f
         return _step_elastoplastic(P, p + 1, X, x, h, dq, dt, v)
     if law == DAHL:
         return _step_dahl(P, p + 1, X, x, h, dq, dt, v)
+    if law == DAHL_STRIBECK:
+        return _step_dahl_stribeck(P, p + 1, X, x, h, dq, dt, v)
     if law == ARMSTRONG:
         return _step_armstrong(P, p + 1, X, x, h, dq, dt, v)
     if law == STATIC:
@@ -164,5 +170,7 @@ def presliding(P: Vector, p: int) -> tuple[float, float]:
         return K, 0.0
     K = P[p + 1 + bristle.OWN]
     if law == DAHL:
+        K *= 2.0 ** P[p + 1 + bristle.OWN + 1]
+    if law == DAHL_STRIBECK:
         K *= 2.0 ** P[p + 1 + bristle.OWN + 1]
     return K, P[p + 1 + bristle.SIGMA1]

@@ -15,6 +15,7 @@ from typing import Any
 from frictionjoint.law import (
     armstrong,
     dahl,
+    dahl_stribeck,
     elastoplastic,
     integrated,
     lugre,
@@ -31,7 +32,7 @@ from frictionjoint.law.tangents.plain import UnknownError
 
 FILE = Path(__file__).with_name("kernels.py")
 
-_RIVALS = (static, armstrong, dahl, lugre, elastoplastic, maxwell_slip)
+_RIVALS = (static, armstrong, dahl, dahl_stribeck, lugre, elastoplastic, maxwell_slip)
 # kernels, and which of their arguments change with the motion
 _ROOTS = (
     (integrated.start, ()),

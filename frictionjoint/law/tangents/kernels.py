@@ -10,6 +10,7 @@ from frictionjoint.law import (
     armstrong,
     bristle,
     dahl,
+    dahl_stribeck,
     elastoplastic,
     integrated,
     lugre,
@@ -515,6 +516,74 @@ def dahl_step(
 
 
 @compiled
+def dahl_stribeck_step(
+    P: Vector,
+    P_t: Tangents,
+    p: int,
+    X: Vector,
+    X_t: Tangents,
+    a: int,
+    h: int,
+    dq: float,
+    dq_t: Tangent,
+    dt: float,
+    v: float,
+) -> None:
+    z_t = at(X_t, a + dahl_stribeck.Z)
+    z = X[a + dahl_stribeck.Z]
+    rate_t = at(X_t, a + bristle.RATE)
+    rate = X[a + bristle.RATE]
+    direction = X[a + bristle.DIRECTION]
+    y1 = abs(dq)
+    dx_t = scaled(math.copysign(1.0, dq), dq_t)
+    dx = y1
+    if dq != 0.0:
+        direction = 1.0 if dq > 0.0 else -1.0
+        Fs_t = at(P_t, bristle.side(p, direction) + stribeck.FS)
+        Fs = P[bristle.side(p, direction) + stribeck.FS]
+        i_t = at(P_t, p + dahl_stribeck.EXPONENT)
+        i = P[p + dahl_stribeck.EXPONENT]
+        w, w_t = rules.remaining(
+            1.0 - direction * z,
+            scaled(-direction, z_t),
+            P[p + dahl_stribeck.SIGMA0] * dx / Fs,
+            sum3(
+                1.0 / Fs * dx,
+                at(P_t, p + dahl_stribeck.SIGMA0),
+                1.0 / Fs * P[p + dahl_stribeck.SIGMA0],
+                dx_t,
+                -(P[p + dahl_stribeck.SIGMA0] * dx / Fs) * (1.0 / Fs),
+                Fs_t,
+            ),
+            i,
+            i_t,
+        )
+        z_t = scaled(-direction, w_t)
+        z = direction * (1.0 - w)
+        if w > 0.0:
+            y2 = w**i
+            rate_t = sum2(i * y2 / w, w_t, y2 * math.log(w), i_t)
+            rate = y2
+        else:
+            rate_t = ZERO
+            rate = 0.0
+    if dt > 0.0:
+        y3, y3_t = dx / dt, scaled(1.0 / dt, dx_t)
+    else:
+        y3, y3_t = 0.0, ZERO
+    y4, y4_t = rules.stribeck_level(P, P_t, bristle.side(p, z), y3, y3_t)
+    Fh_t = sum2(y4, z_t, z, y4_t)
+    Fh = z * y4
+    put(X_t, h + bristle.FH, Fh_t)
+    X[h + bristle.FH] = Fh
+    put(X_t, h + bristle.RATE, rate_t)
+    X[h + bristle.RATE] = rate
+    X[h + bristle.DIRECTION] = direction
+    put(X_t, h + dahl_stribeck.Z, z_t)
+    X[h + dahl_stribeck.Z] = z
+
+
+@compiled
 def lugre_step(
     P: Vector,
     P_t: Tangents,
@@ -980,6 +1049,39 @@ def drive_dahl(
             if len(position_t) > 0:
                 dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
             dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
+
+
+@compiled
+def drive_dahl_stribeck(
+    P: Vector,
+    P_t: Tangents,
+    time: Vector,
+    position: Vector,
+    position_t: Tangents,
+    edges: Index,
+    H: Vector,
+    H_t: Array,
+    rate: Vector,
+    rate_t: Array,
+) -> None:
+    X = np.zeros(row_size(P, 0))
+    X_t = np.zeros((len(X), DIRECTIONS))
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        X_t[:] = 0.0
+        start_row(P, 0, X, 0)
+        H[first], H_t[:, first] = 0.0, 0.0
+        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            dt = time[k] - time[k - 1]
+            dq_t = ZERO
+            if len(position_t) > 0:
+                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
+            dahl_stribeck_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
