@@ -1,5 +1,8 @@
 """Refinement by simulation on servos simulated by MuJoCo."""
 
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -15,6 +18,7 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.refine import refine
 from frictionjoint.refine.objective import Objective
+from frictionjoint.refine.refine import without_stribeck
 from frictionjoint.refine.vector import Vector
 
 HIDDEN = {"delay": 0.03}
@@ -100,6 +104,27 @@ def test_a_delay_that_the_balance_has_at_nothing_is_searched_too():
     none[at] = 1e-9
     # half a tick of a firmware that works a thousand times a second
     assert Vector(prepared, vector.fit(none), cov, body.armature).unit[at] >= 0.5e-3
+
+
+def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(case, monkeypatch):
+    """The plant's level does not fall with the speed."""
+    fitted, _, other = case
+    body = RigidBody(PLANT.format(""), "j")
+    prepared = prepare(fitted_logs(), body, controller=KNOWN)
+    names, numbers = fitted.shape.variables, fitted.shape.vector()
+    levels = dict(zip(names, numbers, strict=True)) | {"excess": 2.5, "log Vs": 0.5}
+    shape = fitted.shape.moved(np.array(list(levels.values())))
+    fitted = refit(prepared, fitted.terms, shape, ROUGH, 1)
+    (plain,) = without_stribeck(prepared, fitted)
+    assert plain.shape.vector()[names.index("excess")] == pytest.approx(0.0, abs=1e-3)
+    assert not without_stribeck(prepared, replace(plain, shape=plain.shape.moved(numbers * 0)))
+    cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
+    courses = courses_of(fitted_logs(), [body] * 3, KNOWN)
+    found = refine(prepared, fitted, cov, courses)
+    module = sys.modules[refine.__module__]
+    monkeypatch.setattr(module, "without_stribeck", lambda *given: [])
+    bent = refine(prepared, fitted, cov, courses)
+    assert closed_loop(other, found.fit).mae < 0.7 * closed_loop(other, bent.fit).mae
 
 
 def test_numbers_stay_in_their_range_where_a_search_rounds(case):

@@ -125,7 +125,7 @@ def _tried(
     begin: Callable[[Vector], list[Array]],
 ) -> Tried:
     vector = Vector(prepared, fitted, stated_covariance(prepared, fitted), armature)
-    return tried(vector, courses, begin=begin)
+    return tried(vector, courses, begin(vector))
 
 
 def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:

@@ -8,10 +8,14 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.guard import balanced_without_each, clearly_less, of_logs
-from frictionjoint.refine.tried import Tried, tried
+from frictionjoint.refine.tried import Tried, by_windows, tried
 from frictionjoint.refine.vector import Vector
+
+# a law's number by which its level falls with the speed, Fs / Fc - 1
+_FALL = "excess"
 
 
 @dataclass(frozen=True)
@@ -68,10 +72,27 @@ def refine(
         cov: of the fit's parameters, in the order of its jacobian. courses: of the logs it was
             fitted to.
     """
-    vector = Vector(prepared, fitted, cov, courses[0].run.load.armature)
-    found = tried(vector, courses, progress)
+    begins = [fitted, *without_stribeck(prepared, fitted)]
+    armature = courses[0].run.load.armature
+    vectors = [Vector(prepared, fitted, cov, armature, begin) for begin in begins]
+    vector, x = by_windows(vectors, courses, progress)
+    found = tried(vector, courses, [x], progress)
     progress("refine: guard")
     return judged(prepared, found, courses)
+
+
+def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
+    """A fit with a law whose level does not fall with the speed; none where it is so already.
+
+    A balance bends that fall to whatever else is wrong, over speeds that friction does not know,
+    and no small step of a search leads back from there.
+    """
+    shape = fitted.shape
+    numbers = dict(zip(shape.variables, shape.vector(), strict=True))
+    if not numbers.get(_FALL):
+        return []
+    level = shape.moved(np.array(list((numbers | {_FALL: 0.0}).values())))
+    return [refit(prepared, fitted.terms, level, ROUGH, 1)]
 
 
 def judged(prepared: Prepared, found: Tried, courses: Sequence[Course]) -> Refined:

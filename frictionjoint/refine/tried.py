@@ -87,27 +87,38 @@ class Tried:
 def tried(
     vector: Vector,
     courses: Sequence[Course],
+    starts: Sequence[Array],
     progress: Callable[[str], None] = lambda text: None,
-    begin: Callable[[Vector], list[Array]] | None = None,
 ) -> Tried:
     """Search the numbers of a model that move nearest.
 
     Args:
-        begin: numbers to begin with on whole logs, wherever they are near; None: the vector's own,
-            by way of windows.
+        starts: numbers to begin with on whole logs, wherever they are near.
     """
     windows = Objective(vector, courses, WINDOW_S, vector.start)
-    if begin:
-        starts = begin(vector)
-    else:
-        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * windows.size:.3g} mrad")
-        starts = [_search(windows, vector.start)[0]]
     objective = Objective(vector, courses, None, starts[0])
     progress(f"refine: whole logs, {1e3 * objective.size:.3g} mrad")
     costs = [_cost(objective, start) for start in starts]
     some = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
     x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
     return Tried(vector, windows, objective, x, J)
+
+
+def by_windows(
+    vectors: Sequence[Vector],
+    courses: Sequence[Course],
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Vector, Array]:
+    """The model that windows bring nearest on whole logs, and its numbers."""
+    found = []
+    for vector in vectors:
+        windows = Objective(vector, courses, WINDOW_S, vector.start)
+        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * windows.size:.3g} mrad")
+        x, _ = _search(windows, vector.start)
+        whole = Objective(vector, courses, None, x)
+        found.append((float(np.mean(np.abs(whole.errors(whole.units(x))))), vector, x))
+    _, vector, x = min(found, key=lambda one: one[0])
+    return vector, x
 
 
 def _cost(objective: Objective, x: Array) -> float:

@@ -49,22 +49,25 @@ class Vector:
     Args:
         prepared: the logs of the fit. fitted: whose names and structure stay. cov: of its
             parameters, in the order of its jacobian. armature: of the MJCF: no model has less.
+        begin: a fit of that structure whose numbers come first; None: those of the fit.
     Attributes:
-        start: of the fit, shape (p,). low, high: bounds. unit: of the prior.
+        start: what comes first, shape (p,). low, high: bounds. unit: of the prior.
     """
 
-    def __init__(self, prepared: Prepared, fitted: Fit, cov: Array, armature: float) -> None:
+    def __init__(
+        self,
+        prepared: Prepared,
+        fitted: Fit,
+        cov: Array,
+        armature: float,
+        begin: Fit | None = None,
+    ) -> None:
         self.armature = armature
         self.fitted = fitted
         self.layout = fitted.layout
         self.has_gain = "load" in fitted.names
-        linear = fitted.beta[self.has_gain :] * fitted.gain
-        gain = [np.log(fitted.gain)] if self.has_gain else []
-        law = fitted.shape.vector()
-        shapes = [n for t in fitted.terms for n in t.free_shape]
-        self.start: Array = np.array([*gain, *linear, *law, *shapes])
         self.low, self.high = self._bounds(prepared)
-        self.start = np.clip(self.start, self.low, self.high)
+        self.start = self._of(begin or fitted)
         error = np.sqrt(np.maximum(np.diag(cov), 0.0))
         error[: self.layout.linear.stop] *= fitted.gain
         if self.has_gain:
@@ -94,6 +97,15 @@ class Vector:
             if isinstance(term, Timing):
                 at = self.layout.numbers(i)
                 self.unit[at] = np.maximum(self.unit[at], _HELD)
+
+    def _of(self, fitted: Fit) -> Array:
+        """Numbers of a fit of this structure, within the bounds, shape (p,)."""
+        linear = fitted.beta[self.has_gain :] * fitted.gain
+        gain = [np.log(fitted.gain)] if self.has_gain else []
+        law = fitted.shape.vector()
+        shapes = [n for t in fitted.terms for n in t.free_shape]
+        found = np.array([*gain, *linear, *law, *shapes])
+        return np.asarray(np.clip(found, self.low, self.high))
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
         low, high = [], []
