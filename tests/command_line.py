@@ -1,4 +1,4 @@
-"""The command line called in this process: as `test_cli.run`, without a new Python each time."""
+"""The command line called in this process: as `test_cli.started`, without a new Python."""
 
 import contextlib
 import io

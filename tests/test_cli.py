@@ -1,20 +1,16 @@
 """The command line: bad input gives one line, exit code 2, and nothing written."""
 
-import contextlib
-import io
 import json
 import re
-import signal
 import subprocess
 import sys
-import warnings
 from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from command_line import run
 
-from frictionjoint.cli import main
 from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.parameters import FrictionParameters
 
@@ -24,30 +20,11 @@ MODEL = DEMO / "joint.xml"
 HEADER, *ROWS = LOG.read_text().splitlines()
 
 
-def run(*arguments, cwd):
+def started(*arguments, cwd):
+    """As a process of its own, which takes seconds to import everything."""
     command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", *arguments]
     return subprocess.run(
         [str(a) for a in command], cwd=cwd, capture_output=True, text=True, timeout=300
-    )
-
-
-def run_here(*arguments, cwd, monkeypatch):
-    """The same without a process of its own, which takes seconds to import everything."""
-    monkeypatch.setattr(sys, "argv", ["frictionjoint", *(str(a) for a in arguments)])
-    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
-    monkeypatch.chdir(cwd)
-    out, err, terminated = io.StringIO(), io.StringIO(), signal.getsignal(signal.SIGTERM)
-    try:
-        with (
-            contextlib.redirect_stdout(out),
-            contextlib.redirect_stderr(err),
-            pytest.raises(SystemExit) as ended,
-        ):
-            main()
-    finally:
-        signal.signal(signal.SIGTERM, terminated)
-    return subprocess.CompletedProcess(
-        sys.argv, ended.value.code or 0, out.getvalue(), err.getvalue()
     )
 
 
@@ -85,12 +62,12 @@ BAD_LOGS = {
 
 
 @pytest.mark.parametrize("kind", BAD_LOGS)
-def test_bad_log_is_refused_in_one_line(kind, tmp_path, monkeypatch):
+def test_bad_log_is_refused_in_one_line(kind, tmp_path):
     text, word = BAD_LOGS[kind]
     (tmp_path / "bad.csv").write_text(text)
-    done = run_here(
+    done = run(
         "close-loop", "bad.csv", "--model", MODEL, "--joint", "joint", "--out", "out",
-        cwd=tmp_path, monkeypatch=monkeypatch,
+        cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
@@ -111,8 +88,8 @@ def test_bad_log_is_refused_in_one_line(kind, tmp_path, monkeypatch):
         (["install", MODEL, "--joint", "joint"], "NAME=params.toml"),
     ],
 )
-def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path, monkeypatch):
-    done = run_here(*arguments, "--out", "out", cwd=tmp_path, monkeypatch=monkeypatch)
+def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path):
+    done = run(*arguments, "--out", "out", cwd=tmp_path)
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert word in done.stderr
@@ -120,7 +97,7 @@ def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path, monkey
 
 
 def test_the_process_ends_with_the_code_and_the_line(tmp_path):
-    done = run(
+    done = started(
         *("close-loop", "none.csv", "--model", MODEL, "--joint", "joint", "--out", "out"),
         cwd=tmp_path,
     )
@@ -143,11 +120,11 @@ def test_identify_install_and_check_work_in_a_row(tmp_path):
     assert "integrated" in done.stdout
 
 
-def test_a_model_of_several_joints_asks_which(tmp_path, monkeypatch):
+def test_a_model_of_several_joints_asks_which(tmp_path):
     arm = "<mujoco><worldbody><body><joint name='a'/><geom size='.1'/><body><joint name='b'/>"
     (tmp_path / "arm.xml").write_text(f"{arm}<geom size='.1'/></body></body></worldbody></mujoco>")
     asked = ("identify", LOG, "--model", "arm.xml", "--out", "joint.toml")
-    done = run_here(*asked, cwd=tmp_path, monkeypatch=monkeypatch)
+    done = run(*asked, cwd=tmp_path)
     assert done.returncode == 2
     assert "It has a, b: name one with --joint" in done.stderr
     assert not (tmp_path / "joint.toml").exists()
@@ -178,8 +155,8 @@ COMMANDS = (
 
 
 @pytest.mark.parametrize("name", [*COMMANDS, "data list", "data get"])
-def test_every_subcommand_has_help_with_an_example(name, tmp_path, monkeypatch):
-    done = run_here(*name.split(), "--help", cwd=tmp_path, monkeypatch=monkeypatch)
+def test_every_subcommand_has_help_with_an_example(name, tmp_path):
+    done = run(*name.split(), "--help", cwd=tmp_path)
     assert done.returncode == 0
     assert f"Usage: frictionjoint {name}" in done.stdout
     assert re.search(rf"Examples?:\s+frictionjoint {name}", done.stdout)
@@ -200,7 +177,7 @@ def test_version(tmp_path):
 
 def test_piped_output_is_plain_and_wide(tmp_path):
     for arguments in (("--help",), ("data", "list")):
-        assert "\x1b" not in run(*arguments, cwd=tmp_path).stdout
+        assert "\x1b" not in started(*arguments, cwd=tmp_path).stdout
     # an address that is cut short leads nowhere
     listed = "".join(run("data", "list", cwd=tmp_path).stdout.split())
     assert "…" not in listed
@@ -214,8 +191,8 @@ def test_piped_output_is_plain_and_wide(tmp_path):
         (["check"], "; see frictionjoint check --help"),
     ],
 )
-def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path, monkeypatch):
-    done = run_here(*arguments, cwd=tmp_path, monkeypatch=monkeypatch)
+def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path):
+    done = run(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert line in done.stderr
     assert len(done.stderr.splitlines()) == 1
@@ -229,7 +206,7 @@ def test_shells_complete_commands_and_options(line, wanted, tmp_path, monkeypatc
     monkeypatch.setenv("_FRICTIONJOINT_COMPLETE", "complete_bash")
     monkeypatch.setenv("COMP_WORDS", line)
     monkeypatch.setenv("COMP_CWORD", str(len(line.split()) - 1))
-    done = run(cwd=tmp_path)
+    done = started(cwd=tmp_path)
     assert done.stdout.split() == wanted, done.stderr
 
 

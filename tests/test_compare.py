@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_cli import run
+from command_line import run
 
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.files import toml_text

@@ -2,20 +2,18 @@
 
 import json
 import os
-import subprocess
-import sys
+from pathlib import Path
+from unittest import mock
 
+import command_line
 import pytest
 
 from frictionjoint.measured.registry import list_data
 
 
 def run(*arguments, data=None):
-    command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", "data"]
-    environment = os.environ | ({"FRICTIONJOINT_DATA": str(data)} if data else {})
-    return subprocess.run(
-        [*command, *arguments], capture_output=True, text=True, env=environment, timeout=120
-    )
+    with mock.patch.dict(os.environ, {"FRICTIONJOINT_DATA": str(data)} if data else {}):
+        return command_line.run("data", *arguments, cwd=Path())
 
 
 def test_list_names_every_set_with_its_licence():

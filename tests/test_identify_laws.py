@@ -4,7 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from test_cli import LOG, MODEL, run
+from command_line import run
+from test_cli import LOG, MODEL
 from test_plants import quiet
 
 from frictionjoint import friction_torque

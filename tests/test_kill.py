@@ -10,7 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
-from test_cli import LOG, MODEL, run
+from command_line import run
+from test_cli import LOG, MODEL
 
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.files import toml_text
