@@ -24,17 +24,19 @@ def drop_what_moves_worse(state: State, base: Fit, replayed: Replayed) -> None:
     and the motion must come nearer by a larger factor than the torque goes away.
 
     Args:
-        base: the law alone, as it was before any effect may have bent it.
+        base: the law alone, as it was before any effect may have bent it; of another law it says
+            nothing.
     """
     while state.fit.effects:
         now = replayed(state.fit)
         if now is None:
             return
+        own = state.fit.shape
+        laws = (own, base.shape) if own.variables == base.shape.variables else (own,)
         least, best = now.sum() * state.fit.drive_rms**2, None
         for term in state.fit.effects:
             rest = all_but(state.fit.effects, term)
-            law = nearer(state.prepared, rest, (state.fit.shape, base.shape))
-            other = compared(state.prepared, rest, law)
+            other = compared(state.prepared, rest, nearer(state.prepared, rest, laws))
             errors = replayed(other)
             if errors is None or not _nearer(errors, now) or np.median(now - errors) <= 0.0:
                 continue
