@@ -202,6 +202,17 @@ class ArmstrongParameters(_Stribeck):
         require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
 
 
+def _at_reversal(sigma0: float, i: float) -> float:
+    """Stiffness of Dahl's curve at a reversal, where w is 2, N m/rad."""
+    rise: float = 2.0**i
+    return sigma0 * rise
+
+
+def _check_transition(sigma0: float, i: float) -> None:
+    require(sigma0 > 0, "sigma0", sigma0, "> 0")
+    require(0 <= i <= 10, "i", i, "in [0, 10]")
+
+
 @dataclass(frozen=True, kw_only=True)
 class DahlParameters(_Rival):
     """Dahl's law (1968), ``law.dahl``.
@@ -227,16 +238,14 @@ class DahlParameters(_Rival):
     @property
     def stiffness(self) -> float:
         """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        rise: float = 2.0**self.i
-        return self.sigma0 * rise
+        return _at_reversal(self.sigma0, self.i)
 
     def _check(self) -> None:
         for side in _SIDES:
             Fc, _, _, _, sigma2 = self._levels(side)
             require(Fc > 0, f"Fc_{side}", Fc, "> 0 (a magnitude, also for negative motion)")
             require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
-        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
-        require(0 <= self.i <= 10, "i", self.i, "in [0, 10]")
+        _check_transition(self.sigma0, self.i)
 
     def _levels(self, side: str) -> list[float]:
         Fc = getattr(self, f"Fc_{side}")
@@ -264,13 +273,11 @@ class DahlStribeckParameters(_Stribeck):
     @property
     def stiffness(self) -> float:
         """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        rise: float = 2.0**self.i
-        return self.sigma0 * rise
+        return _at_reversal(self.sigma0, self.i)
 
     def _check(self) -> None:
         super()._check()
-        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
-        require(0 <= self.i <= 10, "i", self.i, "in [0, 10]")
+        _check_transition(self.sigma0, self.i)
 
 
 @dataclass(frozen=True, kw_only=True)
