@@ -18,9 +18,6 @@ DRIVE_DISCREPANCY = 0.02
 # models within this fraction of the best one's gain explain as much; they are apart where one
 # leaves half of what the other leaves
 TIE, APART = 0.1, 0.5
-# part of an error that another law, or the motion without an effect, must take away: what chance or
-# a few more parameters do not make
-CLEARLY = 0.05
 # part of the squares of simulated motion that an effect must promise to first order: less is often
 # lost when all other numbers are fitted anew
 PROMISING = 0.1
