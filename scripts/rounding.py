@@ -1,0 +1,71 @@
+"""What rounding decides of real logs: each joint as measured, and with its torque changed by 1e-9.
+
+    python scripts/rounding.py --data DIR [--only panda --only ur10] [--jobs 2]
+
+A row a joint of `real_logs.py`: names and held-out error of both, and whether they are the same. A
+torque that differs by a billionth, at random from sample to sample, holds the same information; two
+machines differ by no more than the rounding that this stands for.
+"""
+
+import argparse
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+from real_logs import ROOT, Case, cases
+
+from frictionjoint import close_loop
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import read_log
+
+_CHANGE = 1e-9
+
+
+def changed(log: JointLog, rng: np.random.Generator) -> JointLog:
+    """The log with another torque, or current, by a billionth."""
+    factor = 1.0 + _CHANGE * rng.standard_normal(len(log.time))
+    if log.torque is not None:
+        return replace(log, torque=log.torque * factor)
+    if log.voltage is not None:
+        return replace(log, voltage=log.voltage * factor)
+    return log if log.current is None else replace(log, current=log.current * factor)
+
+
+def row(case: Case) -> str:
+    """A line of the table."""
+    rng = np.random.default_rng(1)
+    cells = []
+    for change in (lambda log: log, lambda log: changed(log, rng)):
+        logs = [change(read_log(path, case.joint)) for path in case.logs]
+        held_out = case.held_out
+        if not isinstance(held_out, float):
+            held_out = [read_log(path, case.joint) for path in held_out]
+        r = close_loop(logs, ROOT / f"models/{case.model}.xml", case.joint, held_out)
+        names = ", ".join(added.effect for added in r.added) or "none"
+        cells.append((names, f"{(r.after_torque.held_out or 0.0) / r.measured_rms:.3%}"))
+    (names, error), (others, other) = cells
+    same = "names" * (names == others) + ", error" * (error == other)
+    return f"| {case.machine} | {case.joint} | {names} {error} | {others} {other} | {same} |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--only", action="append", help="a machine; may be repeated")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    asked = parser.parse_args()
+    chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
+    print("| machine | joint | as measured | changed by 1e-9 | same |\n|---|---|---|---|---|")
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        for line in pool.map(row, chosen):
+            print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
