@@ -53,11 +53,13 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
         own = [f for f in state.findings if f.term.name == term.name]
         findings.append(replace(own[min(len(found_of(findings, term)), len(own) - 1)], term=term))
     other = state.laws.unchosen(state.prepared, state.fit, base)
-    same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
-    alone = state.fit if same else refit(state.prepared, (), base.shape)
+    if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
+        base = state.fit
+    else:
+        base = with_damping(state.prepared, refit(state.prepared, (), base.shape))
     return Trace(
         prepared=state.prepared,
-        base=alone if same else with_damping(state.prepared, alone),
+        base=base,
         findings=tuple(findings),
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
