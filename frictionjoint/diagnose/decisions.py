@@ -1,7 +1,8 @@
 """The numbers that decide what is named.
 
 All other numbers of a search say how finely it looks or when it stops. The error of a friction law,
-by which samples at rest are weighted, stands in `identify/weights.py`.
+by which samples at rest are weighted, stands in `identify/weights.py`; what counts as clearly less,
+in `identify/clearly.py`.
 """
 
 # rate of false alarms over the whole family of candidates
