@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.clearly import CLEARLY
+from frictionjoint.diagnose.decisions import CLEARLY
+from frictionjoint.diagnose.state import State, all_but, compared
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.weights import reweighed
 
@@ -16,20 +16,27 @@ from frictionjoint.identify.weights import reweighed
 Replayed = Callable[[Fit], Array | None]
 
 
-def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
+def drop_what_moves_worse(state: State, base: Fit, replayed: Replayed) -> None:
     """Leave out, one after the other, effects without which the simulated motion is nearer.
 
     Its torque speaks for an effect. Against it speaks the mean square of all runs, which a few that
     stick a moment too soon or too late may make, together with most of the runs, which they do not;
     and the motion must come nearer by a larger factor than the torque goes away.
+
+    Args:
+        base: the law alone, as it was before any effect may have bent it; of another law it says
+            nothing.
     """
     while state.fit.effects:
         now = replayed(state.fit)
         if now is None:
             return
+        own = state.fit.shape
+        laws = (own, base.shape) if own.variables == base.shape.variables else (own,)
         least, best = now.sum() * state.fit.drive_rms**2, None
         for term in state.fit.effects:
-            other = without(state, term)
+            rest = all_but(state.fit.effects, term)
+            other = compared(state.prepared, rest, nearer(state.prepared, rest, laws))
             errors = replayed(other)
             if errors is None or not _nearer(errors, now) or np.median(now - errors) <= 0.0:
                 continue

@@ -9,7 +9,6 @@ from frictionjoint.diagnose.library import is_unnamed
 from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm
 from frictionjoint.identify.result import units_of
@@ -41,26 +40,20 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
         state.prepared, state.fit = reweighed(state.prepared, alone)
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    found = with_damping(state.prepared, state.fit)
-    if found is not state.fit:
-        state.fit = found
-        drop_idle(state)
     if law_by_motion and moving_nearest(state, replayed):
         drop_idle(state)
-    drop_what_moves_worse(state, replayed)
-    findings: list[Finding] = []
+    drop_what_moves_worse(state, base, replayed)
+    found: list[Finding] = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
-        findings.append(replace(own[min(len(found_of(findings, term)), len(own) - 1)], term=term))
+        found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
     other = state.laws.unchosen(state.prepared, state.fit, base)
-    if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
-        base = state.fit
-    else:
-        base = with_damping(state.prepared, refit(state.prepared, (), base.shape))
+    same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
+    base = state.fit if same else refit(state.prepared, (), base.shape)
     return Trace(
         prepared=state.prepared,
         base=base,
-        findings=tuple(findings),
+        findings=tuple(found),
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),

@@ -8,8 +8,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.possible import impossible
-from frictionjoint.identify.basis import without
-from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 
 
@@ -62,22 +60,7 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     found = screen(fitted, blocks)
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
-    squares += _unreached(fitted, blocks)
     noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
     beyond = impossible(fitted, blocks)
     unit = fitted.error_unit**2
     return Scored(fitted, squares / unit, noise / unit, beyond)
-
-
-def _unreached(fitted: Fit, blocks: Blocks) -> Array:
-    """Squares of each block that a fit still leaves where to first order it need not, shape (B,).
-
-    A search that stops short of a minimum has tried the step there, and it did not hold.
-    """
-    w = fitted.weight
-    left = fitted.residual * w
-    free = fitted.free_jacobian * w[:, None]
-    at_best = without(left, free / lengths(free))
-    pair = np.column_stack([left, at_best])
-    here, there = np.einsum("bii->ib", blocks.gram(np.asfortranarray(pair), np.arange(2)))
-    return np.asarray(here - there)
