@@ -49,7 +49,8 @@ def row(case: Case) -> str:
         names = ", ".join(added.effect for added in r.added) or "none"
         cells.append((names, f"{(r.after_torque.held_out or 0.0) / r.measured_rms:.3%}"))
     (names, error), (others, other) = cells
-    same = "names" * (names == others) + ", error" * (error == other)
+    alike = {"names": names == others, "error": error == other}
+    same = ", ".join(what for what, is_so in alike.items() if is_so)
     return f"| {case.machine} | {case.joint} | {names} {error} | {others} {other} | {same} |"
 
 
