@@ -16,6 +16,7 @@ from pathlib import Path
 
 from frictionjoint import close_loop
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -43,6 +44,13 @@ class Case:
     model: str
     logs: tuple[str, ...]
     held_out: tuple[str, ...] | float = 0.3
+
+    def read(self) -> tuple[list[JointLog], list[JointLog] | float]:
+        """Its logs, and what is held out of them or beside them."""
+        logs = [read_log(path, self.joint) for path in self.logs]
+        if isinstance(self.held_out, float):
+            return logs, self.held_out
+        return logs, [read_log(path, self.joint) for path in self.held_out]
 
 
 def cases(data: Path) -> Iterator[Case]:
@@ -76,11 +84,8 @@ def cases(data: Path) -> Iterator[Case]:
 def row(case: Case) -> str:
     """A line of the table."""
     begin = time.perf_counter()
-    held_out = case.held_out if isinstance(case.held_out, float) else list(case.held_out)
     try:
-        logs = [read_log(path, case.joint) for path in case.logs]
-        if not isinstance(held_out, float):
-            held_out = [read_log(path, case.joint) for path in held_out]
+        logs, held_out = case.read()
         r = close_loop(logs, ROOT / f"models/{case.model}.xml", case.joint, held_out)
     except FrictionJointError as error:
         return f"| {case.machine} | {case.joint} | {error} | | | | | |"

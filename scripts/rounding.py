@@ -21,30 +21,23 @@ from real_logs import ROOT, Case, cases
 
 from frictionjoint import close_loop
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.readers import read_log
 
 _CHANGE = 1e-9
 
 
 def changed(log: JointLog, rng: np.random.Generator) -> JointLog:
-    """The log with another torque, or current, by a billionth."""
+    """The log with another torque, voltage or current, by a billionth."""
     factor = 1.0 + _CHANGE * rng.standard_normal(len(log.time))
-    if log.torque is not None:
-        return replace(log, torque=log.torque * factor)
-    if log.voltage is not None:
-        return replace(log, voltage=log.voltage * factor)
-    return log if log.current is None else replace(log, current=log.current * factor)
+    drives = {name: getattr(log, name) for name in ("torque", "voltage", "current")}
+    return replace(log, **{name: x * factor for name, x in drives.items() if x is not None})
 
 
 def row(case: Case) -> str:
     """A line of the table."""
     rng = np.random.default_rng(1)
+    measured, held_out = case.read()
     cells = []
-    for change in (lambda log: log, lambda log: changed(log, rng)):
-        logs = [change(read_log(path, case.joint)) for path in case.logs]
-        held_out = case.held_out
-        if not isinstance(held_out, float):
-            held_out = [read_log(path, case.joint) for path in held_out]
+    for logs in (measured, [changed(log, rng) for log in measured]):
         r = close_loop(logs, ROOT / f"models/{case.model}.xml", case.joint, held_out)
         names = ", ".join(added.effect for added in r.added) or "none"
         cells.append((names, f"{(r.after_torque.held_out or 0.0) / r.measured_rms:.3%}"))
