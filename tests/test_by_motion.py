@@ -1,5 +1,6 @@
 """Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -76,7 +77,8 @@ def test_a_motor_is_screened_where_the_balance_has_named_none():
     """With it comes the law's damping, which has a number of its own."""
     logs = [servo("sines 3", 3.0, sines, {}, 3.0)]
     prepared = prepare(logs, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    law = replace(INTEGRATED[0].grid(5.0, 2.0)[2], damped=True)
+    fitted = refit(prepared, (), law, ROUGH)
     assert "sigma1" not in fitted.names
     found = with_term(prepared, fitted, MOTOR[0], np.array([0.2]))
     assert "sigma1" in found.names

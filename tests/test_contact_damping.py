@@ -1,9 +1,14 @@
-"""Damping of a contact belongs to its level: where a fit finds no level there is no damping."""
+"""Damping of a contact: decided last, and where a fit finds no level there is none."""
+
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
+from frictionjoint.identify import damping
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.shape import INTEGRATED
 
@@ -11,7 +16,9 @@ from frictionjoint.identify.shape import INTEGRATED
 @pytest.fixture(scope="module")
 def search(tmp_path_factory) -> Search:
     return Search(
-        prepared_logs(PENDULUM, tmp_path_factory.mktemp("pendulum"), 1), (), INTEGRATED[0]
+        prepared_logs(PENDULUM, tmp_path_factory.mktemp("pendulum"), 1),
+        (),
+        replace(INTEGRATED[0], damped=True),
     )
 
 
@@ -37,3 +44,23 @@ def test_without_a_level_there_is_no_damping(search, monkeypatch):
     assert beta["Fc"] == pytest.approx(0.0, abs=1e-9)
     assert beta["sigma1"] == 0.0
     assert beta["sigma2"] >= 0.0
+
+
+@pytest.mark.parametrize(("left", "taken"), [(0.9, True), (0.97, False)])
+def test_a_law_is_damped_where_that_leaves_clearly_less(monkeypatch, left, taken):
+    undamped = SimpleNamespace(shape=INTEGRATED[0], effects=("spring",), drive_rms=1.0)
+    found = SimpleNamespace(drive_rms=left)
+
+    def refitted(prepared, effects, law):
+        assert (prepared, effects) == ("logs", ("spring",))
+        assert law == replace(INTEGRATED[0], damped=True)
+        return found
+
+    monkeypatch.setattr(damping, "refit", refitted)
+    assert damping.with_damping("logs", undamped) is (found if taken else undamped)
+
+
+@pytest.mark.parametrize("law", [forms_of("lugre")[0], replace(INTEGRATED[0], damped=True)])
+def test_a_law_that_is_damped_or_never_is_stays_as_it_is(law):
+    fitted = SimpleNamespace(shape=law)
+    assert damping.with_damping("logs", fitted) is fitted

@@ -40,6 +40,14 @@ def test_a_law_is_wrong_towards_the_laws_between_which_the_true_one_lies(prepare
     assert not laws.errors(replace(own, residual=np.zeros_like(between))).any()
 
 
+def test_a_law_starts_as_no_effect_had_bent_it_too(prepared):
+    base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
+    laws = Laws(prepared, base, asked=False)
+    bent = base.shape.moved(base.shape.vector() + 0.1)
+    laws.better(prepared, replace(base, shape=bent))
+    assert laws.starts(bent) == (bent, base.shape)
+
+
 def test_a_law_that_is_asked_for_is_kept(prepared):
     base = fit(prepared, forms=forms_of("static"))
     _, chosen = Laws(prepared, base, asked=True).better(prepared, base)

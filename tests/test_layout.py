@@ -83,7 +83,8 @@ def test_the_jacobian_is_the_slope_of_the_model(logs):
 
 def test_of_a_voltage_viscous_friction_is_told_only_where_the_motor_is_let_go(logs):
     volts = replace(logs, drive="voltage")
-    shape = INTEGRATED[0]
+    shape = replace(INTEGRATED[0], damped=True)
+    assert layout_of(logs, INTEGRATED[0], ()).base == ("sigma2", "Fc")
     assert layout_of(logs, shape, ()).base == ("sigma2", "Fc", "sigma1")
     assert layout_of(volts, shape, ()).base == ("load", "Fc")
     assert layout_of(volts, shape, (BACK_EMF,)).base == ("load", "Fc", "sigma1")

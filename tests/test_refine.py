@@ -113,7 +113,7 @@ def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(case, mon
     prepared = prepare(fitted_logs(), body, controller=KNOWN)
     fitted = refit(prepared, TERMS, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
     names, numbers = fitted.shape.variables, fitted.shape.vector()
-    levels = dict(zip(names, numbers, strict=True)) | {"excess": 2.5, "log Vs": 0.5}
+    levels = dict(zip(names, numbers, strict=True)) | {"excess": 2.9, "log Vs": 0.9}
     shape = fitted.shape.moved(np.array(list(levels.values())))
     fitted = refit(prepared, fitted.terms, shape, ROUGH, 1)
     (plain,) = without_stribeck(prepared, fitted)

@@ -28,7 +28,15 @@ def stack_of(columns, residuals):
     """Joints that have all columns, each with a residual of its own."""
     at = np.arange(columns.shape[1])
     joints = [
-        JointGram(f"j{i}", N, joint_gram(LAW, columns, e, at, OF_BLOCK, COUNT), at, 1.0, 1.0)
+        JointGram(
+            f"j{i}",
+            N,
+            joint_gram(LAW, columns, e, at, OF_BLOCK, COUNT),
+            at,
+            1.0,
+            1.0,
+            np.zeros(COUNT),
+        )
         for i, e in enumerate(residuals)
     ]
     return Stack(joints, CLOCK, np.zeros(len(at)), np.zeros(len(at)))

@@ -10,10 +10,10 @@ from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.clock import clock
 from frictionjoint.robot.corrections import Corrections, Shaft
 from frictionjoint.robot.descend import _Place, _places, descended
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.inertia import possible
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Found
-from tests.arms.arm import hide_mass, random_arm
+from tests.arms.arm import hide_mass, hide_payload, random_arm
 from tests.arms.fitted import fitted_joints
 
 
@@ -83,3 +83,15 @@ def test_a_coordinate_moves_itself_alone(joints):
         for other in places:
             change = other.of(moved) - other.of(state)
             assert change == pytest.approx(0.25 if other == place else 0.0)
+
+
+def test_a_payload_is_found_though_one_direction_of_its_centre_moves_no_torque_at_first():
+    """About an axis along it gravity says nothing of it; only products with the others do."""
+    arm = random_arm(415900170, 3)
+    hide_payload(arm, 1.2, [0.02, -0.02, 0.03])
+    joints = fitted_joints(arm, (1, 2), 8.0)
+    _, mass, centre = arm.hidden["payload"]
+    start = found_of(joints, Payload(3, "link3"))
+    (found,) = descended(joints, clock(joints), start, lambda label: False).numbers
+    assert found[0] == pytest.approx(mass, rel=0.02)
+    assert np.linalg.norm(found[1:4] / found[0] - centre) < 2e-3

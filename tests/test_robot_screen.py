@@ -1,11 +1,17 @@
-"""Effects of single joints beside causes that are taken out keep their shapes."""
+"""Squares of all joints: what their fits leave, beside effects that keep their shapes."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from frictionjoint.identify.reach import unreached
+from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.robot.clock import clock
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.screen import Found, screen
+from frictionjoint.robot.found import Found
+from frictionjoint.robot.screen import screen
 from tests.arms.arm import hide_load_dependence, random_arm
 from tests.arms.fitted import fitted_joints
 
@@ -28,3 +34,18 @@ def test_what_is_missing_does_not_bend_the_shape_of_an_effect_that_stands_beside
     bent = own(screen(without, blocks, found, (), wanted))
     assert own(screen(without, blocks, found, (), wanted, shaped=joints)) == pytest.approx(here)
     assert bent.shape != here.shape or np.abs(bent / here - 1.0).max() > 0.1
+
+
+def test_a_joint_whose_fit_stops_short_counts_by_what_it_leaves():
+    (joint,) = fitted_joints(random_arm(22, 1), (1,), 8.0)
+    law = INTEGRATED[0].grid(joint.prepared.top_speed, joint.prepared.span)[3]
+    found = Found(Corrections.none(joint.alongs[0].model))
+    beyond = []
+    for steps in (1, 20):
+        fitted = refit(joint.prepared, (), law, ROUGH, steps)
+        beyond.append(unreached(fitted))
+        short = replace(joint, fit=fitted, unreached=beyond[-1])
+        stack = screen([short], clock([short]), found, (), lambda label: False).stack
+        left = float(np.sum((fitted.residual * fitted.weight / joint.left) ** 2))
+        assert stack.squares.sum() == pytest.approx(left, rel=1e-6)
+    assert beyond[0].sum() > 10.0 * beyond[1].sum()

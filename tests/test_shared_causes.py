@@ -1,9 +1,12 @@
 """What joints of simulated arms show together: named, in the right place, with its size."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from frictionjoint.robot import shared
+from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
@@ -238,3 +241,19 @@ def test_a_cause_that_is_refused_costs_no_round(monkeypatch):
     tried = [text for text in said if text.startswith("round 1:")]
     assert len(set(tried)) == len(tried) > 1
     assert not found.choices
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_a_cause_that_laws_can_do_without_once_they_follow_is_none(monkeypatch, kept):
+    """It would be dropped and come in again for ever, each time a little nearer."""
+    cause = Payload(2, "link2")
+
+    def now(*causes):
+        return SimpleNamespace(settled=SimpleNamespace(found=SimpleNamespace(causes=causes)))
+
+    monkeypatch.setattr(shared, "_with", lambda *_: now(cause))
+    monkeypatch.setattr(shared, "_without_idle", lambda trial, *_: trial if kept else now())
+    monkeypatch.setattr(shared, "_nearer", lambda *_: True)
+    choice = SimpleNamespace(candidate=SimpleNamespace(cause=cause))
+    grown = shared._grown(now(), [choice], map, frozenset())
+    assert (grown is not None) == kept

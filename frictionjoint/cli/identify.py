@@ -67,6 +67,7 @@ def identify(
     from frictionjoint.diagnose.intervals import stated_covariance
     from frictionjoint.files import toml_text, toml_text_without_scale
     from frictionjoint.identify.bodies import Bodies
+    from frictionjoint.identify.damping import with_damping
     from frictionjoint.identify.fit import without_scale
     from frictionjoint.identify.gate import check as check_balance
     from frictionjoint.identify.gate import check_fit, scale_is_determined
@@ -99,6 +100,7 @@ def identify(
         check_balance(prepared)
         found = fit(prepared, forms=forms, progress=say)
         prepared, fitted = reweighed(prepared, found)
+        fitted = with_damping(prepared, fitted)
         check_fit(prepared, fitted)
         scaled = scale_is_determined(prepared, fitted)
         if not scaled:

@@ -161,10 +161,10 @@ def explain(
 
     loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
 
-    def replayed(fitted: Fit) -> Array | None:
+    def replayed(prepared: Prepared, fitted: Fit) -> Array | None:
         if loops is None:
-            known = scale_is_determined(fitted_on, fitted)
-            return replayed_whole(fitted_on, mine, fitted) if known else None
+            known = scale_is_determined(prepared, fitted)
+            return replayed_whole(prepared, mine, fitted) if known else None
         if not load_shows(fitted):
             return None
         whole = simulated_whole(fitted, body.armature, in_closed_loop=True)
@@ -202,8 +202,8 @@ def explain(
         runs = [loop.replays for loop in (closed[0], after_it)]
     else:
         runs = [
-            (replay(fitted_on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
-            for f in (found.base, found.final)
+            (replay(on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
+            for on, f in ((fitted_on, found.base), (moving, found.final))
             if scaled
         ]
     before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY

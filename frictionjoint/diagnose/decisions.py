@@ -1,7 +1,8 @@
 """The numbers that decide what is named.
 
 All other numbers of a search say how finely it looks or when it stops. The error of a friction law,
-by which samples at rest are weighted, stands in `identify/weights.py`.
+by which samples at rest are weighted, stands in `identify/weights.py`; what counts as clearly less,
+in `identify/clearly.py`.
 """
 
 # rate of false alarms over the whole family of candidates
@@ -18,9 +19,6 @@ DRIVE_DISCREPANCY = 0.02
 # models within this fraction of the best one's gain explain as much; they are apart where one
 # leaves half of what the other leaves
 TIE, APART = 0.1, 0.5
-# part of an error that another law, or the motion without an effect, must take away: what chance or
-# a few more parameters do not make
-CLEARLY = 0.05
 # part of the squares of simulated motion that an effect must promise to first order: less is often
 # lost when all other numbers are fitted anew
 PROMISING = 0.1

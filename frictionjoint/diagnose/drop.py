@@ -4,7 +4,7 @@ from functools import partial
 
 from frictionjoint.diagnose.library import comes_first, is_unnamed
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, all_but, compared, needed
+from frictionjoint.diagnose.state import State, all_but, needed, with_fewer
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
@@ -21,7 +21,7 @@ def drop_idle(state: State) -> None:
         beside = [own if is_unnamed(t) else causes for t in own]
         fewer = [all_but(terms, t) for terms, t in zip(beside, own, strict=True)]
         models = [terms for terms in dict.fromkeys([*beside, *fewer]) if terms != own]
-        refitted = partial(compared, state.prepared, law=state.fit.shape)
+        refitted = partial(with_fewer, state)
         with side_by_side() as each:
             fits = dict(zip(models, each(refitted, models), strict=True)) | {own: state.fit}
         ways = [{m: scored(f, blocks) for m, f in fits.items()} for blocks in state.either_way]

@@ -7,9 +7,9 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.decisions import CLEARLY
 from frictionjoint.diagnose.score import scored
 from frictionjoint.identify.basis import without
+from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
@@ -65,6 +65,7 @@ class Laws:
         self._friction: dict[tuple[str, ...], Array] = {}
         self._progress = progress
         self.ripen(prepared, base.effects)
+        self._alone = dict(self.shapes)
 
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the rivals' shapes together with some effects, from all starts."""
@@ -77,6 +78,10 @@ class Laws:
         with side_by_side() as each:
             for shape in each(ripest, self._rivals):
                 self.shapes[shape.variables] = shape
+
+    def starts(self, shape: Shape) -> tuple[Shape, ...]:
+        """Where to start with a law when effects go: as it is, and as no effect had bent it."""
+        return tuple(dict.fromkeys((shape, self._alone[shape.variables])))
 
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """A fit of the same effects with another law where that is clearly better.

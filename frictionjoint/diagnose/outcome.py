@@ -6,14 +6,19 @@ from dataclasses import replace
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding, Trace, sight
 from frictionjoint.diagnose.library import is_unnamed
-from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest
+from frictionjoint.diagnose.nearest import (
+    Replayed,
+    drop_what_moves_worse,
+    moving_nearest,
+    nearer,
+)
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
+from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
-from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
@@ -30,30 +35,33 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
         if isinstance(term, SmoothTerm):
             gain = whole.gain(scored(without(state, term), blocks))
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
-            if not state.prepared.gain_unknown:
+            if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
     if unexplained:
-        named = tuple(t for t in state.fit.effects if not is_unnamed(t))
-        state.prepared = _with_torque_that_acted(state)
-        alone = refit(state.prepared, named, state.fit.shape)
-        state.prepared, state.fit = reweighed(state.prepared, alone)
+        hints += _without_unnamed(state, replayed)
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
+    found = with_damping(state.prepared, state.fit)
+    if found is not state.fit:
+        state.fit = found
+        drop_idle(state)
     if law_by_motion and moving_nearest(state, replayed):
         drop_idle(state)
-    drop_what_moves_worse(state, base, replayed)
-    found: list[Finding] = []
+    drop_what_moves_worse(state, replayed)
+    findings: list[Finding] = []
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
-        found.append(replace(own[min(len(found_of(found, term)), len(own) - 1)], term=term))
+        findings.append(replace(own[min(len(found_of(findings, term)), len(own) - 1)], term=term))
     other = state.laws.unchosen(state.prepared, state.fit, base)
-    same = not state.fit.effects and state.fit.shape.variables == base.shape.variables
-    base = state.fit if same else refit(state.prepared, (), base.shape)
+    if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
+        base = state.fit
+    else:
+        base = with_damping(state.prepared, refit(state.prepared, (), base.shape))
     return Trace(
         prepared=state.prepared,
         base=base,
-        findings=tuple(found),
+        findings=tuple(findings),
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),
@@ -63,14 +71,30 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
     )
 
 
-def _with_torque_that_acted(state: State) -> Prepared:
-    """The logs without what a dependence on their own torque says did not act."""
-    logs = list(state.prepared.segments)
+def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
+    """Leave out what has no name, and torque that did not act; what is said of that.
+
+    What a residual owes to the measured torque says little: it is a part of it. So the motion has
+    to come nearer, driven by the torque that is said to have acted.
+    """
+    named = tuple(t for t in state.fit.effects if not is_unnamed(t))
+    asked = state.prepared, refit(state.prepared, named, state.fit.shape)
+    logs, said = list(state.prepared.segments), []
+    unit, _ = units_of(state.fit, state.prepared.slide)
     for i, term in enumerate(state.fit.terms):
         if isinstance(term, ExcessTerm):
-            (fraction,) = state.fit.term_coefficients(i)
-            logs = [term.corrected(s, float(fraction)) for s in logs]
-    return replace(state.prepared, segments=tuple(logs))
+            fraction = state.fit.term_coefficients(i)
+            logs = [term.corrected(s, float(fraction[0])) for s in logs]
+            said.append(term.says(fraction, unit))
+    if said:
+        prepared = replace(state.prepared, segments=tuple(logs))
+        acted = prepared, refit(prepared, named, state.fit.shape)
+        before, after = replayed(*asked), replayed(*acted)
+        if before is not None and after is not None and nearer(after, before):
+            state.prepared, state.fit = reweighed(*acted)
+            return said
+    state.prepared, state.fit = reweighed(*asked)
+    return []
 
 
 def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:

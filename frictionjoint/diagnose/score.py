@@ -9,6 +9,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.possible import impossible
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.reach import unreached
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     found = screen(fitted, blocks)
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
+    squares += np.bincount(blocks.of_sample, unreached(fitted), blocks.count)
     noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
     beyond = impossible(fitted, blocks)
     unit = fitted.error_unit**2

@@ -11,7 +11,7 @@ from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
@@ -103,7 +103,13 @@ def compared(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> Fit:
 
 def without(state: State, term: Term) -> Fit:
     """The model without one of its effects."""
-    return compared(state.prepared, all_but(state.fit.effects, term), state.fit.shape)
+    return with_fewer(state, all_but(state.fit.effects, term))
+
+
+def with_fewer(state: State, terms: tuple[Term, ...]) -> Fit:
+    """The model with some of its effects, the law from the nearest of where it may start."""
+    laws = state.laws.starts(state.fit.shape)
+    return compared(state.prepared, terms, nearer(state.prepared, terms, laws))
 
 
 def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:

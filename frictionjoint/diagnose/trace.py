@@ -76,7 +76,7 @@ def trace(
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
-    replayed: Replayed = lambda fitted: None,
+    replayed: Replayed = lambda prepared, fitted: None,
     law_by_motion: bool = False,
 ) -> Trace:
     """Run the search on prepared logs; uses these logs only, split into folds.
@@ -86,8 +86,8 @@ def trace(
         progress: called with what is being done.
         law: name of the friction law; None for the integrated law, or in the result another one
             where that is clearly better.
-        replayed: mean square error of each run simulated with a fit on these logs, rad^2 (m^2),
-            shape (k,), or None. What makes it worse is dropped.
+        replayed: mean square error of each run of such logs simulated with a fit to them, rad^2
+            (m^2), shape (k,), or None. What makes it worse is dropped.
         law_by_motion: of the laws that leave about as much torque, take the one that moves nearest.
     Raises:
         ParameterError: no law has this name.

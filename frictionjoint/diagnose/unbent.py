@@ -6,12 +6,13 @@ not leave when the effect is added. So the law is fitted from all its starts tog
 on the friction level, where the present law with it is not enough to decide.
 """
 
-from frictionjoint.diagnose.decisions import CLEARLY, DISCREPANCY
+from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.laws import LAW_FORMS
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
+from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import ripened

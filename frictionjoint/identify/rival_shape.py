@@ -122,6 +122,10 @@ class RivalShape:
         """See `Shape`."""
         return [self]
 
+    def with_damping(self) -> Self | None:
+        """See `Shape`."""
+        return None
+
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law at a Coulomb level."""
         x = {

@@ -100,6 +100,8 @@ def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> 
 
 def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:
     """Of some shapes of a law the one that leaves least beside some terms as they are."""
+    if len(laws) == 1:
+        return laws[0]
     whole = timed(prepared, terms)
     searches = [Search(prepared, whole, law) for law in laws]
     left = [search.squares(search.start) for search in searches]
@@ -220,11 +222,21 @@ class Search:
         return float(np.sum(self.residual(x) ** 2))
 
     def _descended(self, x: Array, steps: int, closeness: float) -> Place:
-        """Where steps along derivatives lead."""
+        """Where steps along derivatives lead.
+
+        To move a number by its scale costs what the last step may still gain. One that hardly shows
+        (a part of a curve that the motion does not reach) would else go where rounding says: steps
+        that a trust region shortens are as long as the region, whatever fills it.
+        """
+        still, axes = np.zeros(len(x)), np.diag(1.0 / self.scale)
+
+        def derivative(at: Array) -> Array:
+            return np.vstack([self.derivative(at), math.sqrt(closeness * self.squares(at)) * axes])
+
         found = least_squares(
-            self.residual,
+            lambda at: np.concatenate([self.residual(at), still]),
             x,
-            jac=self.derivative,
+            jac=derivative,
             bounds=self.bounds,
             x_scale=self.scale,
             max_nfev=steps,

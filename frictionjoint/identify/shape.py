@@ -31,6 +31,9 @@ class Shape(Protocol):
     def damped(self) -> bool:
         """Whether the law has the presliding damping sigma1."""
 
+    def with_damping(self) -> Self | None:
+        """This shape damped, None where it is already or never is."""
+
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
 
@@ -124,6 +127,7 @@ class IntegratedShape:
         bend: slope of the second segment over the first, and of the third over the second, each
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
+        damped: see `Shape`.
     """
 
     excess: float
@@ -132,9 +136,9 @@ class IntegratedShape:
     length: float
     bend: tuple[float, float]
     form: Form
+    damped: bool = False
 
     variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
-    damped = True
 
     def vector(self) -> Array:
         """See `Shape`."""
@@ -171,6 +175,10 @@ class IntegratedShape:
     def last_choices(self) -> list[Self]:
         """How a joint that never moved loads for the first time."""
         return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
+
+    def with_damping(self) -> Self | None:
+        """See `Shape`."""
+        return None if self.damped else replace(self, damped=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""

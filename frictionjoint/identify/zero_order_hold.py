@@ -17,11 +17,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
+from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
 
-# part of what is left without any delay that a held drive must take away
-_CLEARLY = 0.05
 # half angles up to which the corrections are followed, rad: far beyond any band
 _LARGEST = 1.4
 # delays of the drive that may go with either, in samples, and how near to a half is one
@@ -54,7 +53,7 @@ def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
     without, left = _left(smooth), _left(held)
     half = abs(_LATE[np.argmin(left)] - 0.5) <= _NEAR
     at_once = without[np.argmin(np.abs(_LATE))]
-    return bool(half and left.min() < min(without.min(), (1.0 - _CLEARLY) * at_once))
+    return bool(half and left.min() < min(without.min(), (1.0 - CLEARLY) * at_once))
 
 
 def _half_angle(omega: Array, sample: float) -> Array:

@@ -14,9 +14,10 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.chance import FLIPS, over_family
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
-from frictionjoint.robot.screen import Candidate, Screened
+from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 
 _MOST_CHANGES = 16

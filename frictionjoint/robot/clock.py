@@ -32,12 +32,14 @@ class Clock:
     Attributes:
         length: of each log's blocks, s, shape (logs,). first: number of its first block.
         fold, log: of each block, shape (B,).
+        alike: samples over which what is left stays correlated: that many tell one thing.
     """
 
     length: Array
     first: Index
     fold: Index
     log: Index
+    alike: float
 
     @property
     def count(self) -> int:
@@ -59,14 +61,15 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     """Blocks several correlation times long, as far as enough of them remain."""
     spans = np.array([np.ptp(s.signals[:, TIME]) for s in joints[0].prepared.segments])
     total = float(spans.sum())
-    longest = float(np.median([_correlation_s(joint) for joint in joints]))
+    alike = [_correlation(joint) for joint in joints]
+    longest = float(np.median([seconds for seconds, _ in alike]))
     length = float(np.clip(_CORRELATION_TIMES * longest, total / _MOST, total / _FEWEST))
     counts = np.maximum(2, np.round(spans / length)).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     log = np.repeat(np.arange(len(spans)), counts)
     lengths = spans / counts
     fold = log if len(spans) >= _LOGS else _kinds(joints, lengths, first, len(log))
-    return Clock(lengths, first, fold, log)
+    return Clock(lengths, first, fold, log, float(np.median([samples for _, samples in alike])))
 
 
 def _of_sample(joint: FittedJoint, length: Array, first: Index, count: int) -> Index:
@@ -77,12 +80,14 @@ def _of_sample(joint: FittedJoint, length: Array, first: Index, count: int) -> I
     return np.concatenate(found)
 
 
-def _correlation_s(joint: FittedJoint) -> float:
+def _correlation(joint: FittedJoint) -> tuple[float, float]:
+    """Time over which what a joint leaves stays correlated, where longest: s and samples."""
     e = joint.fit.residual * joint.fit.weight
-    return max(
-        correlation_time(e[joint.fit.log_index == i]) * s.dt * s.step
-        for i, s in enumerate(joint.prepared.segments)
-    )
+    found = []
+    for i, s in enumerate(joint.prepared.segments):
+        samples = correlation_time(e[joint.fit.log_index == i])
+        found.append((samples * s.dt * s.step, samples))
+    return max(found)
 
 
 def _kinds(joints: Sequence[FittedJoint], length: Array, first: Index, count: int) -> Index:

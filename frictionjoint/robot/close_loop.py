@@ -25,6 +25,7 @@ from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.corrections import Corrections, write_corrections
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import RobotLogs
@@ -36,7 +37,6 @@ from frictionjoint.robot.report_data import (
     mean_percent,
     notes_of,
 )
-from frictionjoint.robot.screen import Found
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers

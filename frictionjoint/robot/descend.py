@@ -15,10 +15,11 @@ from scipy.optimize import least_squares
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.columns import gram_of, own_effects
 from frictionjoint.robot.common import common_columns
 from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Found, gram_of, own_effects
 from frictionjoint.robot.stack import roots
 
 # steps of the coordinates of a state in a difference, over 1 in SI units
@@ -26,6 +27,8 @@ _STEP = 1e-3
 # of the largest eigenvalue, below which a direction moves no torque
 _NOTHING = 1e-12
 _MOST_STEPS = 60
+# of the steepest slope, below which a number shows nothing
+_FLAT = 1e-9
 
 
 def descended(
@@ -47,7 +50,7 @@ def descended(
         return found
     factor, target = _squares(joints, blocks, here, places, own)
     at = _read(here, places)
-    prior = np.concatenate([c.prior for c in found.causes])
+    prior = np.concatenate([c.prior for c in found.causes]) / np.sqrt(blocks.alike)
     ends = np.cumsum([len(n) for n in found.numbers])[:-1]
 
     def left(x: Array) -> Array:
@@ -56,19 +59,42 @@ def descended(
         return np.concatenate([factor @ moved - target, x / prior])
 
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
+    tried = [
+        least_squares(
+            left,
+            np.clip(start, *bounds),
+            bounds=tuple(bounds),
+            x_scale="jac",
+            max_nfev=_MOST_STEPS,
+        )
+        for start in _starts(found, left)
+    ]
+    x = min(tried, key=lambda one: float(one.cost)).x
+    return replace(found, numbers=tuple(np.split(x, ends)))
+
+
+def _starts(found: Found, left: Callable[[Array], Array]) -> list[Array]:
+    """Numbers from which to search: those given or where causes are nothing, whichever leave less.
+
+    Where a homogeneous cause is nothing yet, its columns say little of it: then along its rays.
+    """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
         [n if c.homogeneous else c.start for c, n in zip(found.causes, found.numbers, strict=True)]
     )
     start = min((given, nothing), key=lambda x: float(np.sum(left(x) ** 2)))
-    x = least_squares(
-        left,
-        np.clip(start, *bounds),
-        bounds=tuple(bounds),
-        x_scale="jac",
-        max_nfev=_MOST_STEPS,
-    ).x
-    return replace(found, numbers=tuple(np.split(x, ends)))
+    ends = np.cumsum([len(n) for n in found.numbers])
+    starts = [start]
+    for cause, x, end in zip(found.causes, found.numbers, ends, strict=True):
+        if cause.homogeneous and not np.any(x):
+            steps = np.zeros((len(x), len(start)))
+            steps[:, end - len(x) : end] = np.diag(cause.steps)
+            slopes = [(left(start + s) - left(start - s)) / (2.0 * s.sum()) for s in steps]
+            first = np.linalg.lstsq(np.transpose(slopes), -left(start), rcond=_FLAT)[0]
+            for ray in cause.rays(first):
+                starts.append(start.copy())
+                starts[-1][end - len(x) : end] = ray
+    return starts
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import kept, lengths
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
+from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import law_columns
 
 # singular values below this fraction of the largest: exact columns of a parameter that never shows
 _STRUCTURAL = 1e-7

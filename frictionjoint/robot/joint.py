@@ -1,7 +1,7 @@
 """A joint of a robot as the search for shared causes sees it: its balance, fitted and corrected."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check_signs
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.reach import unreached
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
@@ -24,6 +25,9 @@ from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.along import Along
 from frictionjoint.robot.corrections import Corrections
+
+# as free as the law may be: what any part of it explains speaks for no cause
+_DAMPED = tuple(replace(form, damped=True) for form in INTEGRATED)
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class FittedJoint:
         beside: effects that the law was fitted beside, so that they do not bend it; what they
             explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
         rms, left: of what the law leaves with them, N m, plain and weighted.
+        unreached: what of that it need not leave to first order, see `reach.unreached`, (n,).
     """
 
     alongs: tuple[Along, ...]
@@ -45,6 +50,7 @@ class FittedJoint:
     levels: tuple[float, float]
     rms: float
     left: float
+    unreached: Array = field(repr=False)
     shift: Array | None = None
     beside: tuple[EffectTerm, ...] = ()
 
@@ -89,18 +95,26 @@ class FittedJoint:
     def refitted(self, anew: bool = False) -> "FittedJoint":
         """With the law fitted again, from where it is or from everywhere."""
         if anew:
-            found = fit(self.prepared, self.beside, forms=INTEGRATED)
+            found = fit(self.prepared, self.beside, forms=_DAMPED)
             prepared, found = reweighed(self.prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
         else:
             found = refit(self.prepared, self.beside, self.fit.shape, ROUGH)
             prepared, found = reweighed(self.prepared, found, ROUGH)
         levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
+        beyond = unreached(found)
         if self.beside:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
             found = refit(prepared, timing, found.shape, steps=1)
         return replace(
-            self, prepared=prepared, fit=found, levels=levels, rms=rms, left=left, shift=None
+            self,
+            prepared=prepared,
+            fit=found,
+            levels=levels,
+            rms=rms,
+            left=left,
+            unreached=beyond,
+            shift=None,
         )
 
 
@@ -121,8 +135,8 @@ def first_fit(
     check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
-    base = fit(prepared, forms=INTEGRATED)
+    base = fit(prepared, forms=_DAMPED)
     prepared, base = reweighed(prepared, base)
     prepared, base = reweighed(*settled(prepared, base))
     left = base.drive_rms * base.gain
-    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left)
+    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left, unreached(base))

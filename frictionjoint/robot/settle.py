@@ -13,10 +13,12 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Candidate, Found, Screened, screen
+from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.stack import Columns, Stack, roots
 
 _T = TypeVar("_T")

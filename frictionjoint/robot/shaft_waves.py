@@ -16,9 +16,10 @@ from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import kept, lengths
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
+from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.corrections import Shaft
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Found, law_columns
 
 
 def with_waves(joints: Sequence[FittedJoint], found: Found) -> list[Cause]:

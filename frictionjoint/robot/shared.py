@@ -20,8 +20,9 @@ from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
 from frictionjoint.robot.compare import HARM
 from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Found, Screened, screen
+from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import (
     Each,
     Settled,
@@ -82,6 +83,9 @@ def shared_causes(
     alike = common_terms(known)
     now, refused = _Now(settle(known, none, each), ()), frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
+    simplest: tuple[_Now, frozenset[str]] | None = None
+    # sets of effects of single joints that the causes were settled beside
+    besides: set[frozenset[str]] = set()
     for turn in range(1, _MOST_ROUNDS + 1):
         progress(f"shared causes, round {turn}: trying candidates")
         here = now.settled.found
@@ -104,10 +108,14 @@ def shared_causes(
                 looked = looked.without(new[0].candidate)
         if grown is not None:
             now, refused = grown, frozenset()
+            besides.clear()
             continue
-        now, simplified = _simplified(now, open_ones, alike, each, beside)
-        if simplified:
-            continue
+        if simplest is None or simplest[0] is not now or simplest[1] != beside:
+            now, simplified = _simplified(now, open_ones, alike, each, beside)
+            if simplified:
+                besides.clear()
+                continue
+            simplest = now, beside
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].beside:
             # what all joints have alike has bent their laws
@@ -118,7 +126,8 @@ def shared_causes(
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
-        if not here.causes or beside == now.beside:
+        besides.add(now.beside)
+        if not here.causes or beside in besides:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
         now = _settled(now, here, now.choices, each, beside)
@@ -184,13 +193,15 @@ def _grown(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now | None:
-    """With all that comes in, or the first alone; None where neither leaves less.
+    """With all that comes in, or the first alone; None where neither is needed and leaves less.
 
     To first order they are right; under laws that follow they may not be.
     """
     for several in [new, new[:1]][: len(new)]:
         trial = _without_idle(_with(now, several, each, beside), each, beside)
-        if _nearer(trial, now, beside):
+        causes = [c.candidate.cause for c in several if c.candidate.cause]
+        parts = {part for c in causes for part, _ in parts_of(c, c.start)}
+        if parts.intersection(trial.settled.found.causes) and _nearer(trial, now, beside):
             return trial
     return None
 

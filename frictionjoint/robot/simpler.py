@@ -14,13 +14,15 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, columns_of, within_bounds
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.compare import as_much, gain_of
 from frictionjoint.robot.descend import descended
+from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.screen import Candidate, Found, Screened, screen
+from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import screened
 from frictionjoint.robot.stack import Columns
 

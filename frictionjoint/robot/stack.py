@@ -32,6 +32,7 @@ class JointGram:
         columns: of the stack that it has, shape (c,).
         name: of the joint. samples: number of its rows.
         left, friction: rms of what its fit leaves and of its friction, N m, both weighted.
+        unreached: squares of each block that its fit leaves where to first order it need not, (B,).
     """
 
     name: str
@@ -41,6 +42,7 @@ class JointGram:
     columns: Columns
     left: float
     friction: float
+    unreached: Array = field(repr=False)
 
 
 def joint_gram(
@@ -82,7 +84,7 @@ class Stack:
         self.clock = clock
         self.precision, self.pull = precision, pull
         self.size = len(precision)
-        self.squares = np.array([j.grams[:, -1, -1] for j in joints])
+        self.squares = np.array([j.grams[:, -1, -1] + j.unreached for j in joints])
         # where each joint has a column of the stack, -1 where it has not
         self._places = np.full((len(self.joints), self.size), -1)
         for k, joint in enumerate(self.joints):

@@ -43,7 +43,7 @@ class Payload(Cause):
     @property
     def steps(self) -> Array:
         """See `Cause`."""
-        return np.array([1e-4, 1e-5, 1e-5, 1e-5, 1e-5])
+        return np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5])
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

@@ -1,0 +1,79 @@
+"""Columns of a joint's law and of its own effects, and their Gram matrices."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.library import effects
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.basis import orthonormal
+from frictionjoint.identify.design import lengths
+from frictionjoint.identify.terms import Timing
+from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.stack import Columns, JointGram, joint_gram
+
+# fraction of a joint's squares that an effect of its own must explain to compete
+_LITTLE = 0.02
+_DEPENDENT = 1e-6
+
+
+def own_effects(
+    joint: FittedJoint, clock: Clock, own: Callable[[str], bool]
+) -> list[tuple[Candidate, Array]]:
+    """Each of the joint's own effects that explains some of its residual, and its columns."""
+    named = {
+        e.name: Candidate(np.zeros(0, dtype=np.int64), (joint.name,), effect=e.name)
+        for e in CATALOGUE
+    }
+    wanted = {name for name, candidate in named.items() if own(candidate.label)}
+    if not wanted:
+        return []
+    law, e = law_columns(joint), joint.residual * joint.fit.weight
+    base = orthonormal(law / lengths(law))
+    best: dict[str, tuple[float, Array]] = {}
+    found = effects(
+        joint.prepared,
+        joint.fit,
+        clock.blocks(joint),
+        lambda effect: effect.name in wanted and not effect.delays,
+    )
+    for candidate in found:
+        term = candidate.term
+        x = candidate.columns * joint.fit.weight[:, None]
+        x = x - base @ (base.T @ x)
+        explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=_DEPENDENT)[0])
+        if explained > max(best.get(term.name, (_LITTLE * float(e @ e),))[0], 0.0):
+            best[term.name] = (explained, candidate.columns)
+    return [(named[name], x) for name, (_, x) in best.items()]
+
+
+def law_columns(joint: FittedJoint) -> Array:
+    """Weighted columns of the joint's own law, shape (n, p)."""
+    fitted = joint.fit
+    free = ~fitted.bound
+    for i, term in enumerate(fitted.terms):
+        # a delay at the end of its sample is no longer one of sampling
+        if isinstance(term, Timing) and term.at_its_end:
+            free[fitted.layout.numbers(i)] = False
+    return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
+
+
+def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
+    """Gram matrices of some of a joint's columns, in units of what its fit leaves."""
+    fitted = joint.fit
+    unit = (fitted.weight / joint.left)[:, None]
+    grams = joint_gram(
+        law_columns(joint) / joint.left,
+        columns * unit,
+        joint.residual * unit[:, 0],
+        at,
+        clock.of_sample(joint),
+        clock.count,
+    )
+    friction = float(np.sqrt(np.mean((fitted.friction * fitted.weight) ** 2)))
+    squares: Array = joint.unreached / joint.left**2
+    beyond = np.bincount(clock.of_sample(joint), squares, clock.count).astype(float)
+    return JointGram(joint.name, len(fitted.residual), grams, at, joint.left, friction, beyond)

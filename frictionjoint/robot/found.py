@@ -1,0 +1,57 @@
+"""Shared causes in a model."""
+
+from dataclasses import dataclass, field, replace
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import Cause, composed
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class Found:
+    """Shared causes in a model, with their numbers.
+
+    Attributes:
+        original: the model as it is.
+    """
+
+    original: Corrections = field(repr=False)
+    causes: tuple[Cause, ...] = ()
+    numbers: tuple[Array, ...] = ()
+
+    @property
+    def state(self) -> Corrections:
+        """The model with them."""
+        return composed(self.causes, self.numbers, self.original)
+
+    def without(self, *out: int) -> "Found":
+        """All but some, by number."""
+        kept = [i for i in range(len(self.causes)) if i not in out]
+        causes, numbers = self.causes, self.numbers
+        return replace(
+            self,
+            causes=tuple(causes[i] for i in kept),
+            numbers=tuple(numbers[i] for i in kept),
+        )
+
+    def with_cause(self, cause: Cause, x: Array) -> "Found":
+        """One more."""
+        return Found(self.original, (*self.causes, cause), (*self.numbers, x))
+
+    def pairs(self, i: int) -> list[tuple[Corrections, Corrections, float]]:
+        """States below and above each number of a cause."""
+        found = []
+        for k, step in enumerate(self.causes[i].steps):
+            ends = []
+            for sign in (-1.0, 1.0):
+                x = self.numbers[i].copy()
+                x[k] += sign * step
+                ends.append(
+                    composed(
+                        self.causes,
+                        (*self.numbers[:i], x, *self.numbers[i + 1 :]),
+                        self.original,
+                    )
+                )
+            found.append((ends[0], ends[1], 2.0 * float(step)))
+        return found

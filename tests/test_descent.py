@@ -1,0 +1,52 @@
+"""Descents of a fit: where a number hardly shows, rounding does not move it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_logs import PENDULUM, prepared_logs
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.score import scored
+from frictionjoint.identify.search import CLOSE, ROUGH, Search, refit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import INTEGRATED
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory) -> Prepared:
+    return prepared_logs(PENDULUM, tmp_path_factory.mktemp("pendulum"), 1)
+
+
+@pytest.mark.parametrize("closeness", [CLOSE, ROUGH])
+@pytest.mark.parametrize("shown", [0.0, 1e-14, 1e-9])
+def test_a_number_that_hardly_shows_stays_where_it_is(logs, monkeypatch, closeness, shown):
+    """Where the first steps are too long, so that a trust region shortens them."""
+    search = Search(logs, (), replace(INTEGRATED[0], excess=0.3, Vs=0.1 * logs.top_speed))
+    start = search.start
+
+    def left(x):
+        seen = shown * (x[1] - start[1])
+        return np.array([np.arctan(8.0 * (x[0] - 1.0)) + seen, 0.1 - 2.0 * seen, seen])
+
+    def slopes(x):
+        J = np.zeros((3, len(x)))
+        J[0, 0] = 8.0 / (1.0 + (8.0 * (x[0] - 1.0)) ** 2)
+        J[:, 1] = shown, -2.0 * shown, shown
+        return J
+
+    monkeypatch.setattr(search, "residual", left)
+    monkeypatch.setattr(search, "derivative", slopes)
+    found = search.run(start, 30, closeness).x
+    assert found[0] == pytest.approx(1.0, abs=0.02)
+    assert abs(found[1] - start[1]) < 0.1  # of its scale
+    assert found[2:] == pytest.approx(start[2:])
+
+
+def test_a_fit_that_stops_short_is_not_scored_by_where_it_might_have_come_to(logs):
+    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    short, long = (refit(logs, (), law, ROUGH, steps) for steps in (1, 20))
+    assert long.drive_rms < 0.9 * short.drive_rms
+    for fitted in (short, long):
+        left = float(np.sum((fitted.residual * fitted.weight) ** 2)) / fitted.error_unit**2
+        assert scored(fitted, make_blocks(logs, fitted)).total == pytest.approx(left, rel=1e-6)
