@@ -75,7 +75,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
     """Leave out what has no name, and torque that did not act; what is said of that.
 
     What a residual owes to the measured torque says little: it is a part of it. So the motion has
-    to come nearer, driven by the torque that is said to have acted.
+    to come nearer, where it can be simulated, driven by the torque that is said to have acted.
     """
     named = tuple(t for t in state.fit.effects if not is_unnamed(t))
     asked = state.prepared, refit(state.prepared, named, state.fit.shape)
@@ -90,7 +90,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
         prepared = replace(state.prepared, segments=tuple(logs))
         acted = prepared, refit(prepared, named, state.fit.shape)
         before, after = replayed(*asked), replayed(*acted)
-        if before is not None and after is not None and nearer(after, before):
+        if before is None or after is None or nearer(after, before):
             state.prepared, state.fit = reweighed(*acted)
             return said
     state.prepared, state.fit = reweighed(*asked)
