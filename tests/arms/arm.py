@@ -60,7 +60,9 @@ def random_arm(seed: int, joints: int) -> Arm:
         body.ipos = along * rng.uniform(0.3, 0.6) + rng.normal(size=3) * 0.03 * sizes[i]
         thick = 0.06 * sizes[i]
         own = mass * (np.full(3, thick**2) + (length**2 - along**2) / 12.0)
-        body.inertia = own * rng.uniform(0.9, 1.1, 3)
+        drawn = own * rng.uniform(0.9, 1.1, 3)
+        # no body's largest moment exceeds the sum of the two others
+        body.inertia = np.minimum(drawn, (1.0 - 1e-4) * (drawn.sum() - drawn))
         # a rotor behind a gear: of the order of the link's own inertia about the joint
         rotor = mass * length**2 * rng.uniform(0.3, 1.0)
         body.add_joint(name=f"j{i + 1}", axis=axis, armature=rotor)
