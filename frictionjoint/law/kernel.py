@@ -69,13 +69,8 @@ def row_size(P: Vector, p: int) -> int:
 
 
 @compiled
-def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
-    """At rest and never moved."""
-    if P[p] == INTEGRATED:
-        _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
-        for i in range(HEADER):
-            X[x + HEADER + i] = X[x + i]
-        return
+def start_rival(P: Vector, p: int, X: Vector, x: int) -> None:
+    """`start_row` for any law but the integrated one."""
     n = _rival_header(P, p)
     for i in range(2 * n):
         X[x + i] = 0.0
@@ -86,7 +81,19 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
 
 
 @compiled
-def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
+def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
+    """At rest and never moved."""
+    if P[p] == INTEGRATED:
+        _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
+        for i in range(HEADER):
+            X[x + HEADER + i] = X[x + i]
+        return
+    start_rival(P, p, X, x)
+
+
+@compiled
+def step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
+    """`step_row` for any law but the integrated one."""
     law = int(P[p])
     h = x + _rival_header(P, p)
     if law == LUGRE:
@@ -106,7 +113,7 @@ def _step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: f
     return np.nan
 
 
-_late_rival = late(_step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, REAL, REAL, REAL))
+_late_rival = late(step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, REAL, REAL, REAL))
 
 
 @in_line
@@ -127,6 +134,14 @@ def link_law(P: Vector, p: int) -> None:
 
 
 @in_line
+def commit_rival(P: Vector, p: int, X: Vector, x: int) -> None:
+    """`commit` for any law but the integrated one."""
+    n = _rival_header(P, p)
+    for i in range(n):
+        X[x + i] = X[x + n + i]
+
+
+@in_line
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """The last evaluated point becomes the committed one."""
     if P[p] == INTEGRATED:
@@ -134,9 +149,7 @@ def commit(P: Vector, p: int, X: Vector, x: int) -> None:
             X[x + i] = X[x + HEADER + i]
         make_room(X, x, x + 2 * HEADER)
         return
-    n = _rival_header(P, p)
-    for i in range(n):
-        X[x + i] = X[x + n + i]
+    commit_rival(P, p, X, x)
 
 
 @compiled

@@ -7,7 +7,15 @@ from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import commit, row_size, start_row, step_row
+from frictionjoint.law.kernel import (
+    commit,
+    commit_rival,
+    row_size,
+    start_rival,
+    start_row,
+    step_rival,
+    step_row,
+)
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
@@ -72,14 +80,14 @@ def drive_rival(
     X = np.zeros(row_size(P, 0))
     for i in range(len(edges) - 1):
         first = edges[i]
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first] = 0.0
         rate[first] = X[bristle.RATE]
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            step_row(P, 0, X, 0, dq, dt, dq / dt)
-            commit(P, 0, X, 0)
+            step_rival(P, 0, X, 0, dq, dt, dq / dt)
+            commit_rival(P, 0, X, 0)
             H[k] = X[bristle.FH]
             rate[k] = X[bristle.RATE]
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import composed
+from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import gram_of, own_effects
 from frictionjoint.robot.common import common_columns
@@ -58,11 +58,16 @@ def descended(
         moved = _read(composed(found.causes, parts, found.original), places) - at
         return np.concatenate([factor @ moved - target, x / prior])
 
+    def slopes(x: Array) -> Array:
+        moves = _moves(found.original, found.causes, np.split(x, ends), places)
+        return np.concatenate([factor @ moves, np.diag(1.0 / prior)])
+
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
     tried = [
         least_squares(
             left,
             np.clip(start, *bounds),
+            jac=slopes,
             bounds=tuple(bounds),
             x_scale="jac",
             max_nfev=_MOST_STEPS,
@@ -112,7 +117,9 @@ class _Place:
         if self.kind == "gravity":
             return float(state.gravity[self.number])
         if self.kind == "shaft":
-            return float(state.shafts[int(self.which)].numbers[self.number])
+            # the shafts of later causes are not there yet
+            there = int(self.which) < len(state.shafts)
+            return float(state.shafts[int(self.which)].numbers[self.number]) if there else 0.0
         values: dict[str, float] = getattr(state, self.kind)
         return values.get(str(self.which), 0.0)
 
@@ -153,6 +160,24 @@ def _places(found: Found) -> list[_Place]:
 
 def _read(state: Corrections, places: Sequence[_Place]) -> Array:
     return np.array([place.of(state) for place in places])
+
+
+def _moves(
+    state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: Sequence[_Place]
+) -> Array:
+    """Derivatives of places by each number, (place, number), by differences.
+
+    Every cause changes places of its own: those that come after it do not matter.
+    """
+    found = []
+    for cause, x in zip(causes, numbers, strict=True):
+        after = cause.applied(state, x)
+        here = _read(after, places)
+        for step, way in zip(cause.steps, np.eye(len(x)), strict=True):
+            there = _read(cause.applied(state, x + step * way), places)
+            found.append((there - here) / step)
+        state = after
+    return np.transpose(found)
 
 
 def _squares(

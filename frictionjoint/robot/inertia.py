@@ -63,18 +63,22 @@ def matrix(phi: Array) -> Array:
 
 def pseudo(phi: Array) -> Array:
     """Pseudo-inertia, shape (4, 4)."""
-    inertia = matrix(phi)
-    P = np.zeros((4, 4))
-    P[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    P[:3, 3] = P[3, :3] = phi[1:4]
-    P[3, 3] = phi[0]
-    return P
+    m, x, y, z, xx, xy, xz, yy, yz, zz = phi.tolist()
+    half = 0.5 * (xx + yy + zz)
+    return np.array(
+        (
+            (half - xx, -xy, -xz, x),
+            (-xy, half - yy, -yz, y),
+            (-xz, -yz, half - zz, z),
+            (x, y, z, m),
+        )
+    )
 
 
 def of_pseudo(P: Array) -> Array:
     """Parameters of a pseudo-inertia, the inverse of `pseudo`."""
-    inertia = np.trace(P[:3, :3]) * np.eye(3) - P[:3, :3]
-    return np.array([P[3, 3], *P[:3, 3], *inertia[_ROWS, _COLUMNS]])
+    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, m) = P.tolist()
+    return np.array((m, x, y, z, yy + zz, -xy, -xz, xx + zz, -yz, xx + yy))
 
 
 def possible(phi: Array) -> bool:

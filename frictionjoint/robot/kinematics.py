@@ -35,11 +35,11 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame in the world along a trajectory.
+    """A frame in the world along a trajectory, samples last: whole rows are what numpy is fast at.
 
     Attributes:
-        p, R: origin (n, 3) and orientation (n, 3, 3).
-        w, alpha, a: angular velocity, angular and linear acceleration of the origin, (n, 3).
+        p, R: origin (3, n) and orientation (3, 3, n).
+        w, alpha, a: angular velocity, angular and linear acceleration of the origin, (3, n).
     """
 
     p: Array
@@ -50,12 +50,12 @@ class Frame:
 
     def point(self, r: Array) -> tuple[Array, Array]:
         """Place and acceleration of the point at r from the origin in this frame, shape (3,)."""
-        arm = self.R @ r
+        arm = r @ self.R
         return self.p + arm, self.a + _turning(self.w, self.alpha, arm)
 
     def within(self, x: Array) -> Array:
-        """World vectors seen in this frame, shape (n, 3)."""
-        return np.asarray(np.einsum("nij,ni->nj", self.R, x))
+        """World vectors seen in this frame, shape (3, n)."""
+        return np.asarray(np.einsum("ijn,in->jn", self.R, x))
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,19 @@ class Dof:
     """A degree of freedom along a trajectory.
 
     Attributes:
-        axis: in the world, shape (n, 3). point: on the axis; None: it moves along the axis.
+        axis: in the world, shape (3, n). point: on the axis; None: it moves along the axis.
     """
 
     axis: Array
     point: Array | None
+
+
+def cross(x: Array, y: Array) -> Array:
+    """Cross products of vectors along the first axis, shape (3, n)."""
+    out = np.empty_like(y)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[i] = x[j] * y[k] - x[k] * y[j]
+    return out
 
 
 class Tree:
@@ -92,8 +100,8 @@ class Tree:
     def along(self, trajectory: Trajectory) -> tuple[list[Frame], list[Dof]]:
         """Frames of all bodies, the world first, and all degrees of freedom."""
         n, model = len(trajectory), self.model
-        still = np.zeros((n, 3))
-        world = Frame(still, np.tile(np.eye(3), (n, 1, 1)), still, still, still)
+        still = np.zeros((3, n))
+        world = Frame(still, np.tile(np.eye(3)[..., None], n), still, still, still)
         frames, dofs = [world], []
         for b in range(1, model.nbody):
             frame = _attached(frames[model.body_parentid[b]], model.body_pos[b], model.body_quat[b])
@@ -108,7 +116,8 @@ class Tree:
 def _attached(parent: Frame, r: Array, quat: Array) -> Frame:
     """A frame fixed in its parent."""
     p, a = parent.point(r)
-    return Frame(p, parent.R @ _matrix(quat), parent.w, parent.alpha, a)
+    own = _rotation(quat[:, None])[..., 0]
+    return Frame(p, own.T @ parent.R, parent.w, parent.alpha, a)
 
 
 def _through(
@@ -117,28 +126,24 @@ def _through(
     """The frame behind a joint, and the joint's degrees of freedom."""
     kind, at, dof = int(model.jnt_type[j]), int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
     axis, anchor = model.jnt_axis[j], model.jnt_pos[j]
+    q, v, a = trajectory.q.T[at:], trajectory.v.T[dof:], trajectory.a.T[dof:]
     if kind == _FREE:
-        R = _rotation(trajectory.q[:, at + 3 : at + 7])
-        turn, spin = (_turned(R, x[:, dof + 3 : dof + 6]) for x in (trajectory.v, trajectory.a))
-        p, a = trajectory.q[:, at : at + 3], trajectory.a[:, dof : dof + 3]
-        moves = [Dof(np.tile(e, (len(p), 1)), None) for e in np.eye(3)]
-        return Frame(p, R, turn, spin, a), moves + [Dof(R[:, :, k], p) for k in range(3)]
+        R = _rotation(q[3:7])
+        turn, spin = _turned(R, v[3:6]), _turned(R, a[3:6])
+        moves = [Dof(np.tile(e[:, None], q.shape[1]), None) for e in np.eye(3)]
+        return Frame(q[:3], R, turn, spin, a[:3]), moves + [Dof(R[:, k], q[:3]) for k in range(3)]
     if kind == _BALL:
-        R = frame.R @ _rotation(trajectory.q[:, at : at + 4])
-        turn, spin = (_turned(R, x[:, dof : dof + 3]) for x in (trajectory.v, trajectory.a))
-        found, o = _turning_about(frame, anchor, R, turn, spin)
-        return found, [Dof(R[:, :, k], o) for k in range(3)]
-    s = trajectory.q[:, at] - model.qpos0[at]
-    v, a = trajectory.v[:, dof, None], trajectory.a[:, dof, None]
-    z = frame.R @ axis
+        R = np.einsum("ijn,jkn->ikn", frame.R, _rotation(q[:4]))
+        found, o = _turning_about(frame, anchor, R, _turned(R, v[:3]), _turned(R, a[:3]))
+        return found, [Dof(R[:, k], o) for k in range(3)]
+    s, z = q[0] - model.qpos0[at], axis @ frame.R
     if kind == _SLIDE:
-        arm = z * s[:, None]
+        arm = z * s
         linear = frame.a + _turning(frame.w, frame.alpha, arm)
-        linear = linear + 2.0 * np.cross(frame.w, z) * v + z * a
+        linear = linear + 2.0 * cross(frame.w, z) * v[0] + z * a[0]
         moved = Frame(frame.p + arm, frame.R, frame.w, frame.alpha, linear)
         return moved, [Dof(z, None)]
-    R = frame.R @ _about(axis, s)
-    found, o = _turning_about(frame, anchor, R, z * v, z * a)
+    found, o = _turning_about(frame, anchor, _about(frame.R, axis, s), z * v[0], z * a[0])
     return found, [Dof(z, o)]
 
 
@@ -151,36 +156,34 @@ def _turning_about(
         R: its orientation. turn, spin: angular velocity relative to `frame`, and its rate.
     """
     o, a = frame.point(anchor)
-    w, alpha = frame.w + turn, frame.alpha + spin + np.cross(frame.w, turn)
-    arm = -(R @ anchor)
+    w, alpha = frame.w + turn, frame.alpha + spin + cross(frame.w, turn)
+    arm = -(anchor @ R)
     return Frame(o + arm, R, w, alpha, a + _turning(w, alpha, arm)), o
 
 
 def _turning(w: Array, alpha: Array, arm: Array) -> Array:
     """Acceleration of the end of an arm relative to its beginning."""
-    return np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+    return cross(alpha, arm) + cross(w, cross(w, arm))
 
 
 def _turned(R: Array, x: Array) -> Array:
-    return np.asarray(np.einsum("nij,nj->ni", R, x))
-
-
-def _matrix(quat: Array) -> Array:
-    return np.asarray(_rotation(quat[None, :])[0])
+    return np.asarray(np.einsum("ijn,jn->in", R, x))
 
 
 def _rotation(quat: Array) -> Array:
-    """Rotation matrices of quaternions, made unit as MuJoCo does, shape (n, 3, 3)."""
-    w, x, y, z = (quat / np.linalg.norm(quat, axis=1, keepdims=True)).T
-    rows = (
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
-        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
-        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    """Rotation matrices of quaternions, made unit as MuJoCo does, (4, n) to (3, 3, n)."""
+    w, x, y, z = quat / np.linalg.norm(quat, axis=0)
+    return np.array(
+        (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+            (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+            (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+        )
     )
-    return np.stack([np.stack(row, axis=1) for row in rows], axis=1)
 
 
-def _about(axis: Array, angle: Array) -> Array:
-    """Rotations about a unit axis, shape (n, 3, 3)."""
-    half = 0.5 * angle
-    return _rotation(np.column_stack([np.cos(half), np.sin(half)[:, None] * axis]))
+def _about(R: Array, axis: Array, angle: Array) -> Array:
+    """Orientations turned about a unit axis fixed in them (Rodrigues), shape (3, 3, n)."""
+    across = np.cross(np.eye(3), -axis)  # transposed: axis x e_j in row j
+    turned = across @ R
+    return np.asarray(R + np.sin(angle) * turned + (1.0 - np.cos(angle)) * (across @ turned))

@@ -4,11 +4,13 @@ The force and moment that a body's motion takes are linear in its ten parameters
 a degree of freedom is their component along its axis (Atkeson, An and Hollerbach 1986).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.inertia import TEN, matrix, of_model
-from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree
+from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross
 
 
 class Regressor:
@@ -23,7 +25,7 @@ class Regressor:
         self.trajectory = trajectory
         self.gravity = np.array(tree.model.opt.gravity if gravity is None else gravity)
         self.frames, self.dofs = tree.along(trajectory)
-        self._wrenches: dict[int, tuple[Array, Array]] = {}
+        self._motions: dict[int, _Motion] = {}
         self._columns: dict[tuple[int, int], Array] = {}
 
     def body(self, body: int, dof: int) -> Array:
@@ -32,10 +34,10 @@ class Regressor:
             return np.zeros((len(self.trajectory), TEN))
         key = body, dof
         if key not in self._columns:
-            if body not in self._wrenches:
-                self._wrenches[body] = _wrench(self.frames[body], self._felt(body))
-            force, moment = self._wrenches[body]
-            self._columns[key] = _component(self.dofs[dof], self.frames[body], force, moment)
+            if body not in self._motions:
+                self._motions[body] = _motion(self.frames[body], self._felt(body))
+            found = _component(self.dofs[dof], self.frames[body], self._motions[body])
+            self._columns[key] = np.ascontiguousarray(found.T)
         return self._columns[key]
 
     def bodies(self, dof: int) -> Array:
@@ -55,8 +57,8 @@ class Regressor:
             force, moment = _loads(frame, self._felt(b), phi[b])
             axis, point = self.dofs[dof].axis, self.dofs[dof].point
             if point is not None:
-                force = moment + _cross_product(frame.p - point, force)
-            found += np.einsum("ni,ni->n", axis, force)
+                force = moment + cross(frame.p - point, force)
+            found += np.sum(axis * force, axis=0)
         return found
 
     def gravity_columns(self, dof: int, phi: Array | None = None) -> Array:
@@ -72,8 +74,8 @@ class Regressor:
             frame, felt = self.frames[b], 1.0 - float(self.tree.model.body_gravcomp[b])
             arm = axis * phi[b, 0]
             if point is not None:
-                arm = _cross_product(axis, frame.R @ phi[b, 1:4] + phi[b, 0] * (frame.p - point))
-            moved -= felt * arm
+                arm = cross(axis, phi[b, 1:4] @ frame.R + phi[b, 0] * (frame.p - point))
+            moved -= felt * arm.T
         return moved
 
     def _felt(self, body: int) -> Array:
@@ -81,63 +83,53 @@ class Regressor:
         return (1.0 - float(self.tree.model.body_gravcomp[body])) * self.gravity
 
 
-def _wrench(frame: Frame, gravity: Array) -> tuple[Array, Array]:
-    """Force and moment about the frame's origin, in the frame, by ten parameters, (n, 3, 10)."""
-    a = frame.within(frame.a - gravity)
-    w, alpha = frame.within(frame.w), frame.within(frame.alpha)
-    n = len(a)
-    force, moment = np.zeros((n, 3, TEN)), np.zeros((n, 3, TEN))
-    force[:, :, 0] = a
-    W = _cross(w)
-    force[:, :, 1:4] = _cross(alpha) + W @ W
-    moment[:, :, 1:4] = -_cross(a)
-    moment[:, :, 4:] = _spread(alpha) + W @ _spread(w)
-    return force, moment
+class _Motion(NamedTuple):
+    """Of a body, in its own frame, shape (3, n): acceleration of its origin less gravity, angular
+    velocity and acceleration.
+    """
+
+    a: Array
+    w: Array
+    alpha: Array
+
+
+def _motion(frame: Frame, gravity: Array) -> _Motion:
+    a = frame.within(frame.a - gravity[:, None])
+    return _Motion(a, frame.within(frame.w), frame.within(frame.alpha))
+
+
+def _component(dof: Dof, frame: Frame, motion: _Motion) -> Array:
+    """Force or moment along an axis per unit of a body's ten parameters, shape (10, n).
+
+    Of the force m a + alpha x h + w x (w x h) and the moment h x a + I alpha + w x I w about the
+    origin, with h the first moments and I the inertia.
+    """
+    a, w, alpha = motion
+    z = frame.within(dof.axis)
+    u = z if dof.point is None else cross(z, frame.within(frame.p - dof.point))
+    found = np.zeros((TEN, z.shape[1]))
+    found[0] = np.sum(u * a, axis=0)
+    found[1:4] = cross(u, alpha) + w * np.sum(w * u, axis=0) - u * np.sum(w * w, axis=0)
+    if dof.point is not None:
+        found[1:4] -= cross(z, a)
+        found[4:] = _per_inertia(z, alpha) + _per_inertia(cross(z, w), w)
+    return found
+
+
+def _per_inertia(x: Array, y: Array) -> Array:
+    """x' I y per unit of Ixx, Ixy, Ixz, Iyy, Iyz, Izz, shape (6, n)."""
+    pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    return np.array([x[i] * y[j] + (x[j] * y[i] if i != j else 0.0) for i, j in pairs])
 
 
 def _loads(frame: Frame, gravity: Array, phi: Array) -> tuple[Array, Array]:
-    """Force and moment about the frame's origin, in the world, of ten parameters, (n, 3) each."""
-    a, w, alpha = frame.a - gravity, frame.w, frame.alpha
-    h = frame.R @ phi[1:4]
-    force = phi[0] * a + _cross_product(alpha, h) + _cross_product(w, _cross_product(w, h))
+    """Force and moment about the frame's origin, in the world, of ten parameters, (3, n) each."""
+    a, w, alpha = frame.a - gravity[:, None], frame.w, frame.alpha
+    h = phi[1:4] @ frame.R
+    force = phi[0] * a + cross(alpha, h) + cross(w, cross(w, h))
     inertia = matrix(phi)
 
     def spun(x: Array) -> Array:
-        return np.asarray(np.einsum("nij,nj->ni", frame.R, frame.within(x) @ inertia))
+        return np.asarray(np.einsum("ijn,jn->in", frame.R, inertia @ frame.within(x)))
 
-    return force, _cross_product(h, a) + spun(alpha) + _cross_product(w, spun(w))
-
-
-def _cross_product(x: Array, y: Array) -> Array:
-    """As numpy's, which is several times slower on tall arrays."""
-    out = np.empty_like(y)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        out[:, i] = x[:, j] * y[:, k] - x[:, k] * y[:, j]
-    return out
-
-
-def _component(dof: Dof, frame: Frame, force: Array, moment: Array) -> Array:
-    z = frame.within(dof.axis)
-    if dof.point is None:
-        return np.asarray(np.einsum("ni,nik->nk", z, force))
-    arm = frame.within(frame.p - dof.point)
-    return np.asarray(
-        np.einsum("ni,nik->nk", z, moment) + np.einsum("ni,nik->nk", np.cross(z, arm), force)
-    )
-
-
-def _cross(x: Array) -> Array:
-    """Matrices of the cross product with x, shape (n, 3, 3)."""
-    X = np.zeros((len(x), 3, 3))
-    X[:, 0, 1], X[:, 0, 2], X[:, 1, 2] = -x[:, 2], x[:, 1], -x[:, 0]
-    X[:, 1, 0], X[:, 2, 0], X[:, 2, 1] = x[:, 2], -x[:, 1], x[:, 0]
-    return X
-
-
-def _spread(x: Array) -> Array:
-    """Matrices that take (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) to I x, shape (n, 3, 6)."""
-    L = np.zeros((len(x), 3, 6))
-    L[:, 0, 0], L[:, 0, 1], L[:, 0, 2] = x.T
-    L[:, 1, 1], L[:, 1, 3], L[:, 1, 4] = x.T
-    L[:, 2, 2], L[:, 2, 4], L[:, 2, 5] = x.T
-    return L
+    return force, cross(h, a) + spun(alpha) + cross(w, spun(w))

@@ -138,7 +138,7 @@ def source() -> str:
             law=law,
             header="bristle",
             size="row_size(P, 0)",
-            start="start_row(P, 0, X, 0)",
+            start="start_rival(P, 0, X, 0)",
             step=_STATIC_STEP if law == "static" else _STEP.format(law=law),
         )
         for law in laws
@@ -157,7 +157,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import {modules}
-from frictionjoint.law.kernel import row_size, start_row
+from frictionjoint.law.kernel import row_size, start_rival
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import (
     DIRECTIONS, ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4

@@ -20,7 +20,7 @@ from frictionjoint.law import (
     stribeck,
     transition,
 )
-from frictionjoint.law.kernel import row_size, start_row
+from frictionjoint.law.kernel import row_size, start_rival
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import (
     DIRECTIONS,
@@ -973,7 +973,7 @@ def drive_static(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1006,7 +1006,7 @@ def drive_armstrong(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1039,7 +1039,7 @@ def drive_dahl(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1072,7 +1072,7 @@ def drive_dahl_stribeck(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1105,7 +1105,7 @@ def drive_lugre(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1138,7 +1138,7 @@ def drive_elastoplastic(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):
@@ -1171,7 +1171,7 @@ def drive_maxwell_slip(
     for j in range(len(edges) - 1):
         first = edges[j]
         X_t[:] = 0.0
-        start_row(P, 0, X, 0)
+        start_rival(P, 0, X, 0)
         H[first], H_t[:, first] = 0.0, 0.0
         rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
         for k in range(first + 1, edges[j + 1]):

@@ -21,6 +21,8 @@ _SIZES: dict[Form, int] = {"mass": 1, "mass and centre": 4, "all ten": 10}
 _PRESUMED = 1.0
 # beyond it, a factor of twenty in mass, it is another body
 _FURTHEST = 3.0
+# of T, below its diagonal
+_BELOW = np.tril_indices(4, -1)
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,10 @@ class BodyInertia(Cause):
             mass, centre, own = about_centre(phi)
             grown = float(np.exp(x[0]))
             return of_body(mass * grown, centre + x[1:], own * grown)
-        L = np.linalg.cholesky(pseudo(phi))
         T = np.diag(np.exp(x[:4]))
-        T[np.tril_indices(4, -1)] = x[4:]
-        return of_pseudo(L @ T @ T.T @ L.T)
+        T[_BELOW] = x[4:]
+        half = np.linalg.cholesky(pseudo(phi)) @ T
+        return of_pseudo(half @ half.T)
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """See `Cause`."""
