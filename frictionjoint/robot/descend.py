@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import Cause, composed
@@ -63,25 +63,36 @@ def descended(
         return np.concatenate([factor @ moves, np.diag(1.0 / prior)])
 
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
-    tried = [
-        least_squares(
-            left,
-            np.clip(start, *bounds),
-            jac=slopes,
-            bounds=tuple(bounds),
-            x_scale="jac",
-            max_nfev=_MOST_STEPS,
-        )
-        for start in _starts(found, left)
-    ]
-    x = min(tried, key=lambda one: float(one.cost)).x
-    return replace(found, numbers=tuple(np.split(x, ends)))
+    tried = [_least(left, start, bounds, slopes) for start in _starts(found, left, bounds)]
+    return replace(found, numbers=tuple(np.split(_best(tried), ends)))
 
 
-def _starts(found: Found, left: Callable[[Array], Array]) -> list[Array]:
+def _least(
+    left: Callable[[Array], Array],
+    start: Array,
+    bounds: Array,
+    slopes: Callable[[Array], Array] | str = "2-point",
+) -> OptimizeResult:
+    """Where steps from a start leave least."""
+    return least_squares(
+        left,
+        np.clip(start, *bounds),
+        jac=slopes,
+        bounds=tuple(bounds),
+        x_scale="jac",
+        max_nfev=_MOST_STEPS,
+    )
+
+
+def _best(tried: Sequence[OptimizeResult]) -> Array:
+    return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
+
+
+def _starts(found: Found, left: Callable[[Array], Array], bounds: Array) -> list[Array]:
     """Numbers from which to search: those given or where causes are nothing, whichever leave less.
 
-    Where a homogeneous cause is nothing yet, its columns say little of it: then along its rays.
+    Where a homogeneous cause is nothing yet, its columns say little of it: then also the best that
+    it comes to alone along one of its rays.
     """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
@@ -91,14 +102,20 @@ def _starts(found: Found, left: Callable[[Array], Array]) -> list[Array]:
     ends = np.cumsum([len(n) for n in found.numbers])
     starts = [start]
     for cause, x, end in zip(found.causes, found.numbers, ends, strict=True):
-        if cause.homogeneous and not np.any(x):
-            steps = np.zeros((len(x), len(start)))
-            steps[:, end - len(x) : end] = np.diag(cause.steps)
-            slopes = [(left(start + s) - left(start - s)) / (2.0 * s.sum()) for s in steps]
-            first = np.linalg.lstsq(np.transpose(slopes), -left(start), rcond=_FLAT)[0]
-            for ray in cause.rays(first):
-                starts.append(start.copy())
-                starts[-1][end - len(x) : end] = ray
+        if not cause.homogeneous or np.any(x):
+            continue
+        own = np.eye(len(start))[end - len(x) : end]
+
+        def beyond(y: Array, own: Array = own) -> Array:
+            return left(start + y @ own)
+
+        zero, steps = np.zeros(len(x)), np.diag(cause.steps)
+        slopes = [(beyond(s) - beyond(-s)) / (2.0 * s.sum()) for s in steps]
+        first = np.linalg.lstsq(np.transpose(slopes), -beyond(zero), rcond=_FLAT)[0]
+        room = bounds[:, end - len(x) : end]
+        tried = [_least(beyond, ray, room) for ray in cause.rays(first)]
+        if tried:
+            starts.append(start + _best(tried) @ own)
     return starts
 
 
