@@ -59,19 +59,20 @@ def run(robot: Robot, data: Path, out: Path) -> None:
     command += [str(data / log) for log in robot.logs]
     command += ["--model", str(ROOT / "models" / robot.model)]
     command += ["--held-out", HELD_OUT, "--out", str(out)]
-    begin, peak = time.perf_counter(), 0
+    begin, cpu, peak = time.perf_counter(), _cpu_s(), 0
     process = subprocess.Popen(command)
     while process.poll() is None:
         peak = max(peak, sum(_memory(pid) for pid in _family(process.pid)))
         time.sleep(0.25)
     if process.returncode:
         raise SystemExit(f"{out.name}: exit code {process.returncode}")
-    spent = {"seconds": time.perf_counter() - begin, "peak_gb": peak / 1e9, "cpu_s": _cpu_s()}
+    seconds, cpu = time.perf_counter() - begin, _cpu_s() - cpu
+    spent = {"seconds": seconds, "peak_gb": peak / 1e9, "cpu_s": cpu}
     (out / "spent.json").write_text(json.dumps(spent) + "\n")
 
 
 def _cpu_s() -> float:
-    """Of all commands that ended."""
+    """Of all commands that have ended."""
     import resource
 
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
