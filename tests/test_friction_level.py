@@ -1,6 +1,7 @@
 """A change of the friction level reaches the torque by motion: effects that change it obey."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ from frictionjoint.effects import (
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
+from frictionjoint.identify.terms import EffectTerm
+from tests import three_sines
 
 LEVELS = st.floats(-10.0, 10.0)
 REACHES = st.floats(1e-6, 1.0)
@@ -146,3 +149,22 @@ def test_a_link_falls_freely_through_its_gap():
     assert np.abs(transmitted[turned + 20 : impact - 20]).max() < 1e-12
     assert (impact - turned) * dt == pytest.approx(math.sqrt(2.0 * gap / pull), rel=0.05)
     assert transmitted[-1] == pytest.approx(pull, rel=1e-2)
+
+
+@pytest.mark.parametrize("form", load_dependent.FORMS)
+def test_noise_of_the_acceleration_is_no_load(form, tmp_path):
+    """Of a load that comes and goes the size counts, and the size of noise has no mean of zero."""
+    prepared = three_sines.logged(tmp_path, three_sines.INERTIA * three_sines.A)
+    (log,) = prepared.segments
+    term = EffectTerm(form, SHAPES[form])
+
+    def friction(gear):
+        signals = log.signals.copy()
+        signals[:, GEAR], signals[:, H] = gear, np.sign(signals[:, V])
+        loaded = replace(log, signals=signals)
+        return log.smooth(term.columns(loaded, signals)[:, 0])[log.mask]
+
+    gear = log.signals[:, GEAR]
+    noise = np.std(gear) * np.random.default_rng(0).standard_normal(len(gear))
+    without = friction(gear)
+    assert np.std(friction(gear + noise) - without) < 0.15 * np.std(without)

@@ -66,6 +66,7 @@ class Effect:
         of_inertia: bounds are in units of the joint's inertia.
         of_load: it changes what the load asks of the motor, all of it: its coefficient is 1, of a
             motor whose gain is unknown as much as the load's.
+        of_size: it depends on how much torque the gear transmits, whatever its sign.
         leaps: its torque leaps with a shape number, at an impact or a threshold: the squares that a
             fit leaves are rough, and derivatives say little of where they are least.
         free: its motion without excitation, for a log that begins in the middle of one: torque per
@@ -107,6 +108,7 @@ class Effect:
     plain: tuple[Plain, ...] = ()
     of_inertia: bool = False
     of_load: bool = False
+    of_size: bool = False
     leaps: bool = False
     title: str = ""
     acts: Acts = "torque"

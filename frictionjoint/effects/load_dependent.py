@@ -62,6 +62,7 @@ EFFECT = Effect(
     shape_units=("x",),
     shapes=reaches,
     needs=(GEAR,),
+    of_size=True,
     bounds=((0.0, 2.0),),
     shape_bounds=((0.0, float("inf")),),
     memory=2,

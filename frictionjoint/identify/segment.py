@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import DT, LOAD, TIME, Q, V
+from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
 from frictionjoint.identify.bundle import Bundle
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise
@@ -119,6 +119,14 @@ class Segment:
     def balanced_load(self) -> Array:
         """Torque of the rigid body on the kept samples, N m."""
         return self.lowpass(self.signals[:, LOAD])[self.kept]
+
+    @cached_property
+    def gear(self) -> Array:
+        """Torque that the gear transmits in the band of the balance, N m, shape (n,).
+
+        Its size counts where its sign does not: there noise of the acceleration is no longer noise.
+        """
+        return self.smooth(self.signals[:, GEAR])
 
     def lowpass(self, x: Array) -> Array:
         """What the balance has of a signal: filtered along axis 0 and decimated."""

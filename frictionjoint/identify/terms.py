@@ -8,7 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import SAG, SWAY
+from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
 
@@ -122,6 +122,9 @@ class EffectTerm:
     def columns(self, segment: Segment, signals: Array) -> Array:
         """See `Term`; the kernel is the one a simulation runs."""
         signals = self.hung(signals)
+        if self.effect.of_size:
+            signals = signals.copy()
+            signals[:, GEAR] = segment.gear
         found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
         if self.effect.free and any(segment.swing):
             found[:, 0] += self.effect.free(self.shape, segment.swing, signals)
