@@ -2,10 +2,9 @@
 
 from functools import partial
 
-from frictionjoint.diagnose.library import comes_first, is_unnamed
+from frictionjoint.diagnose.library import comes_first, is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, all_but, needed, with_fewer
-from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
@@ -17,11 +16,10 @@ def drop_idle(state: State) -> None:
     is judged among causes alone. Nor do small losses add up to one that is not small: two causes of
     which either is idle beside the other are not both left out where together they are needed.
     """
-    first: tuple[Term, ...] | None = None
+    first = named_of(state.fit.effects)
     while state.fit.effects:
         own = state.fit.effects
-        causes = tuple(t for t in own if not is_unnamed(t))
-        first = first or causes
+        causes = named_of(own)
         beside = [own if is_unnamed(t) else causes for t in own]
         fewer = [all_but(terms, t) for terms, t in zip(beside, own, strict=True)]
         models = [terms for terms in dict.fromkeys([first, *beside, *fewer]) if terms != own]
@@ -31,7 +29,7 @@ def drop_idle(state: State) -> None:
         ways = [{m: scored(f, blocks) for m, f in fits.items()} for blocks in state.either_way]
         idle = []
         for t, terms, rest in zip(own, beside, fewer, strict=True):
-            whole = (terms,) if is_unnamed(t) else (terms, first)
+            whole = {terms} if is_unnamed(t) else {terms, first}
             if not any(needed(way[x], way[rest], comes_first(t)) for x in whole for way in ways):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:

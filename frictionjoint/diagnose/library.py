@@ -91,6 +91,11 @@ def is_unnamed(term: Term) -> bool:
     return isinstance(term, SmoothTerm)
 
 
+def named_of(terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """Those terms with a physical name."""
+    return tuple(t for t in terms if not is_unnamed(t))
+
+
 def comes_first(term: Term) -> bool:
     """Whether nothing else can be decided before a term."""
     return isinstance(term, EffectTerm) and term.effect.first

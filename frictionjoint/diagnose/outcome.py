@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding, Trace, sight
-from frictionjoint.diagnose.library import is_unnamed
+from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
     drop_what_moves_worse,
@@ -77,7 +77,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
     What a residual owes to the measured torque says little: it is a part of it. So the motion has
     to come nearer, where it can be simulated, driven by the torque that is said to have acted.
     """
-    named = tuple(t for t in state.fit.effects if not is_unnamed(t))
+    named = named_of(state.fit.effects)
     asked = state.prepared, refit(state.prepared, named, state.fit.shape)
     logs, said = list(state.prepared.segments), []
     unit, _ = units_of(state.fit, state.prepared.slide)

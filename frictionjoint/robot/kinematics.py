@@ -129,12 +129,12 @@ def _through(
     q, v, a = trajectory.q.T[at:], trajectory.v.T[dof:], trajectory.a.T[dof:]
     if kind == _FREE:
         R = _rotation(q[3:7])
-        turn, spin = _turned(R, v[3:6]), _turned(R, a[3:6])
+        turn, spin = turned(R, v[3:6]), turned(R, a[3:6])
         moves = [Dof(np.tile(e[:, None], q.shape[1]), None) for e in np.eye(3)]
         return Frame(q[:3], R, turn, spin, a[:3]), moves + [Dof(R[:, k], q[:3]) for k in range(3)]
     if kind == _BALL:
         R = np.einsum("ijn,jkn->ikn", frame.R, _rotation(q[:4]))
-        found, o = _turning_about(frame, anchor, R, _turned(R, v[:3]), _turned(R, a[:3]))
+        found, o = _turning_about(frame, anchor, R, turned(R, v[:3]), turned(R, a[:3]))
         return found, [Dof(R[:, k], o) for k in range(3)]
     s, z = q[0] - model.qpos0[at], axis @ frame.R
     if kind == _SLIDE:
@@ -166,7 +166,8 @@ def _turning(w: Array, alpha: Array, arm: Array) -> Array:
     return cross(alpha, arm) + cross(w, cross(w, arm))
 
 
-def _turned(R: Array, x: Array) -> Array:
+def turned(R: Array, x: Array) -> Array:
+    """Vectors of frames with these orientations seen in the world, shape (3, n)."""
     return np.asarray(np.einsum("ijn,jn->in", R, x))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.inertia import TEN, matrix, of_model
-from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross
+from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross, turned
 
 
 class Regressor:
@@ -130,6 +130,6 @@ def _loads(frame: Frame, gravity: Array, phi: Array) -> tuple[Array, Array]:
     inertia = matrix(phi)
 
     def spun(x: Array) -> Array:
-        return np.asarray(np.einsum("ijn,jn->in", frame.R, inertia @ frame.within(x)))
+        return turned(frame.R, inertia @ frame.within(x))
 
     return force, cross(h, a) + spun(alpha) + cross(w, spun(w))
