@@ -1,5 +1,7 @@
 """A motor whose torque per volt falls as its torque grows: found in logs, followed in MuJoCo."""
 
+import math
+
 import mujoco
 import numpy as np
 import pytest
@@ -144,6 +146,11 @@ def test_a_control_beyond_its_range_asks_for_no_more():
 def test_a_motor_through_a_gear_is_asked_for_its_torque_at_the_joint():
     geared = saturating([EFFECT], gain=GAIN / 4.0, emf=EMF / 16.0, gear=[4.0, 0, 0, 0, 0, 0])
     assert final_speed(geared, 7.0) == pytest.approx(final_speed(saturating([EFFECT]), 7.0))
+
+
+def test_a_force_range_without_end_limits_nothing():
+    endless = saturating([EFFECT], forcerange=[-math.inf, math.inf], forcelimited=True)
+    assert final_speed(endless, 7.0) == final_speed(saturating([EFFECT]), 7.0)
 
 
 def test_a_motor_that_cannot_be_followed_is_refused():

@@ -6,6 +6,7 @@ remembers and no limit of the force.
 """
 
 import mujoco
+import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
@@ -107,10 +108,10 @@ def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> No
             model.actuator_dyntype[i] != _NO_DYNAMICS
             or model.actuator_gaintype[i] != _FIXED
             or model.actuator_biastype[i] not in _PLAIN
-            or model.actuator_forcelimited[i]
+            or (model.actuator_forcelimited[i] and np.isfinite(model.actuator_forcerange[i]).any())
         ):
             actuator = names_of(model, "actuator")[i] or i
             raise ModelError(
                 f"joint {name!r} has a motor that gives less than asked: its actuator {actuator!r} "
-                "must have a fixed gain, no dynamics and no forcerange"
+                "must have a fixed gain, no dynamics and no finite forcerange"
             )
