@@ -11,7 +11,13 @@ from scipy.ndimage import gaussian_filter1d
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import MOST_LEFT, check, check_fit, scale_is_determined
+from frictionjoint.identify.gate import (
+    MOST_LEFT,
+    check,
+    check_fit,
+    check_signs,
+    scale_is_determined,
+)
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
@@ -136,6 +142,18 @@ def test_wrong_signs_are_named_where_gravity_looks_right() -> None:
     _, q, v, a = motion()
     torque = J * a + MGL * np.cos(q) + 1.5 * np.tanh(v / 0.01)
     named_with_either_reversed(log("level", q, torque), pendulum(level=True))
+
+
+def test_a_torque_turned_round_is_named_where_no_friction_shows() -> None:
+    """Measured behind the gear: friction says nothing, gravity and inertia both do."""
+    _, q, _, a = motion()
+    behind = log("behind", q, J * a + MGL * np.sin(q))
+    check(prepare([behind], pendulum()))
+    turned = replace(behind, torque=-behind.torque)
+    with pytest.raises(LogError, match=r"holds -1 times gravity and -\S+ times inertia"):
+        check_signs(prepare([turned], pendulum()))
+    # hung the other way up: gravity alone is turned
+    check_signs(prepare([log("hung", q, J * a - MGL * np.sin(q))], pendulum()))
 
 
 def test_a_log_that_something_pushes_is_not_refused_beside_others() -> None:

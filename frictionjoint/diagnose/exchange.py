@@ -17,6 +17,7 @@ from frictionjoint.diagnose.state import (
     compared,
     needed,
     numbers_of,
+    without,
 )
 from frictionjoint.diagnose.unbent import MOST, bends, unbent
 from frictionjoint.identify.fit import Fit
@@ -46,7 +47,8 @@ def best_forms(state: State) -> bool:
 def weigh_others(state: State) -> None:
     """Exchange each effect for the best other one of no more numbers, beside all others.
 
-    A simpler one that explains as much stays; one as simple is a tie.
+    A simpler one that explains as much stays, unless the model would do as well without it; one as
+    simple is a tie.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -55,7 +57,8 @@ def weigh_others(state: State) -> None:
             continue
         best, other = _in_place_of(state, blocks, i, others)
         now, instead = scored(state.fit, blocks), scored(other, blocks)
-        if numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now):
+        simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
+        if simpler and needed(instead, scored(without(state, own[i]), blocks)):
             state.findings = [_instead(f, own[i], best) for f in state.findings]
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):

@@ -5,6 +5,9 @@ Those of the drive act on what a controller puts out, and have no kernel in the 
 looked for where the drive is reconstructed from target and position.
 """
 
+import copyreg
+from typing import Any
+
 from frictionjoint.effects import (
     back_emf,
     backlash,
@@ -77,3 +80,18 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
     supply_sag.EFFECT,
     gain_error.EFFECT,
 )
+
+_ALL = (*SIMULATED, *DRIVE_EFFECTS)
+
+
+def _numbered(number: int) -> Effect:
+    return _ALL[number]
+
+
+def _reduced(effect: Effect) -> Any:
+    """By its place here an effect goes to another process, so that it is the same one there."""
+    number = next((i for i, known in enumerate(_ALL) if known is effect), None)
+    return object.__reduce_ex__(effect, 2) if number is None else (_numbered, (number,))
+
+
+copyreg.pickle(Effect, _reduced)

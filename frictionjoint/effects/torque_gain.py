@@ -27,4 +27,6 @@ EFFECT = Effect(
     entry="acts on the measurement",
     drives=("torque",),
     needs=(LOAD,),
+    # a motor whose torque runs against its current has a wrong sign in its log
+    bounds=((-1.0, float("inf")),),
 )

@@ -6,7 +6,8 @@ balance of torques is solved as a linear one, in a fraction of a second:
     torque = load + friction + viscosity * v + what is left
 
 * **Signs.** Friction takes power from the joint. Where it would give power, a sign is wrong,
-  whatever else the balance holds.
+  whatever else the balance holds. So it is where gravity and inertia both show the other way round,
+  in a torque that was measured behind the friction, say.
 * **Units, clocks, another joint's columns.** The load of the model and friction of any level must
   explain some of the torque.
 * **Units too large.** What is large passes for friction; but the gravity and the inertia that the
@@ -24,7 +25,7 @@ from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
-from frictionjoint.identify.refusals import too_large, unexplained, wrong_sign
+from frictionjoint.identify.refusals import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.segment import Prepared, Segment
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
@@ -82,7 +83,9 @@ class Balance(NamedTuple):
 
 
 def check_signs(prepared: Prepared) -> None:
-    """See that friction takes power from the joint, whatever the model lacks or holds too much.
+    """See that friction takes power from the joint, and that gravity and inertia are not turned.
+
+    That holds whatever the model lacks or holds too much.
 
     Raises:
         LogError: a sign is wrong.
@@ -151,11 +154,14 @@ def load_shows(fitted: Fit) -> bool:
 
 
 def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
-    """Friction must not drive, in all logs together or in one of them.
+    """The load must not be turned round, nor friction drive, in all logs together or in one.
 
     The balance of one log may be wrong by more than its standard errors tell, as where gravity and
     inertia of a swing cancel. So the balance of the other logs must agree that its sign is wrong.
     """
+    factors, errors = _load_factors(balance)
+    if np.max(factors + SURE * errors) < 0.0:
+        raise LogError(turned_round(prepared, names, *factors))
     logs = [(names, balance, True)]
     if len(prepared) > 1:
         for i, s in enumerate(prepared.segments):
@@ -164,7 +170,7 @@ def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
         power, error, free = _friction_power(part)
         wrong = turned and power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
-            raise LogError(wrong_sign(prepared, name, -power / error))
+            raise LogError(driven(prepared, name, -power / error))
 
 
 def _turned(b: Balance, i: int) -> bool:
@@ -208,22 +214,31 @@ def _left(b: Balance, gain_unknown: bool) -> float:
 
 def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
     """The torque's gravity and inertia against the model's."""
+    factors, errors = _load_factors(b)
+    alike = factors.max() < _ALIKE * factors.min()
+    if np.min(factors - SURE * errors) > _TOO_LARGE and alike:
+        raise LogError(too_large(prepared, names, float(factors.mean())))
+
+
+def _load_factors(b: Balance) -> tuple[Array, Array]:
+    """Of the model's gravity and of its inertia, as the drive has them, and standard errors.
+
+    What the model does not have, gravity along a vertical axis, has the factor 0 and no error.
+    """
     gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
     X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)
-    low = beta[:2] - SURE * np.sqrt(np.diag(cov)[:2])
-    if low.min() > _TOO_LARGE and beta[:2].max() < _ALIKE * beta[:2].min():
-        raise LogError(too_large(prepared, names, float(beta[:2].mean())))
+    return beta[:2], np.sqrt(np.diag(cov)[:2])
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
-    """The factor that a torque is too small by, where the logs show it."""
+    """The factor that a torque is too small by or against the load, where the logs show it."""
     if prepared.gain_unknown:
         return ""
     X = np.column_stack([b.load, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)
     factor, error = float(beta[0]), float(np.sqrt(cov[0, 0]))
-    if factor < SURE * error or 0.5 < factor < 2.0:
+    if abs(factor) < SURE * error or 0.5 < factor < 2.0:
         return ""
     return f", which is {factor:.2g} times the load of the model"
 

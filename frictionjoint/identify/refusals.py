@@ -23,14 +23,25 @@ class _Columns(NamedTuple):
     rest: str = ""
 
 
-def wrong_sign(prepared: Prepared, name: str, errors: float) -> str:
+def driven(prepared: Prepared, name: str, errors: float) -> str:
     """Friction would drive the joint, by so many standard errors."""
+    return _wrong_sign(
+        prepared, name, f"friction would drive the joint ({errors:.0f} standard errors)"
+    )
+
+
+def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float) -> str:
+    """Gravity and inertia of the model show in the drive with these factors, both negative."""
+    why = f"it holds {gravity:.3g} times gravity and {inertia:.3g} times inertia of the model"
+    return _wrong_sign(prepared, names, why)
+
+
+def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
     c = _columns(prepared)
     exchanged = ", that the two are not exchanged" if prepared.commanded else ""
     return (
-        f"{name}: wrong sign of position or {c.what}: friction would drive the joint "
-        f"({errors:.0f} standard errors): check the signs of {c.position} and {c.drive}, both "
-        f"positive along the joint's axis in the MJCF{exchanged}, and their clocks"
+        f"{name}: wrong sign of position or {c.what}: {why}: check the signs of {c.position} and "
+        f"{c.drive}, both positive along the joint's axis in the MJCF{exchanged}, and their clocks"
     )
 
 
@@ -47,7 +58,7 @@ def too_large(prepared: Prepared, names: str, factor: float) -> str:
 
 
 def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
-    """Of the drive's rms so much is left; `hint` is the factor by which a torque is too small."""
+    """Of the drive's rms so much is left; `hint` is the torque over the model's load."""
     c = _columns(prepared)
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (

@@ -17,7 +17,8 @@ class Candidate:
     Attributes:
         cause: None for an effect. effect: name of that. common: of all joints alike.
         at: columns of the stack, from `first` on. joints: where it acts.
-        room: how far each number of a cause may move either way, shape (k, 2).
+        room: how far each number may move either way, shape (k, 2); of an effect of one joint,
+            which its own search keeps within bounds, shape (0, 2).
     """
 
     at: Columns = field(repr=False)
@@ -32,6 +33,11 @@ class Candidate:
     def shared(self) -> bool:
         """Whether it is a cause of the robot, not of one joint."""
         return self.cause is not None or self.common is not None
+
+    @property
+    def essential(self) -> int:
+        """How many of its numbers, the first ones, it is nothing without."""
+        return self.cause.essential if self.cause else len(self.at)
 
     @property
     def among(self) -> float:

@@ -217,16 +217,15 @@ def _excluded(candidate: Candidate, taken: Candidate) -> bool:
 
 def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
     """The candidate without numbers that its bounds hold where they are; None if none is left."""
-    if candidate.cause is None:
+    at, room = candidate.at, candidate.room
+    if not len(room):
         return candidate
-    at = candidate.at
-    room = candidate.room
     while len(at):
         x = stack.solution(np.concatenate([known, at]))[len(known) :]
         inside = (x >= room[: len(x), 0]) & (x <= room[: len(x), 1])
         if inside.all():
             return replace(candidate, at=at, room=room)
-        if not inside[: candidate.cause.essential].all():
+        if not inside[: candidate.essential].all():
             return None
         at, room = at[inside], room[inside]
     return None

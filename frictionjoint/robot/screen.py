@@ -106,7 +106,9 @@ def _of_all(
     names, found = tuple(j.name for j in joints), []
     for term in terms:
         at = first + np.arange(len(term.coefficients))
-        found.append(Candidate(at, names, effect=term.name, common=term, first=first))
+        bounds = term.effect.bounds or ((-np.inf, np.inf),) * len(at)
+        room = np.array(bounds)
+        found.append(Candidate(at, names, effect=term.name, common=term, first=first, room=room))
         first += len(at)
     return found
 

@@ -1,0 +1,63 @@
+"""Which effects take each other's place in a model."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose import exchange
+from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.score import Scored
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.terms import EffectTerm
+
+RICH, SIMPLE = (
+    EffectTerm(next(e for e in CATALOGUE if e.name == name)) for name in ("spring", "inertia-error")
+)
+BLOCKS = 40
+
+
+@pytest.fixture
+def after(monkeypatch):
+    """Name of the effect that is left once another was weighed, and those it is tied with."""
+
+    def weighed(rich: float, simple: float, none: float) -> tuple[str, tuple[str, ...]]:
+        """Of fractions of the squares that the models leave, with either effect and with none."""
+        left = {(): none, (RICH,): rich, (SIMPLE,): simple}
+
+        def model(terms):
+            ones = np.ones(BLOCKS)
+            return SimpleNamespace(effects=terms, friction=ones, weight=ones, error_unit=1.0)
+
+        def scored(fit, blocks):
+            return Scored(fit, np.full(BLOCKS, left[fit.effects]))
+
+        best = SimpleNamespace(term=SIMPLE)
+        monkeypatch.setattr(exchange, "scored", scored)
+        monkeypatch.setattr(exchange, "without", lambda state, term: model(()))
+        monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
+        monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best])
+        monkeypatch.setattr(exchange, "_in_place_of", lambda *of: (best, model((SIMPLE,))))
+        look = SimpleNamespace(find=lambda candidate: SimpleNamespace(name=candidate.term.name))
+        found = Finding(RICH, look, None, 0.5, (), (), None)
+        state = SimpleNamespace(prepared=None, fit=model((RICH,)), blocks=None, findings=[found])
+        exchange.weigh_others(state)
+        (finding,) = state.findings
+        assert finding.term.name == state.fit.effects[0].name
+        return finding.term.name, finding.ties
+
+    return weighed
+
+
+def test_a_simpler_effect_that_explains_as_much_takes_the_place(after):
+    assert after(rich=0.5, simple=0.52, none=1.0) == ("inertia-error", ())
+
+
+def test_one_that_explains_less_is_a_tie_unless_the_logs_tell_them_apart(after):
+    assert after(rich=0.4, simple=0.6, none=1.0) == ("spring", ("inertia-error",))
+    assert after(rich=0.1, simple=0.6, none=1.0) == ("spring", ())
+
+
+def test_one_that_the_model_does_as_well_without_takes_no_place(after):
+    """Or an effect that is needed would give way to one that is dropped next, and both be gone."""
+    assert after(rich=0.65, simple=0.7, none=1.0) == ("spring", ("inertia-error",))
