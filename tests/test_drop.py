@@ -2,19 +2,17 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from frictionjoint.diagnose import drop
-from frictionjoint.diagnose.score import Scored
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.terms import EffectTerm
+from tests.leaving import leaving, model
 
 TERMS = {
     name: EffectTerm(next(e for e in CATALOGUE if e.name == name))
     for name in ("motor-saturation", "spring", "torque-bias")
 }
-BLOCKS = 40
 
 
 def kept(monkeypatch, left: dict[str, float]) -> set[str]:
@@ -24,13 +22,8 @@ def kept(monkeypatch, left: dict[str, float]) -> set[str]:
         left: fraction of the squares that models leave, by initials of their effects.
     """
 
-    def model(terms):
-        ones = np.ones(BLOCKS)
-        return SimpleNamespace(effects=terms, friction=ones, weight=ones, error_unit=1.0)
-
     def scored(fit, blocks):
-        initials = "".join(sorted(t.name[0] for t in fit.effects))
-        return Scored(fit, np.full(BLOCKS, left[initials]))
+        return leaving(fit, left["".join(sorted(t.name[0] for t in fit.effects))])
 
     monkeypatch.setattr(drop, "scored", scored)
     monkeypatch.setattr(drop, "with_fewer", lambda state, terms: model(terms))

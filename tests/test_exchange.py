@@ -2,19 +2,17 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from frictionjoint.diagnose import exchange
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.score import Scored
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.terms import EffectTerm
+from tests.leaving import leaving, model
 
 RICH, SIMPLE = (
     EffectTerm(next(e for e in CATALOGUE if e.name == name)) for name in ("spring", "inertia-error")
 )
-BLOCKS = 40
 
 
 @pytest.fixture
@@ -25,15 +23,8 @@ def after(monkeypatch):
         """Of fractions of the squares that the models leave, with either effect and with none."""
         left = {(): none, (RICH,): rich, (SIMPLE,): simple}
 
-        def model(terms):
-            ones = np.ones(BLOCKS)
-            return SimpleNamespace(effects=terms, friction=ones, weight=ones, error_unit=1.0)
-
-        def scored(fit, blocks):
-            return Scored(fit, np.full(BLOCKS, left[fit.effects]))
-
         best = SimpleNamespace(term=SIMPLE)
-        monkeypatch.setattr(exchange, "scored", scored)
+        monkeypatch.setattr(exchange, "scored", lambda fit, blocks: leaving(fit, left[fit.effects]))
         monkeypatch.setattr(exchange, "without", lambda state, term: model(()))
         monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
         monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best])

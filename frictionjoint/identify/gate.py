@@ -82,6 +82,16 @@ class Balance(NamedTuple):
         return part._replace(block=_blocks(len(part.drive)))
 
 
+class _Load(NamedTuple):
+    """The model's gravity and its inertia as the drive has them, each of shape (2,).
+
+    What the model does not have, gravity along a vertical axis, has the factor 0 and no error.
+    """
+
+    factors: Array
+    errors: Array
+
+
 def check_signs(prepared: Prepared) -> None:
     """See that friction takes power from the joint, and that gravity and inertia are not turned.
 
@@ -90,7 +100,9 @@ def check_signs(prepared: Prepared) -> None:
     Raises:
         LogError: a sign is wrong.
     """
-    _check_signs(prepared, _balance(prepared), few([s.name for s in prepared.segments]))
+    balance = _balance(prepared)
+    names = few([s.name for s in prepared.segments])
+    _check_signs(prepared, balance, _load_factors(balance), names)
 
 
 def check(prepared: Prepared) -> None:
@@ -105,12 +117,13 @@ def check(prepared: Prepared) -> None:
     names = few([s.name for s in prepared.segments])
     if not balance.drive.any():
         raise LogError(f"{names}: the {prepared.drive} is zero: check its column")
-    _check_signs(prepared, balance, names)
+    load = _load_factors(balance)
+    _check_signs(prepared, balance, load, names)
     left = _left(balance, prepared.gain_unknown)
     if left > MOST_LEFT:
         raise LogError(unexplained(prepared, names, left, _hint(prepared, balance)))
     if not prepared.gain_unknown:
-        _check_too_large(prepared, balance, names)
+        _check_too_large(prepared, load, names)
 
 
 def check_fit(prepared: Prepared, fitted: Fit) -> None:
@@ -153,15 +166,14 @@ def load_shows(fitted: Fit) -> bool:
     return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
-def _check_signs(prepared: Prepared, balance: Balance, names: str) -> None:
+def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) -> None:
     """The load must not be turned round, nor friction drive, in all logs together or in one.
 
     The balance of one log may be wrong by more than its standard errors tell, as where gravity and
     inertia of a swing cancel. So the balance of the other logs must agree that its sign is wrong.
     """
-    factors, errors = _load_factors(balance)
-    if np.max(factors + SURE * errors) < 0.0:
-        raise LogError(turned_round(prepared, names, *factors))
+    if np.max(load.factors + SURE * load.errors) < 0.0:
+        raise LogError(turned_round(prepared, names, *load.factors))
     logs = [(names, balance, True)]
     if len(prepared) > 1:
         for i, s in enumerate(prepared.segments):
@@ -212,23 +224,19 @@ def _left(b: Balance, gain_unknown: bool) -> float:
     return float(nnls(X / size, target)[1] / np.linalg.norm(b.drive))
 
 
-def _check_too_large(prepared: Prepared, b: Balance, names: str) -> None:
+def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
     """The torque's gravity and inertia against the model's."""
-    factors, errors = _load_factors(b)
-    alike = factors.max() < _ALIKE * factors.min()
-    if np.min(factors - SURE * errors) > _TOO_LARGE and alike:
-        raise LogError(too_large(prepared, names, float(factors.mean())))
+    alike = load.factors.max() < _ALIKE * load.factors.min()
+    if np.min(load.factors - SURE * load.errors) > _TOO_LARGE and alike:
+        raise LogError(too_large(prepared, names, float(load.factors.mean())))
 
 
-def _load_factors(b: Balance) -> tuple[Array, Array]:
-    """Of the model's gravity and of its inertia, as the drive has them, and standard errors.
-
-    What the model does not have, gravity along a vertical axis, has the factor 0 and no error.
-    """
+def _load_factors(b: Balance) -> _Load:
+    """By a balance that has friction and a constant torque besides."""
     gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
     X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)
-    return beta[:2], np.sqrt(np.diag(cov)[:2])
+    return _Load(beta[:2], np.sqrt(np.diag(cov)[:2]))
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:

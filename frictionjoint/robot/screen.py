@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.design import term_bounds
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
@@ -106,8 +107,7 @@ def _of_all(
     names, found = tuple(j.name for j in joints), []
     for term in terms:
         at = first + np.arange(len(term.coefficients))
-        bounds = term.effect.bounds or ((-np.inf, np.inf),) * len(at)
-        room = np.array(bounds)
+        room = np.array(term_bounds(joints[0].prepared, term))
         found.append(Candidate(at, names, effect=term.name, common=term, first=first, room=room))
         first += len(at)
     return found
