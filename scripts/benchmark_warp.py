@@ -14,6 +14,7 @@ import gc
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import mujoco_warp as mjw
 import numpy as np
@@ -26,6 +27,20 @@ WARM_UP = 20
 
 
 Run = Callable[[], None]
+
+
+@dataclass
+class Replay:
+    """A captured graph, and the call it was captured from: a graph keeps none of its arrays."""
+
+    graph: wp.Graph
+    call: Run
+    steps: int
+
+    def __call__(self) -> None:
+        for _ in range(self.steps):
+            wp.capture_launch(self.graph)
+        wp.synchronize()
 
 
 def repeated(device: wp.Device, call: Run, steps: int) -> Run:
@@ -44,12 +59,7 @@ def repeated(device: wp.Device, call: Run, steps: int) -> Run:
     with wp.ScopedCapture() as capture:
         call()
     gc.enable()
-
-    def replay() -> None:
-        for _ in range(steps):
-            wp.capture_launch(capture.graph)
-        wp.synchronize()
-
+    replay = Replay(capture.graph, call, steps)
     replay()
     return replay
 

@@ -8,6 +8,7 @@ from frictionjoint.diagnose.possible import impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
 from frictionjoint.effects.nonlinear_viscous import EFFECT
+from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
@@ -45,3 +46,15 @@ def test_such_an_effect_is_not_needed_however_much_it_explains(joint):
     now, without = scored(found, blocks), scored(base, blocks)
     assert now.gain(without) > 0.5
     assert needed(now, without) == (p < LIMIT)
+
+
+@pytest.mark.parametrize(("change", "turned"), [(-0.6, False), (-1.6, True)])
+def test_a_friction_that_drives_the_joint_is_impossible(change, turned, tmp_path):
+    """Each of its numbers has a sign that is possible: together they take more than all away."""
+    tau, rng = 0.5 * T[-1], np.random.default_rng(8)
+    level = 1.0 + change * np.exp(-T / tau)
+    torque = INERTIA * A + level * np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
+    prepared = logged(tmp_path, torque + rng.normal(0.0, 0.02, len(T)))
+    found = refit(prepared, (EffectTerm(WARM_UP, (tau,)),), fit(prepared).shape)
+    assert found.term_coefficients(0)[0] == pytest.approx(change, rel=0.2)
+    assert (WARM_UP.name in impossible(found, make_blocks(prepared, found))) == turned

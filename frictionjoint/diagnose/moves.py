@@ -45,7 +45,8 @@ class Looked(NamedTuple):
     Attributes:
         left: squares of each block, the shape chosen without the block's fold, shape (B,).
         p_value: of no effect, over the whole family of candidates and shapes.
-        frequency: how often it is the best on half of the data.
+        frequency: how often it is the best effect on half of the data; 0 of what has no name, for
+            that bends with the data.
     """
 
     candidate: Candidate
@@ -95,7 +96,8 @@ def look(
     for i, candidate in enumerate(candidates):
         kinds.setdefault(candidate.kind, []).append(i)
     found_p, chance = p_values(found, [c.among for c in candidates], rng)
-    frequencies = _frequencies(found, list(kinds.values()), rng)
+    named = {kind: at for kind, at in kinds.items() if not candidates[at[0]].unnamed}
+    frequencies = dict(zip(named, _frequencies(found, list(named.values()), rng), strict=True))
 
     def held_out(i: int) -> tuple[Array, Array]:
         return found.held_out([*found.terms, found.candidates[i]])
@@ -103,14 +105,14 @@ def look(
     with side_by_side() as each:
         tests = list(each(held_out, range(len(candidates))))
     rows = []
-    for members, frequency in zip(kinds.values(), frequencies, strict=True):
+    for kind, members in kinds.items():
         tried = [tests[i] for i in members]
         squares = np.array([s for s, _ in tried])
         chosen = np.argmin(np.array([t for _, t in tried]), axis=0)
         best = members[int(np.argmin(squares.sum(axis=1)))]
         left = squares[chosen, np.arange(squares.shape[1])]
         p_value = float(min(found_p[i] for i in members))
-        rows.append(Looked(candidates[best], left, p_value, frequency))
+        rows.append(Looked(candidates[best], left, p_value, frequencies.get(kind, 0.0)))
     rows.sort(key=lambda r: float(r.left.sum()))
     return Look(tuple(rows), without, chance), found
 

@@ -1,10 +1,11 @@
 """What a search says in the end."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.finding import Finding, Trace, sight
+from frictionjoint.diagnose.finding import Trace, sight
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -12,6 +13,7 @@ from frictionjoint.diagnose.nearest import (
     moving_nearest,
     nearer,
 )
+from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.damping import with_damping
@@ -21,11 +23,12 @@ from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
 
-def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Trace:
+def told(
+    state: State, base: Fit, replayed: Replayed, law_by_motion: bool, rng: np.random.Generator
+) -> Trace:
     """What was found, without the dependences that have no name: those are only reported."""
     unexplained: dict[str, float] = {}
     hints: list[str] = []
@@ -49,10 +52,7 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
     if law_by_motion and moving_nearest(state, replayed):
         drop_idle(state)
     drop_what_moves_worse(state, replayed)
-    findings: list[Finding] = []
-    for term in state.fit.effects:
-        own = [f for f in state.findings if f.term.name == term.name]
-        findings.append(replace(own[min(len(found_of(findings, term)), len(own) - 1)], term=term))
+    findings = restated(state, rng)
     other = state.laws.unchosen(state.prepared, state.fit, base)
     if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
         base = state.fit
@@ -61,7 +61,7 @@ def told(state: State, base: Fit, replayed: Replayed, law_by_motion: bool) -> Tr
     return Trace(
         prepared=state.prepared,
         base=base,
-        findings=tuple(findings),
+        findings=findings,
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),
@@ -95,8 +95,3 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
             return said
     state.prepared, state.fit = reweighed(*asked)
     return []
-
-
-def found_of(found: Sequence[Finding], term: Term) -> list[Finding]:
-    """Findings of one name: harmonics of a periodic effect come one by one."""
-    return [f for f in found if f.term.name == term.name]

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
-from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY
+from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY, TIE
 from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
@@ -23,14 +24,40 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     A number on its bound that the logs would take beyond it, by more than its standard error and by
     more torque than a law is wrong by, says that what they hold is something else. At zero or at
     infinity an effect has only another form, or is none. Of what leaps derivatives say too little.
+
+    So would what turns friction round: friction takes energy, whatever scales its level.
     """
-    return frozenset(
+    beyond = frozenset(
         term.name
         for i, term in enumerate(fitted.terms)
         if isinstance(term, EffectTerm) and not term.effect.leaps
         for k, outward in _at_ends(fitted, i, term)
         if _leaves(fitted, blocks, k, outward)
     )
+    return beyond.union(_turn_friction_round(fitted, blocks))
+
+
+def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
+    """Names of effects on the friction's level that take more than all of it away.
+
+    Friction may give back what its bristles hold, as the law alone would, but nothing besides.
+    """
+    scaling = [i for i, t in enumerate(fitted.terms) if t.follows_law]
+    if not scaling or "sigma2" not in fitted.names:
+        return
+    # torque per viscosity: the speed, behind the filter of the balance
+    speed = fitted.jacobian[:, fitted.names.index("sigma2")]
+
+    def work(torque: Array) -> Array:
+        return np.asarray(np.bincount(blocks.of_sample, torque * speed, blocks.count), float)
+
+    alone = work(fitted.friction)
+    changes = {i: work(fitted.term_torque(i)) for i in scaling}
+    whole = alone + np.sum(list(changes.values()), axis=0)
+    turned = (alone > 0.0) & (whole < 0.0)
+    given, taken = -whole[turned], whole[whole > 0.0]
+    if given.sum() > max(SURELY * np.linalg.norm(given), TIE * taken.sum()):
+        yield from (fitted.terms[i].name for i, w in changes.items() if w[turned].sum() < 0.0)
 
 
 def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:

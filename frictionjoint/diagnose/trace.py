@@ -117,7 +117,7 @@ def trace(
         state.law_errs = False
         if not _of_joint(state, rng):
             break
-    return told(state, base, replayed, law_by_motion)
+    return told(state, base, replayed, law_by_motion, rng)
 
 
 def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:

@@ -119,6 +119,11 @@ class Fit:
         """Coefficients of term i in N m per unit of their columns."""
         return self.beta[self.layout.coefficients(i)] * self.gain
 
+    def term_torque(self, i: int) -> Array:
+        """Torque of term i, N m, shape (n,)."""
+        at = self.layout.coefficients(i)
+        return np.asarray(self.jacobian[:, at] @ self.beta[at])
+
 
 def with_gain(fitted: Fit, gain: float) -> Fit:
     """The same fit with a gain of the drive that another fit has determined."""

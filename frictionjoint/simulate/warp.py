@@ -128,7 +128,7 @@ class WarpFriction:
         drives = not m.opt.disableflags & bit.ACTUATION
         self._wp.launch(
             self._friction,
-            dim=(d.nworld, len(self.joints)),
+            dim=(len(self.joints), d.nworld),
             inputs=[
                 self.parameters,
                 self._blocks,
@@ -168,7 +168,7 @@ class WarpFriction:
         )
         self._wp.launch(
             self._hold,
-            dim=(d.nworld, len(self._layout.tree_dof)),
+            dim=(len(self._layout.tree_dof), d.nworld),
             inputs=[
                 self.parameters,
                 self._blocks,
@@ -258,7 +258,7 @@ class WarpFriction:
                 mask = self._wp.array(np.asarray(mask, dtype=bool), dtype=self._wp.bool, device=on)
         self._wp.launch(
             self._reset,
-            dim=(self._data.nworld, len(self.joints)),
+            dim=(len(self.joints), self._data.nworld),
             inputs=[mask, self._rows],
             outputs=[self.state],
             device=self._data.qpos.device,

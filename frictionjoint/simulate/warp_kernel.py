@@ -150,7 +150,7 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         state: doubles,
         total: doubles,
     ):
-        world, k = wp.tid()
+        k, world = wp.tid()
         P = numbers[world % numbers.shape[0]]
         X = state[world]
         block = blocks[k]
@@ -223,7 +223,7 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
 
     @wp.kernel(enable_backward=False, module="unique")
     def reset(mask: wp.array(dtype=wp.bool), rows: wp.array(dtype=int), state: doubles):
-        world, k = wp.tid()
+        k, world = wp.tid()
         if mask[world]:
             state[world, rows[k] + FRONT + STARTED] = double(0.0)
 

@@ -99,11 +99,11 @@ def build() -> Any:
         torque: wp.array2d(dtype=float),
         passive: wp.array2d(dtype=float),
     ):
-        world, tree = wp.tid()
+        tree, world = wp.tid()
         P = numbers[world % numbers.shape[0]]
         X = state[world]
         h = double(timestep[world % timestep.shape[0]])
-        place = world * tree_dof.shape[0] + tree
+        place = tree * state.shape[0] + world
         B, W, Y = stiff[place], inverse[place], room[place]
         first, last = tree_first[tree], tree_first[tree + 1]
         # a constant that changes in a loop has to be made a variable for warp

@@ -1,0 +1,49 @@
+"""What an effect's evidence is in the end: that of the final model."""
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE
+from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.moves import Look, look
+from frictionjoint.diagnose.restated import restated
+from frictionjoint.diagnose.state import State
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.search import refit
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm
+from tests.three_sines import INERTIA, A, Q, T, V, logged
+
+SPRING, BIAS = (
+    EffectTerm(next(e for e in CATALOGUE if e.name == name)) for name in ("spring", "torque-bias")
+)
+STIFFNESS = 3.0
+
+
+@pytest.fixture(scope="module")
+def state(tmp_path_factory):
+    """A spring that is there and a bias that is not, both said to have been seen at first."""
+    rng = np.random.default_rng(11)
+    friction = np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
+    torque = INERTIA * A + friction + STIFFNESS * Q + rng.normal(0.0, 0.05, len(T))
+    prepared = logged(tmp_path_factory.mktemp("model"), torque)
+    base = fit(prepared)
+    laws = Laws(prepared, base, asked=True, progress=lambda text: None)
+    prepared, base = laws.better(prepared, base)
+    state = State(prepared, base, [], Look((), np.zeros(0), 0.0), laws)
+    seen, _ = look(base, state.blocks, state.candidates, rng)
+    rows = {r.name: r for r in seen.rows}
+    state.fit = found = refit(prepared, (SPRING, BIAS), base.shape)
+    state.findings = [Finding(t, seen, rows[t.name], 0.5, (), (), found) for t in (SPRING, BIAS)]
+    return state
+
+
+def test_what_the_final_model_does_not_bear_out_is_dropped(state):
+    (left,) = restated(state, np.random.default_rng(0))
+    assert left.term.name == SPRING.name
+    assert [t.name for t in state.fit.effects] == [SPRING.name]
+    assert left.row.p_value <= SIGNIFICANCE
+    assert left.row.frequency >= MOSTLY
+    assert 0.1 < left.gain <= left.look.gain(left.row)
+    assert left.look.find(left.row.candidate) is left.row
