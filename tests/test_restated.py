@@ -46,4 +46,3 @@ def test_what_the_final_model_does_not_bear_out_is_dropped(state):
     assert left.row.p_value <= SIGNIFICANCE
     assert left.row.frequency >= MOSTLY
     assert 0.1 < left.gain <= left.look.gain(left.row)
-    assert left.look.find(left.row.candidate) is left.row

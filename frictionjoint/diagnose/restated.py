@@ -1,8 +1,9 @@
 """The evidence of each effect, restated on the final model.
 
 When an effect came in it was seen beside another law and other effects. In the end each is looked
-at as if it alone were missing, with all candidates beside it. What chance explains as well, or what
-fewer than half of the halves of the data choose, goes.
+at as if it alone were missing, with all candidates beside it, and the best of those are fitted in
+its place. What chance explains as well, or what fewer than half of the halves of the data choose
+before these and before nothing, goes.
 """
 
 from dataclasses import replace
@@ -13,11 +14,13 @@ from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
-from frictionjoint.diagnose.moves import look
+from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.diagnose.state import State, numbers_of, with_fewer, without
+from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
+
+_MOST_RIVALS = 2
 
 
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
@@ -27,7 +30,7 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         weak = [f for f in found if not _borne_out(f)]
         if not weak:
             return tuple(found)
-        least = min(weak, key=_chosen).term
+        least = min(weak, key=lambda f: f.row.frequency).term
         state.prepared, state.fit = reweighed(state.prepared, without(state, least))
         drop_idle(state)
         state.forget_dropped()
@@ -51,26 +54,32 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     if not isinstance(finding.term, EffectTerm):
         return finding
     rest = replace(state, fit=without(state, finding.term))
-    seen, _ = look(rest.fit, rest.blocks, rest.candidates, rng)
+    seen, screened = look(rest.fit, rest.blocks, rest.candidates, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
-    gain = scored(state.fit, rest.blocks).gain(scored(rest.fit, rest.blocks))
-    # shapes were chosen on all of the data for the one, without each fold for the other
-    return replace(finding, look=seen, row=row, gain=min(gain, seen.gain(row)))
+    instead = [with_fewer(rest, (*rest.fit.effects, t)) for t in _rivals(seen, finding)]
+    now, bare, *others = (scored(f, rest.blocks) for f in (state.fit, rest.fit, *instead))
+    halves = screened.halves(rng)
+    ahead = [halves @ now.squares < halves @ other.squares for other in (bare, *others)]
+    chosen = float(np.mean(np.all(ahead, axis=0)))
+    # shapes were chosen on all of the data for the one gain, without each fold for the other
+    gain = min(now.gain(bare), seen.gain(row))
+    return replace(finding, look=seen, row=row._replace(frequency=chosen), gain=gain)
+
+
+def _rivals(seen: Look, finding: Finding) -> list[Term]:
+    """The best other effects of no more numbers, without its ties."""
+    terms = [r.candidate.term for r in seen.rows if not r.candidate.unnamed]
+    own = {finding.term.name, *finding.ties}
+    most = numbers_of(finding.term)
+    return [t for t in terms if t.name not in own and numbers_of(t) <= most][:_MOST_RIVALS]
 
 
 def _borne_out(finding: Finding) -> bool:
-    """Whether chance hardly explains as much, and most of the data choose it or one of its ties.
+    """Whether chance hardly explains as much, and most halves of the data choose it.
 
     What comes first is known to be there.
     """
-    if comes_first(finding.term):
-        return True
-    return finding.row.p_value <= SIGNIFICANCE and _chosen(finding) >= MOSTLY
-
-
-def _chosen(finding: Finding) -> float:
-    """How often an effect is the best on half of the data, or one that it is tied with."""
-    alike = {finding.term.name, *finding.ties}
-    return sum(r.frequency for r in finding.look.rows if r.name in alike)
+    row = finding.row
+    return comes_first(finding.term) or (row.p_value <= SIGNIFICANCE and row.frequency >= MOSTLY)
