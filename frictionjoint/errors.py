@@ -27,6 +27,10 @@ class LogError(FrictionJointError):
     """A measured log cannot be read, or its content cannot be trusted."""
 
 
+class NoMotionError(LogError):
+    """The joint of a measured log does not move."""
+
+
 def few(names: Sequence[str], most: int = 3) -> str:
     """The first of some names, and how many more there are."""
     more = f" and {len(names) - most} more" if len(names) > most else ""

@@ -60,6 +60,36 @@ def test_a_joint_that_stands_still_stops_no_other(tmp_path, model):
     assert "j2" not in logs.moving
 
 
+def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_move(tmp_path, model):
+    logs = [write(tmp_path / f"{name}.csv", still=name) for name in ("j1", "j2")]
+    found = read_robot(logs, model, held_out=[write(tmp_path / "held.csv", still="j2")])
+    assert {j: [log.name for log in own] for j, own in found.fit.items()} == {
+        "j1": ["j2"],
+        "j2": ["j1"],
+    }
+    assert {j: len(own) for j, own in found.held_out.items()} == {"j1": 1, "j2": 0}
+    assert found.at_rest == {"j1": ("j1",), "j2": ("j2", "held")}
+    assert [(e.name, e.role) for e in found.entries] == [
+        ("j2", "fit"),
+        ("j1", "fit"),
+        ("held", "held-out"),
+    ]
+    assert not found.failed
+    first, second = found.notes
+    assert first.startswith("j1: at rest in j1,")
+    assert second.startswith("j2: at rest in j2, held,")
+
+
+def test_a_joint_that_only_flickers_stands_still(tmp_path, model):
+    log = write(tmp_path / "a.csv", still="j2")
+    rows = np.loadtxt(log, delimiter=",", skiprows=1)
+    names = (tmp_path / "a.csv").read_text().split("\n")[0]
+    rows[::7, names.split(",").index("j2.position_rad")] += 1e-3
+    np.savetxt(log, rows, delimiter=",", header=names, comments="")
+    found = read_robot([log], model)
+    assert "flicker" in found.failed["j2"]
+
+
 def test_a_log_of_no_joint_of_the_model_is_refused(tmp_path, model):
     log = write(tmp_path / "a.csv", columns={"elbow": COLUMNS["j1"]})
     with pytest.raises(LogError, match=r"elbow.*j1"):

@@ -156,7 +156,7 @@ class Reading:
         """
         return cls(joint, columns_of(column), tuple(signal or ()), wrap, gain)
 
-    def read(self, path: Path) -> "JointLog":
+    def read(self, path: str | Path) -> "JointLog":
         """One log."""
         from frictionjoint.measured.readers import read_log
 
@@ -179,16 +179,12 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
     return found
 
 
-def split(
-    paths: list[Path], held_out: list[str], reading: Reading
-) -> tuple[list["JointLog"], list["JointLog"]]:
-    """Logs to fit and logs held out; a fraction cuts the end off every log to fit.
+def kept_of(paths: list[Path], held_out: list[str]) -> tuple[list[Path], float | None]:
+    """Logs held out, and the fraction to cut off the end of every log to fit.
 
     Raises:
-        LogError: a log is both, or there are two fractions.
+        LogError: a log is both fitted and held out, or there are two fractions.
     """
-    from frictionjoint.measured.log import split_in_time
-
     fractions = [float(text) for text in held_out if _is_number(text)]
     names = [Path(text) for text in held_out if not _is_number(text)]
     if len(fractions) > 1:
@@ -196,10 +192,24 @@ def split(
     same = [path for path in paths if path.resolve() in {n.resolve() for n in names}]
     if same:
         raise LogError(f"{same[0]} is both fitted and held out: give it once")
+    return names, fractions[0] if fractions else None
+
+
+def split(
+    paths: list[Path], held_out: list[str], reading: Reading
+) -> tuple[list["JointLog"], list["JointLog"]]:
+    """Logs to fit and logs held out.
+
+    Raises:
+        LogError: see `kept_of` and `read_log`.
+    """
+    from frictionjoint.measured.log import split_in_time
+
+    names, fraction = kept_of(paths, held_out)
     fitted = [reading.read(path) for path in paths]
     kept = [reading.read(path) for path in names]
-    if fractions:
-        pairs = [split_in_time(log, fractions[0]) for log in fitted]
+    if fraction is not None:
+        pairs = [split_in_time(log, fraction) for log in fitted]
         fitted = [first for first, _ in pairs]
         kept += [last for _, last in pairs]
     return fitted, kept

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
-from frictionjoint.cli.logs import Reading, split
+from frictionjoint.cli.logs import Reading, kept_of
 from frictionjoint.cli.output import require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import LogError
@@ -67,8 +67,10 @@ class RobotRequest:
         if not names:
             model = compile_model(self.model)
             names = joints_to_explain([*self.logs, *self.kept], model, self.reading.columns)
+        kept, fraction = kept_of(self.logs, self.held_out)
         return RobotLogs.read(
-            names, lambda n: split(self.logs, self.held_out, replace(self.reading, joint=n))
+            *(names, self.logs, kept, fraction),
+            lambda path, joint: replace(self.reading, joint=joint).read(path),
         )
 
 
@@ -186,8 +188,13 @@ def show_robot(report: "RobotReport") -> None:
     table = Table("joint", "effects added", "torque before", "after", "replay before", "after", "")
     for line in joint_rows(report):
         cells = (line.before, line.after, line.replay_before, line.replay_after)
-        table.add_row(line.joint, line.effects, *cells, line.verdict)
+        # why a joint has no result is a sentence, too long for a cell
+        table.add_row(
+            line.joint, line.effects, *cells, line.verdict if line.explained else "no result"
+        )
     out.print(table)
+    for joint, why in report.failed.items():
+        out.print(f"{joint}: {why}", soft_wrap=True, markup=False)
     for twist in torsion_rows(report):
         parts = f"stiffness {twist.stiffness}, backlash {twist.backlash}"
         text = f"{twist.joint}: {parts}, hysteresis {twist.hysteresis}"

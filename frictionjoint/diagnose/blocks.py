@@ -63,11 +63,13 @@ class Blocks:
         Args:
             U: shape (n, c), each column of one piece in memory. at: of the columns, shape (m,).
         Returns:
-            shape (B, m, m).
+            shape (B, m, m), zeros for blocks without samples.
         """
         edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
-        out = np.empty((len(edges) - 1, len(at), len(at)))
-        gram_matrices(U, at, edges, out)
+        own = np.empty((len(edges) - 1, len(at), len(at)))
+        gram_matrices(U, at, edges, own)
+        out = np.zeros((self.count, len(at), len(at)))
+        out[self.of_sample[edges[:-1]]] = own
         return out
 
 

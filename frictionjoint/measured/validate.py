@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.errors import LogError
+from frictionjoint.errors import LogError, NoMotionError
 from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP
 
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
@@ -122,11 +122,12 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
 
 
 def check_moves(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError where the joint of a log does not move, or its drive never changes."""
+    """Raise LogError where the joint of a log does not move (NoMotionError), or its drive never
+    changes."""
     for name, x in columns.items():
         unit = name.rpartition(".")[2]
         if unit in _SPEED_OF and x.min() == x.max():
-            raise LogError(
+            raise NoMotionError(
                 f"{source}, {name}: constant at {x[0]:g}, the joint does not move: "
                 "check the column or record a motion"
             )

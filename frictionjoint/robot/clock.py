@@ -1,10 +1,11 @@
 """Blocks of time common to all joints, and the kinds of motion they are of.
 
 Joints of a robot are logged at once, so that what is left of one is not independent of what is left
-of another: a block is a stretch of time of all joints.
+of another: a block is a stretch of time of all joints. Logs in which a joint stands still are none
+of its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, correlation_time
 from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.logs import Place, log_places
 
 Index = NDArray[np.int64]
 
@@ -30,11 +32,13 @@ class Clock:
     """Blocks of all logs in turn.
 
     Attributes:
+        number: of each log, by its place among the logs of a joint, see `log_places`.
         length: of each log's blocks, s, shape (logs,). first: number of its first block.
         fold, log: of each block, shape (B,).
         alike: samples over which what is left stays correlated: that many tell one thing.
     """
 
+    number: Mapping[Place, int]
     length: Array
     first: Index
     fold: Index
@@ -54,12 +58,18 @@ class Clock:
 
     def of_sample(self, joint: FittedJoint) -> Index:
         """Block of each kept sample of a joint's logs, shape (n,)."""
-        return _of_sample(joint, self.length, self.first, self.count)
+        return _of_sample(joint, self.number, self.length, self.first, self.count)
 
 
 def clock(joints: Sequence[FittedJoint]) -> Clock:
     """Blocks several correlation times long, as far as enough of them remain."""
-    spans = np.array([np.ptp(s.signals[:, TIME]) for s in joints[0].prepared.segments])
+    found: dict[Place, float] = {}
+    for joint in joints:
+        segments = joint.prepared.segments
+        for place, s in zip(log_places(segments), segments, strict=True):
+            found.setdefault(place, float(np.ptp(s.signals[:, TIME])))
+    number = {place: i for i, place in enumerate(found)}
+    spans = np.array(list(found.values()))
     total = float(spans.sum())
     alike = [_correlation(joint) for joint in joints]
     longest = float(np.median([seconds for seconds, _ in alike]))
@@ -68,13 +78,18 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     log = np.repeat(np.arange(len(spans)), counts)
     lengths = spans / counts
-    fold = log if len(spans) >= _LOGS else _kinds(joints, lengths, first, len(log))
-    return Clock(lengths, first, fold, log, float(np.median([samples for _, samples in alike])))
+    fold = log if len(spans) >= _LOGS else _kinds(joints, number, lengths, first, len(log))
+    samples = float(np.median([n for _, n in alike]))
+    return Clock(number, lengths, first, fold, log, samples)
 
 
-def _of_sample(joint: FittedJoint, length: Array, first: Index, count: int) -> Index:
+def _of_sample(
+    joint: FittedJoint, number: Mapping[Place, int], length: Array, first: Index, count: int
+) -> Index:
     found, ends = [], np.append(first[1:], count)
-    for i, s in enumerate(joint.prepared.segments):
+    segments = joint.prepared.segments
+    for place, s in zip(log_places(segments), segments, strict=True):
+        i = number[place]
         t = s.signals[:: s.step, TIME][s.kept]
         found.append(np.minimum(first[i] + (t / length[i]).astype(np.int64), ends[i] - 1))
     return np.concatenate(found)
@@ -90,11 +105,17 @@ def _correlation(joint: FittedJoint) -> tuple[float, float]:
     return max(found)
 
 
-def _kinds(joints: Sequence[FittedJoint], length: Array, first: Index, count: int) -> Index:
+def _kinds(
+    joints: Sequence[FittedJoint],
+    number: Mapping[Place, int],
+    length: Array,
+    first: Index,
+    count: int,
+) -> Index:
     """Kind of motion of each block: speed, acceleration, position and direction of all joints."""
     rows = []
     for joint in joints:
-        of_sample = _of_sample(joint, length, first, count)
+        of_sample = _of_sample(joint, number, length, first, count)
         q, v, a = (
             np.concatenate([s.signals[:: s.step, k][s.kept] for s in joint.prepared.segments])
             for k in (Q, V, A)

@@ -124,7 +124,7 @@ def close_loop_robot(
         excitation=excitation,
         mjcf=model_text(spec, corrected.mjcf),
         seconds=time.perf_counter() - begin,
-        notes=notes_of(results),
+        notes=(*logs.notes, *notes_of(results)),
     )
 
 

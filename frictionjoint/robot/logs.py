@@ -1,14 +1,15 @@
 """Logs of a whole robot: every joint of every log, fitted or held out."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import mujoco
 import numpy as np
 
-from frictionjoint.diagnose.report_data import LogEntry
-from frictionjoint.errors import LogError
+from frictionjoint.diagnose.report_data import LogEntry, Role
+from frictionjoint.errors import LogError, NoMotionError, few
 from frictionjoint.identify.held import joint_label
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_in_time
@@ -17,45 +18,91 @@ from frictionjoint.model_files import ONE_DOF, compile_model
 
 # travel below which a joint stands still, rad (m)
 _STILL = 1e-3
+# counts of an encoder that a joint at rest may show
+_FLICKER = 3
+# of a log among those of a joint: its name, and how many before it have that
+Place = tuple[str, int]
+
+
+class Named(Protocol):
+    """A log, or what was made of one."""
+
+    @property
+    def name(self) -> str:
+        """Of the log."""
+        ...
+
+
+def log_places(logs: Iterable[Named]) -> list[Place]:
+    """The place of each of a joint's logs; the same log of another joint has the same."""
+    names = [log.name for log in logs]
+    return [(name, names[:i].count(name)) for i, name in enumerate(names)]
 
 
 @dataclass(frozen=True)
 class RobotLogs:
-    """Logs of each joint by its name, in the same order for all.
+    """Logs of each joint by its name: those in which it moves.
 
     Attributes:
         fit, held_out: by joint, base first. failed: why a joint's logs cannot be used, by joint.
+        at_rest: names of the logs in which a joint stands still, by joint.
     """
 
     fit: dict[str, list[JointLog]]
     held_out: dict[str, list[JointLog]]
     failed: dict[str, str]
+    at_rest: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @classmethod
     def read(
         cls,
         joints: Sequence[str],
-        read: Callable[[str], tuple[Sequence[JointLog], Sequence[JointLog]]],
+        logs: Sequence[str | Path],
+        kept: Sequence[str | Path],
+        fraction: float | None,
+        read: Callable[[str | Path, str], JointLog],
     ) -> "RobotLogs":
         """Every joint's logs; what is too long is made shorter.
 
+        Where people record one joint after the other, the others stand still meanwhile: that says
+        nothing of their friction in motion, and such logs are left out of theirs.
+
         Args:
-            joints: names, base first. read: logs fitted and held out of a joint.
+            joints: names, base first. logs: to fit. kept: to hold out. fraction: to cut off the end
+                of every log to fit, and hold out too. read: one log of a joint.
         Raises:
             LogError: of the first joint, where no joint can be used.
         """
-        fit: dict[str, list[JointLog]] = {}
-        kept: dict[str, list[JointLog]] = {}
-        failed: dict[str, str] = {}
+        found = cls({}, {}, {})
         for name in joints:
             try:
-                fitted, held_out = read(name)
-                fit[name], kept[name] = bounded(fitted), bounded(held_out)
+                (own, still), (held_out, also) = (_in_motion(x, name, read) for x in (logs, kept))
+                if not own:
+                    raise next(iter(still.values()))
+                if fraction is not None:
+                    pairs = [split_in_time(log, fraction) for log in own]
+                    own, ends = [first for first, _ in pairs], [last for _, last in pairs]
+                    held_out = [*held_out, *ends]
+                found.fit[name], found.held_out[name] = bounded(own), bounded(held_out)
+                if still or also:
+                    found.at_rest[name] = tuple(still | also)
             except LogError as error:
-                failed[name] = str(error)
-        if not fit:
-            raise LogError(next(iter(failed.values())))
-        return cls(fit, kept, failed)
+                found.failed[name] = str(error)
+        if not found.fit:
+            raise LogError(next(iter(found.failed.values())))
+        return found
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Which logs are left out of which joints' own, a sentence for joints alike."""
+        alike: dict[tuple[str, ...], list[str]] = {}
+        for joint, names in self.at_rest.items():
+            alike.setdefault(names, []).append(joint)
+        return tuple(
+            f"{', '.join(joints)}: at rest in {few(names)}, which say nothing of friction in "
+            "motion and are left out there."
+            for names, joints in alike.items()
+        )
 
     @property
     def joints(self) -> list[str]:
@@ -76,12 +123,39 @@ class RobotLogs:
     @property
     def entries(self) -> tuple[LogEntry, ...]:
         """Lines of the report."""
-        first = self.joints[0]
-        return tuple(
-            LogEntry(log.name, len(log.time), log.duration, role)  # type: ignore[arg-type]
-            for role, logs in (("fit", self.fit[first]), ("held-out", self.held_out[first]))
-            for log in logs
-        )
+        lines: dict[tuple[Role, Place], LogEntry] = {}
+        roles: list[tuple[Role, dict[str, list[JointLog]]]] = [
+            ("fit", self.fit),
+            ("held-out", self.held_out),
+        ]
+        for role, by_joint in roles:
+            for logs in by_joint.values():
+                for place, log in zip(log_places(logs), logs, strict=True):
+                    entry = LogEntry(log.name, len(log.time), log.duration, role)
+                    lines.setdefault((role, place), entry)
+        return tuple(lines.values())
+
+
+def _in_motion(
+    paths: Sequence[str | Path], joint: str, read: Callable[[str | Path, str], JointLog]
+) -> tuple[list[JointLog], dict[str, LogError]]:
+    """The logs in which a joint moves, and of the others by name why they are none."""
+    moves: list[JointLog] = []
+    still: dict[str, LogError] = {}
+    for path in paths:
+        try:
+            log = read(path, joint)
+        except NoMotionError as error:
+            still[Path(path).stem] = error
+            continue
+        if len(np.unique(log.position)) > _FLICKER:
+            moves.append(log)
+        else:
+            still[log.name] = NoMotionError(
+                f"{log.name}, {joint}: it stands still but for its encoder's flicker: record a "
+                "motion"
+            )
+    return moves, still
 
 
 def read_robot(
@@ -103,14 +177,8 @@ def read_robot(
     files = held_out if not isinstance(held_out, float | int) else []
     names = joints or joints_to_explain([*logs, *files], compile_model(model))
 
-    def read(joint: str) -> tuple[list[JointLog], list[JointLog]]:
-        whole, kept = ([read_log(path, joint) for path in paths] for paths in (logs, files))
-        if isinstance(held_out, float | int):
-            pairs = [split_in_time(log, held_out) for log in whole]
-            whole, kept = [a for a, _ in pairs], [b for _, b in pairs]
-        return whole, kept
-
-    return RobotLogs.read(names, read)
+    fraction = float(held_out) if isinstance(held_out, float | int) else None
+    return RobotLogs.read(names, logs, files, fraction, read_log)
 
 
 def joints_to_explain(

@@ -18,6 +18,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import lock, take_pose
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.mujoco_warnings import became_unstable, unheard
+from frictionjoint.robot.logs import Place, log_places
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.mechanism import deflection
 
@@ -49,16 +50,21 @@ def replay_robot(
     """
     model = spec.compile()
     take_pose(model, {model.joint(name).id: pose for name, pose in poses.items()})
-    first = next(iter(joints.values()))[0].segments
-    moving = [n for n in {x.rpartition(".")[0] for x in first[0].others} if _has(model, n)]
+    logs: dict[Place, dict[str, Segment]] = {}
+    for name, (prepared, _) in joints.items():
+        for place, segment in zip(log_places(prepared.segments), prepared.segments, strict=True):
+            logs.setdefault(place, {})[name] = segment
+    seen = [s.others for segments in logs.values() for s in segments.values()]
+    moving = [
+        n for n in {x.rpartition(".")[0] for others in seen for x in others} if _has(model, n)
+    ]
     behind = [deflection(model, name) for name in joints]
     lock(model, *(model.joint(n).id for n in (*joints, *moving)), *behind)
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
     errors: list[Array] = []
     with attach(model), unheard():
-        for i in range(len(first)):
-            segments = {name: prepared.segments[i] for name, (prepared, _) in joints.items()}
+        for segments in logs.values():
             errors.append(_one_log(model, segments, {n: f for n, (_, f) in joints.items()}, moving))
     e = np.concatenate(errors)
     e = e[~np.isnan(e)]
