@@ -60,9 +60,9 @@ def test_a_spiral_deeper_than_the_stacks_stays_near_full_memory():
     assert np.abs(got[: m.CAPACITY] - wanted[: m.CAPACITY]).max() < 5e-6
 
 
-def test_ten_thousand_shrinking_reversals_stay_within_the_bound():
+def test_thousands_of_shrinking_reversals_stay_within_the_bound():
     """In and out again, against the reference with all its memory; the row never grows."""
-    reversals = 10_000
+    reversals = 3_000
     spiral = 1.4e-5 * (1 - np.arange(reversals) / (reversals + 1))
     spiral *= (-1.0) ** np.arange(reversals)
     q = np.concatenate(([0.0], spiral, -spiral[::-1]))
@@ -82,8 +82,8 @@ def test_ten_thousand_shrinking_reversals_stay_within_the_bound():
     assert error.max() < 0.01 * LAW.Fs_pos  # far below what the bound allows
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.floats(0.9, 0.9999), st.integers(30, 400))
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.9, 0.9999), st.integers(30, 250))
 def test_what_is_given_up_costs_less_than_stated(seed, shrink, reversals):
     """Any spiral in and out again, with some noise: within the bound of the full memory."""
     rng = np.random.default_rng(seed)

@@ -75,9 +75,10 @@ def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_mo
         ("held", "held-out"),
     ]
     assert not found.failed
-    first, second = found.notes
-    assert first.startswith("j1: at rest in j1,")
-    assert second.startswith("j2: at rest in j2, held,")
+    assert found.notes == (
+        "j1: fitted without j1, at rest there.",
+        "j2: fitted without j2, held, at rest there.",
+    )
 
 
 def test_a_joint_that_only_flickers_stands_still(tmp_path, model):

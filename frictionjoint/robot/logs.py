@@ -99,8 +99,7 @@ class RobotLogs:
         for joint, names in self.at_rest.items():
             alike.setdefault(names, []).append(joint)
         return tuple(
-            f"{', '.join(joints)}: at rest in {few(names)}, which say nothing of friction in "
-            "motion and are left out there."
+            f"{', '.join(joints)}: fitted without {few(names)}, at rest there."
             for names, joints in alike.items()
         )
 
