@@ -86,6 +86,15 @@ def test_what_diverges_is_not_explained() -> None:
     assert verdict(found, *better, diverges=True) == "partly-explained"
 
 
+def test_what_predicts_held_out_logs_badly_is_not_explained() -> None:
+    found: Any = SimpleNamespace(findings=("spring",), unexplained=())
+    none = Rms(None, None)
+    errors = (Rms(2.0, 2.0), none), (Rms(0.1, 0.21), none)
+    assert verdict(found, *errors, diverges=False) == "partly-explained"
+    assert not Rms(0.1, 0.19).only_fitted
+    assert not Rms(0.1, None).only_fitted
+
+
 def test_each_run_counts_for_itself_and_none_for_more_than_all_travel():
     lost = np.array([np.nan, 0.1, -0.1, np.nan, 50.0, 60.0])
     runs = Replay((lost, np.full(3, np.nan)), travel=2.0).runs

@@ -23,8 +23,9 @@ def verdict(
 ) -> Verdict:
     """`explained` needs a residual at the level of the instrument noise, or as white as noise.
 
-    It is not given where held-out logs or the replay contradict, where the replay diverges, or
-    where a parameter that was added reached the end of its range.
+    It is not given where held-out logs or the replay contradict or hold more than twice the torque
+    error, where the replay diverges, or where a parameter that was added reached the end of its
+    range.
 
     Args:
         before, after: errors of the torque and of the replay.
@@ -33,7 +34,8 @@ def verdict(
     if not found.findings and not found.unexplained:
         return "too-short-to-tell" if found.sight.too_short else "no-effect-found"
     worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
-    if not found.findings or found.unexplained or worse or _at_a_bound(found.final):
+    contradicted = worse or after[0].only_fitted
+    if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):
         return "partly-explained"
     moving = found.final.weight**2 > IN_MOTION
     left = float(np.sqrt(np.mean(found.final.residual[moving] ** 2)))

@@ -94,6 +94,8 @@ def sentence(report: Report) -> str:
         )
     if report.verdict == "partly-explained" and not rest:
         rest = f" The rest is more than noise{_times_noise(report, after)}."
+    if report.after_torque.only_fitted:
+        rest += " It is more than twice what the fitted logs have."
     it = "it" if len(report.added) == 1 else "them"
     own, law = (law.law for law in report.laws)
     if own != law:
