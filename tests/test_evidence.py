@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose import chance, gram
+from frictionjoint.diagnose import blocks as blocking
+from frictionjoint.diagnose import chance
 from frictionjoint.diagnose.blocks import Blocks, correlation_time, make_blocks
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate
@@ -84,7 +85,7 @@ def test_a_gain_is_what_coefficients_of_other_folds_take_from_a_fold(weighting):
 def test_chance_calls_no_more_than_it_may_over_the_whole_family(monkeypatch):
     """Noise with memory of a third of a block, five candidates: one call in twenty logs."""
     monkeypatch.setattr(chance, "FLIPS", 199)
-    monkeypatch.setattr(gram, "_HALVES", 2)
+    monkeypatch.setattr(blocking, "_HALVES", 2)
     rng = np.random.default_rng(2)
     called = 0
     for _ in range(120):

@@ -30,6 +30,8 @@ _AR_ORDER = 6
 _LOGS, _KINDS = 3, 4
 # logs from which on alike ones make a fold together
 _MANY_LOGS = 8
+# times that the blocks are cut into two halves
+_HALVES = 50
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,13 @@ def gram_matrices(U: Array, at: Index, edges: Index, out: Array) -> None:
                 for i in range(edges[b], edges[b + 1]):
                     total += one[i] * other[i]
                 out[b, j, k] = out[b, k, j] = total
+
+
+def halves(count: int, rng: np.random.Generator) -> Array:
+    """Complementary halves of so many blocks, 1 or 0, shape (halves, count) (Shah and Samworth
+    2013)."""
+    first = [rng.permutation(count) < count // 2 for _ in range(_HALVES)]
+    return np.array([half for chosen in first for half in (chosen, ~chosen)], dtype=float)
 
 
 def correlation_time(residual: Array) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.blocks import halves, make_blocks
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.score import Scored, scored
@@ -24,7 +24,7 @@ from frictionjoint.threads import side_by_side
 # samples of the coarse fits, starts of each form of an effect that ripen there and for how many
 # steps; effects that are fitted to all samples
 _COARSE, _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 1500, 2, 6, 3, 8
-_FLIPS, _HALVES = 999, 50
+_FLIPS = 999
 
 
 class Driven(NamedTuple):
@@ -119,8 +119,6 @@ def sign_flips(difference: Array, rng: np.random.Generator) -> float:
 
 def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:
     """How often each leaves least of a half of the blocks."""
-    won = np.zeros(len(squares))
-    for _ in range(_HALVES):
-        half = rng.random(len(squares[0])) < 0.5
-        won[int(np.argmin([x[half].sum() for x in squares]))] += 1.0 / _HALVES
-    return list(won)
+    half = halves(len(squares[0]), rng)
+    first = np.argmin(half @ np.array(squares).T, axis=1)
+    return [float(x) for x in np.bincount(first, minlength=len(squares)) / len(half)]

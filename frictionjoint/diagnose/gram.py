@@ -26,7 +26,6 @@ from frictionjoint.identify.terms import Timing
 
 Columns = NDArray[np.int64]
 
-_HALVES = 50
 # directions of a set of columns below this fraction of the largest count as dependent
 _RCOND = 1e-8
 
@@ -129,12 +128,6 @@ class Screen:
         sums = np.stack([b[folds != fold].sum(axis=0) for fold in names])
         inverse = np.linalg.pinv(rest, rcond=_RCOND, hermitian=True)
         return np.asarray(np.einsum("fij,fj->fi", inverse, sums)[place])
-
-    def halves(self, rng: np.random.Generator) -> Array:
-        """Complementary halves of the blocks, 1 or 0, shape (halves, B)."""
-        count = self.blocks.count
-        first = [rng.permutation(count) < count // 2 for _ in range(_HALVES)]
-        return np.array([half for chosen in first for half in (chosen, ~chosen)], dtype=float)
 
     def worth(self, parts: Array, at: Columns) -> Array:
         """Squares that columns explain of each part of the blocks, shape (parts,).

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.blocks import Blocks, halves
 from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
@@ -120,11 +120,11 @@ def look(
 def _frequencies(
     found: Screen, kinds: Sequence[Sequence[int]], rng: np.random.Generator
 ) -> list[float]:
-    """How often each kind explains most of a half of the blocks (Shah and Samworth 2013)."""
+    """How often each kind explains most of a half of the blocks."""
     if not kinds:
         return []
     whole = np.ones((1, found.blocks.count))
-    halves = found.halves(rng)
+    half_of_blocks = halves(found.blocks.count, rng)
 
     def most(parts: Array, members: Sequence[int]) -> Array:
         sizes = [found.worth(parts, found.candidates[i]) for i in members]
@@ -132,8 +132,8 @@ def _frequencies(
 
     sizes = [float(most(whole, members)[0]) for members in kinds]
     leading = np.argsort(sizes)[::-1][:_CONTENDERS]
-    first = np.argmax([most(halves, kinds[k]) for k in leading], axis=0)
-    won = np.bincount(leading[first], minlength=len(kinds)) / len(halves)
+    first = np.argmax([most(half_of_blocks, kinds[k]) for k in leading], axis=0)
+    won = np.bincount(leading[first], minlength=len(kinds)) / len(half_of_blocks)
     return [float(x) for x in won]
 
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.decisions import MOSTLY
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
@@ -55,14 +56,14 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     if not isinstance(finding.term, EffectTerm):
         return finding
     rest = replace(state, fit=without(state, finding.term))
-    seen, screened = look(rest.fit, rest.blocks, rest.candidates, rng)
+    seen, _ = look(rest.fit, rest.blocks, rest.candidates, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
     instead = [with_fewer(rest, (*rest.fit.effects, t)) for t in _rivals(seen, finding)]
     now, bare, *others = (scored(f, rest.blocks) for f in (state.fit, rest.fit, *instead))
-    halves = screened.halves(rng)
-    ahead = [halves @ now.squares < halves @ other.squares for other in (bare, *others)]
+    half = halves(rest.blocks.count, rng)
+    ahead = [half @ now.squares < half @ other.squares for other in (bare, *others)]
     chosen = float(np.mean(np.all(ahead, axis=0)))
     # shapes were chosen on all of the data for the one gain, without each fold for the other
     gain = min(now.gain(bare), seen.gain(row))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.chance import FLIPS, over_family
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.terms import EffectTerm
@@ -24,8 +25,8 @@ _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# random halves of the blocks on which the leaders are compared, and how many leaders
-_HALVES, _CONTENDERS = 25, 6
+# leaders that are compared on halves of the blocks
+_CONTENDERS = 6
 
 
 @dataclass(frozen=True)
@@ -243,19 +244,15 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:
-    """How often a cause in any form leaves least on half of the blocks (Shah and Samworth 2013)."""
+    """How often a cause in any form leaves least on half of the blocks."""
     best: dict[str, Array] = {}
     for row in rows:
         key = row.candidate.changed
         if len(best) < _CONTENDERS or key == thing:
             best.setdefault(key, row.left.sum(axis=0))
     names, left = list(best), np.array(list(best.values()))
-    count, won = left.shape[1], 0
-    for _ in range(_HALVES):
-        half = rng.permutation(count) < count // 2
-        for chosen in (half, ~half):
-            won += names[int(np.argmin(left[:, chosen].sum(axis=1)))] == thing
-    return won / (2 * _HALVES)
+    first = np.argmin(halves(left.shape[1], rng) @ left.T, axis=1)
+    return float(np.mean(np.array(names)[first] == thing))
 
 
 def columns_of(taken: Sequence[Candidate]) -> Columns:
