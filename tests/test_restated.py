@@ -1,8 +1,11 @@
 """What an effect's evidence is in the end: that of the final model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from frictionjoint.diagnose import restated as restating
 from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
@@ -46,3 +49,11 @@ def test_what_the_final_model_does_not_bear_out_is_dropped(state):
     assert left.row.p_value <= SIGNIFICANCE
     assert left.row.frequency >= MOSTLY
     assert 0.1 < left.gain <= left.look.gain(left.row)
+
+
+def test_what_cannot_be_seen_alone_keeps_its_evidence_and_stays(state, monkeypatch):
+    """As an effect of the drive: how often it was chosen there is among effects of the drive."""
+    monkeypatch.setattr(restating, "_seen_alone", lambda state, finding, rng: finding)
+    kept = [replace(f, row=f.row._replace(frequency=0.1)) for f in state.findings]
+    monkeypatch.setattr(restating, "_of_terms", lambda state: kept)
+    assert restated(state, np.random.default_rng(0)) == tuple(kept)

@@ -7,7 +7,7 @@ in `identify/clearly.py`.
 
 # rate of false alarms over the whole family of candidates
 SIGNIFICANCE = 0.05
-# part of the halves of the data that must choose an effect, or one it is tied with
+# part of the halves of the data that must choose an effect before others and before none
 MOSTLY = 0.5
 # fraction of the squares left that a change must take away: an effect is believed that is about as
 # large as all that remains unexplained beside it, for no law is exact, and what is left of one has

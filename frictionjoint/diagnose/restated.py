@@ -28,10 +28,12 @@ _MOST_RIVALS = 2
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
     """What the model has, each effect with its evidence; what that does not bear out is dropped."""
     while True:
-        found = [_seen_alone(state, f, rng) for f in _of_terms(state)]
-        weak = [f for f in found if not _borne_out(f)]
+        found = _of_terms(state)
+        seen = [_seen_alone(state, f, rng) for f in found]
+        # what keeps its evidence is not judged by it
+        weak = [s for s, f in zip(seen, found, strict=True) if s is not f and not _borne_out(s)]
         if not weak:
-            return tuple(found)
+            return tuple(seen)
         least = min(weak, key=lambda f: f.row.frequency).term
         state.prepared, state.fit = reweighed(state.prepared, without(state, least))
         drop_idle(state)
