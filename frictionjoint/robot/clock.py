@@ -17,7 +17,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, correlation_time
 from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.logs import Place, log_places
+from frictionjoint.robot.logs import Place, by_place
 
 Index = NDArray[np.int64]
 
@@ -32,7 +32,7 @@ class Clock:
     """Blocks of all logs in turn.
 
     Attributes:
-        number: of each log, by its place among the logs of a joint, see `log_places`.
+        number: of each log, by its place among the logs of a joint, see `by_place`.
         length: of each log's blocks, s, shape (logs,). first: number of its first block.
         fold, log: of each block, shape (B,).
         alike: samples over which what is left stays correlated: that many tell one thing.
@@ -65,8 +65,7 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     """Blocks several correlation times long, as far as enough of them remain."""
     found: dict[Place, float] = {}
     for joint in joints:
-        segments = joint.prepared.segments
-        for place, s in zip(log_places(segments), segments, strict=True):
+        for place, s in by_place(joint.prepared.segments).items():
             found.setdefault(place, float(np.ptp(s.signals[:, TIME])))
     number = {place: i for i, place in enumerate(found)}
     spans = np.array(list(found.values()))
@@ -87,8 +86,7 @@ def _of_sample(
     joint: FittedJoint, number: Mapping[Place, int], length: Array, first: Index, count: int
 ) -> Index:
     found, ends = [], np.append(first[1:], count)
-    segments = joint.prepared.segments
-    for place, s in zip(log_places(segments), segments, strict=True):
+    for place, s in by_place(joint.prepared.segments).items():
         i = number[place]
         t = s.signals[:: s.step, TIME][s.kept]
         found.append(np.minimum(first[i] + (t / length[i]).astype(np.int64), ends[i] - 1))

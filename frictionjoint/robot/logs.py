@@ -1,9 +1,9 @@
 """Logs of a whole robot: every joint of every log, fitted or held out."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import mujoco
 import numpy as np
@@ -18,7 +18,7 @@ from frictionjoint.model_files import ONE_DOF, compile_model
 
 # travel below which a joint stands still, rad (m)
 _STILL = 1e-3
-# counts of an encoder that a joint at rest may show
+# positions that the encoder of a joint at rest may show in turn
 _FLICKER = 3
 # of a log among those of a joint: its name, and how many before it have that
 Place = tuple[str, int]
@@ -33,10 +33,13 @@ class Named(Protocol):
         ...
 
 
-def log_places(logs: Iterable[Named]) -> list[Place]:
-    """The place of each of a joint's logs; the same log of another joint has the same."""
+_L = TypeVar("_L", bound=Named)
+
+
+def by_place(logs: Sequence[_L]) -> dict[Place, _L]:
+    """A joint's logs in their order; the same log of another joint has the same place."""
     names = [log.name for log in logs]
-    return [(name, names[:i].count(name)) for i, name in enumerate(names)]
+    return {(log.name, names[:i].count(log.name)): log for i, log in enumerate(logs)}
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,7 @@ class RobotLogs:
         ]
         for role, by_joint in roles:
             for logs in by_joint.values():
-                for place, log in zip(log_places(logs), logs, strict=True):
+                for place, log in by_place(logs).items():
                     entry = LogEntry(log.name, len(log.time), log.duration, role)
                     lines.setdefault((role, place), entry)
         return tuple(lines.values())

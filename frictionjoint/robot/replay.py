@@ -18,7 +18,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import lock, take_pose
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.mujoco_warnings import became_unstable, unheard
-from frictionjoint.robot.logs import Place, log_places
+from frictionjoint.robot.logs import Place, by_place
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.mechanism import deflection
 
@@ -52,7 +52,7 @@ def replay_robot(
     take_pose(model, {model.joint(name).id: pose for name, pose in poses.items()})
     logs: dict[Place, dict[str, Segment]] = {}
     for name, (prepared, _) in joints.items():
-        for place, segment in zip(log_places(prepared.segments), prepared.segments, strict=True):
+        for place, segment in by_place(prepared.segments).items():
             logs.setdefault(place, {})[name] = segment
     seen = [s.others for segments in logs.values() for s in segments.values()]
     moving = [
