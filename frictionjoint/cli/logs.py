@@ -203,15 +203,14 @@ def split(
     Raises:
         LogError: see `kept_of` and `read_log`.
     """
-    from frictionjoint.measured.log import split_in_time
+    from frictionjoint.measured.log import split_each_in_time
 
     names, fraction = kept_of(paths, held_out)
     fitted = [reading.read(path) for path in paths]
     kept = [reading.read(path) for path in names]
     if fraction is not None:
-        pairs = [split_in_time(log, fraction) for log in fitted]
-        fitted = [first for first, _ in pairs]
-        kept += [last for _, last in pairs]
+        fitted, ends = split_each_in_time(fitted, fraction)
+        kept += ends
     return fitted, kept
 
 

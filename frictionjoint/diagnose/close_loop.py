@@ -63,7 +63,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
-from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.model_text import model_text
 from frictionjoint.refine.motion import window_squares
@@ -266,8 +266,8 @@ def _fitted_and_held_out(
     fitted = [_read(log, joint) for log in logs]
     if not isinstance(held_out, float | int):
         return bounded(fitted), bounded([_read(log, joint) for log in held_out])
-    pairs = [split_in_time(log, held_out) for log in fitted]
-    return bounded([first for first, _ in pairs]), bounded([last for _, last in pairs])
+    first, last = split_each_in_time(fitted, held_out)
+    return bounded(first), bounded(last)
 
 
 def _entry(log: JointLog, role: Role) -> LogEntry:

@@ -1,5 +1,6 @@
 """One measured log of one joint."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -174,3 +175,11 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     before = log.part(slice(since, cut), " (before)") if cut - since > 1 else None
     last = replace(log.part(slice(cut, None), " (last part)"), before=before)
     return log.part(slice(0, cut), " (first part)"), last
+
+
+def split_each_in_time(
+    logs: Sequence[JointLog], fraction: float
+) -> tuple[list[JointLog], list[JointLog]]:
+    """First parts of some logs, and their last ones to hold out, see `split_in_time`."""
+    pairs = [split_in_time(log, fraction) for log in logs]
+    return [first for first, _ in pairs], [last for _, last in pairs]

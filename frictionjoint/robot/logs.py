@@ -12,7 +12,7 @@ from frictionjoint.diagnose.report_data import LogEntry, Role
 from frictionjoint.errors import LogError, NoMotionError, few
 from frictionjoint.identify.held import joint_label
 from frictionjoint.measured.bounded import bounded
-from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log, require_logs
 from frictionjoint.model_files import ONE_DOF, compile_model
 
@@ -83,8 +83,7 @@ class RobotLogs:
                 if not own:
                     raise next(iter(still.values()))
                 if fraction is not None:
-                    pairs = [split_in_time(log, fraction) for log in own]
-                    own, ends = [first for first, _ in pairs], [last for _, last in pairs]
+                    own, ends = split_each_in_time(own, fraction)
                     held_out = [*held_out, *ends]
                 found.fit[name], found.held_out[name] = bounded(own), bounded(held_out)
                 if still or also:
