@@ -6,6 +6,8 @@ another kind of motion: blocks alike in speed, acceleration, position and direct
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +36,22 @@ _MANY_LOGS = 8
 _HALVES = 50
 
 
+class Folds(NamedTuple):
+    """Which fold each block belongs to.
+
+    Attributes:
+        place: shape (B,), 0 to F - 1. inside: 1 where a block is in a fold, else 0, shape (F, B).
+    """
+
+    place: Index
+    inside: Array
+
+    def sums(self, x: Array) -> Array:
+        """Over the blocks of each fold, of numbers of shape (B, ...), shape (F, ...)."""
+        flat = self.inside @ x.reshape(len(x), -1)
+        return np.asarray(flat.reshape(len(self.inside), *x.shape[1:]))
+
+
 @dataclass(frozen=True)
 class Blocks:
     """Which block each sample belongs to, and which fold each block.
@@ -59,6 +77,22 @@ class Blocks:
         """Number of blocks."""
         return len(self.fold)
 
+    @cached_property
+    def folds(self) -> Folds:
+        """As they are."""
+        return _folds(self.fold)
+
+    @cached_property
+    def half_folds(self) -> Folds:
+        """Each cut into halves of its logs."""
+        return _folds(2 * self.fold + self.halves)
+
+    @cached_property
+    def _edges(self) -> Index:
+        """Of the blocks that have samples."""
+        changes = np.flatnonzero(np.diff(self.of_sample, prepend=-1))
+        return np.append(changes, len(self.of_sample))
+
     def gram(self, U: Array, at: Index) -> Array:
         """Gram matrix of some columns of U in each block.
 
@@ -67,12 +101,17 @@ class Blocks:
         Returns:
             shape (B, m, m), zeros for blocks without samples.
         """
-        edges = np.append(np.flatnonzero(np.diff(self.of_sample, prepend=-1)), len(U))
+        edges = self._edges
         own = np.empty((len(edges) - 1, len(at), len(at)))
         gram_matrices(U, at, edges, own)
         out = np.zeros((self.count, len(at), len(at)))
         out[self.of_sample[edges[:-1]]] = own
         return out
+
+
+def _folds(fold: Index) -> Folds:
+    names, place = np.unique(fold, return_inverse=True)
+    return Folds(place, (np.arange(len(names))[:, None] == place).astype(float))
 
 
 @compiled

@@ -14,9 +14,12 @@ from scipy.special import chdtrc, fdtrc
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.gram import Columns, Screen
+from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.threads import side_by_side
 
 FLIPS = 999
+# points of a tail that are calculated, and the least that one counts as
+_GRID, _LEAST_TAIL = 100, 1e-300
 
 
 def p_values(
@@ -83,9 +86,9 @@ def surprise(
         ranges: least and largest coefficients, (k,) each.
         signs: of each block, shape (flips, B). log: of each block, (B,).
     """
-    own = b - np.einsum("bij,bj->bi", A, elsewhere)
+    own = b - (A @ elsewhere[..., None])[..., 0]
     scores = np.vstack([b.sum(axis=0), signs @ own])
-    inverse = np.asarray(np.linalg.pinv(total, rcond=1e-9, hermitian=True))
+    inverse = pseudo_inverse(total, 1e-9)
     coefficients = np.clip(scores @ inverse, *ranges)
     explained = np.sum((2.0 * scores - coefficients @ total) * coefficients, axis=1)
     # as the chi-squared variable of the mean and variance that the blocks' spread gives it
@@ -102,8 +105,20 @@ def surprise(
     statistic[0] *= mean / (mean + max(covariance, 0.0))
     # a few blocks know their spread roughly, and what signs make of it does not show that
     known = max(1.0, _independent(A, inverse) - 1.0)
-    tails = np.append(fdtrc(k, known, statistic[0] / k), chdtrc(k, statistic[1:]))
-    return np.asarray(-np.log(np.maximum(tails, 1e-300)))
+    tail = float(fdtrc(k, known, statistic[0] / k))
+    return np.append(-np.log(max(tail, _LEAST_TAIL)), _nats_of_chi_squared(k, statistic[1:]))
+
+
+def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
+    """Less the logarithm of the tail beyond each of many statistics, between points of a grid.
+
+    The tail of one takes as long as all else that is done with it.
+    """
+    # in the square root of a statistic it is smooth down to zero
+    root = np.sqrt(statistic)
+    grid = np.linspace(0.0, float(root.max()), _GRID)
+    nats = -np.log(np.maximum(chdtrc(k, grid**2), _LEAST_TAIL))
+    return np.asarray(np.interp(root, grid, nats))
 
 
 def _independent(grams: Array, inverse: Array) -> float:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks, whitened
+from frictionjoint.diagnose.blocks import Blocks, Folds, whitened
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
-from frictionjoint.identify.basis import without
+from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import Timing
@@ -66,27 +66,20 @@ class Screen:
         at = np.concatenate([*sets, []]).astype(np.int64)
         grams = self._grams(self.columns, at)
         A, b, squares = grams[:, :-1, :-1], grams[:, :-1, -1], grams[:, -1, -1].copy()
-        trained = np.empty(self.blocks.count)
         folds = self._folds(A)
-        total = grams.sum(axis=0)
+        rest = grams.sum(axis=0) - folds.sums(grams)
         at = at[~self.begun[at]]
-        names = np.unique(folds)
-        rest = np.stack([total - grams[folds == fold].sum(axis=0) for fold in names])
-        betas = _least_squares(rest[:, :-1, :-1], rest[:, :-1, -1], self.low[at], self.high[at])
-        for fold, G, beta in zip(names, rest, betas, strict=True):
-            inside = folds == fold
-            trained[inside] = G[-1, -1] + (G[:-1, :-1] @ beta - 2.0 * G[:-1, -1]) @ beta
-            squares[inside] += (A[inside] @ beta - 2.0 * b[inside]) @ beta
-        return squares, trained
+        beta = _least_squares(rest[:, :-1, :-1], rest[:, :-1, -1], self.low[at], self.high[at])
+        trained = rest[:, -1, -1] + _change(rest[:, :-1, :-1], rest[:, :-1, -1], beta)
+        squares += _change(A, b, beta[folds.place])
+        return squares, trained[folds.place]
 
-    def _folds(self, grams: Array) -> Columns:
+    def _folds(self, grams: Array) -> Folds:
         """The folds; halved where one of them holds all that determines a coefficient."""
-        fold = self.blocks.fold
-        squares = np.einsum("bii->bi", grams)
-        by_fold = np.stack([squares[fold == k].sum(axis=0) for k in np.unique(fold)])
+        by_fold = self.blocks.folds.sums(np.einsum("bii->bi", grams))
         if np.any(by_fold.max(axis=0) > CONCENTRATED * by_fold.sum(axis=0)):
-            return np.asarray(2 * fold + self.blocks.halves)
-        return fold
+            return self.blocks.half_folds
+        return self.blocks.folds
 
     def _grams(self, columns: Array, at: Columns) -> Array:
         """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
@@ -98,7 +91,7 @@ class Screen:
         if not begun.any():
             return grams
         total = grams.sum(axis=0)
-        inverse = np.linalg.pinv(total[np.ix_(begun, begun)], rcond=_RCOND, hermitian=True)
+        inverse = pseudo_inverse(total[np.ix_(begun, begun)], _RCOND)
         less = np.eye(len(begun))[:, ~begun]
         less[begun] = -inverse @ total[np.ix_(begun, ~begun)]
         return np.asarray(less.T @ grams @ less)
@@ -123,11 +116,9 @@ class Screen:
             A: Gram matrices, shape (B, k, k). b: products with the target, shape (B, k).
         """
         folds = self._folds(A)
-        names, place = np.unique(folds, return_inverse=True)
-        rest = np.stack([A[folds != fold].sum(axis=0) for fold in names])
-        sums = np.stack([b[folds != fold].sum(axis=0) for fold in names])
-        inverse = np.linalg.pinv(rest, rcond=_RCOND, hermitian=True)
-        return np.asarray(np.einsum("fij,fj->fi", inverse, sums)[place])
+        inverse = pseudo_inverse(A.sum(axis=0) - folds.sums(A), _RCOND)
+        sums = b.sum(axis=0) - folds.sums(b)
+        return np.asarray((inverse @ sums[..., None])[folds.place, :, 0])
 
     def worth(self, parts: Array, at: Columns) -> Array:
         """Squares that columns explain of each part of the blocks, shape (parts,).
@@ -143,9 +134,18 @@ class Screen:
         scale = np.sqrt(np.maximum(np.einsum("pii->pi", G[:, :-1, :-1]), 1e-300))
         inside = G[:, :-1, :-1] / (scale[:, :, None] * scale[:, None, :])
         b = G[:, :-1, -1] / scale
-        inverse = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True)
+        inverse = pseudo_inverse(inside, _RCOND)
         found = np.einsum("pi,pij,pj->p", b, inverse, b)
         return np.asarray(found - 2.0 * (k - 1) * G[:, -1, -1] / self.blocks.count)
+
+
+def _change(A: Array, b: Array, beta: Array) -> Array:
+    """By which coefficients change sums of squares, shape (f,).
+
+    Args:
+        A: Gram matrices, shape (f, k, k). b: products with the target, (f, k). beta: (f, k).
+    """
+    return np.asarray(np.sum(((A @ beta[..., None])[..., 0] - 2.0 * b) * beta, axis=1))
 
 
 def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
@@ -157,8 +157,8 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
     """
     scale = np.sqrt(np.maximum(np.diagonal(A, axis1=1, axis2=2), 1e-300))
     inside = A / (scale[:, :, None] * scale[:, None, :])
-    inverse = np.linalg.pinv(inside, rcond=_RCOND, hermitian=True)
-    beta = np.einsum("fij,fj->fi", inverse, b / scale) / scale
+    inverse = pseudo_inverse(inside, _RCOND)
+    beta = (inverse @ (b / scale)[..., None])[..., 0] / scale
     for f in np.flatnonzero(np.any((beta < low) | (beta > high), axis=1)):
         beta[f] = _bounded(inside[f], b[f] / scale[f], low * scale[f], high * scale[f]) / scale[f]
     return np.asarray(beta)

@@ -19,6 +19,19 @@ def orthonormal(X: Array) -> Array:
     return np.asarray(X @ (vectors[:, independent] / np.sqrt(values[independent])))
 
 
+def pseudo_inverse(A: Array, rcond: float) -> Array:
+    """Of symmetric matrices, shape (..., k, k): `numpy.linalg.pinv` of small ones in half the time.
+
+    Args:
+        rcond: eigenvalues below this fraction of the largest count as zero.
+    """
+    values, vectors = np.linalg.eigh(A)
+    size = np.abs(values)
+    large = size > rcond * size.max(axis=-1, keepdims=True, initial=0.0)
+    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=large)
+    return np.asarray((vectors * inverse[..., None, :]) @ np.swapaxes(vectors, -1, -2))
+
+
 def without(X: Array, known: Array) -> Array:
     """Columns with others projected out of them on all samples, shape as that of X.
 
