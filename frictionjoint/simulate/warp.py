@@ -84,6 +84,7 @@ class WarpFriction:
             self._blocks = wp.array(made.blocks, dtype=int)
             self._rows = wp.array(made.rows, dtype=int)
             self._loads = wp.array(made.loads, dtype=int)
+            self._trees = wp.array(made.trees, dtype=int)
             self._motor_first = wp.array(made.motor_first, dtype=int)
             self._motors = wp.array(made.motors, dtype=int)
             self._tree_first = wp.array(made.tree_first, dtype=int)
@@ -93,6 +94,7 @@ class WarpFriction:
             self.state, self._total = room(nworld, made.room), room(nworld, n)
             self._moved = wp.zeros((nworld, m.nv), dtype=float)
             self._torque = wp.zeros((nworld, n), dtype=float)
+            self._stiff = wp.zeros((trees, nworld), dtype=int)
             self._every_world = wp.ones(nworld, dtype=wp.bool)
             self._room = [
                 room(nworld * trees, most),
@@ -134,7 +136,9 @@ class WarpFriction:
                 self._blocks,
                 self._rows,
                 self._loads,
+                self._trees,
                 m.opt.timestep,
+                m.dof_invweight0,
                 m.M_rowadr,
                 m.M_rownnz,
                 m.dof_armature,
@@ -162,7 +166,7 @@ class WarpFriction:
                 m.actuator_biasprm,
                 self.state,
             ],
-            outputs=[self._total],
+            outputs=[self._total, self._stiff, self._torque, d.qfrc_passive],
             device=d.qpos.device,
             block_dim=_BLOCK,
         )
@@ -183,6 +187,7 @@ class WarpFriction:
                 d.M,
                 self.state,
                 self._total,
+                self._stiff,
                 *self._room,
             ],
             outputs=[self._torque, d.qfrc_passive],

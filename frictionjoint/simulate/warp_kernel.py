@@ -1,9 +1,9 @@
 """The kernel that evaluates friction in every world at once: a thread a joint and world.
 
 It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
-the same source, on rows of state that live in a warp array instead of ``mjData.userdata``; what
-stiff joints then add is in `warp_stiff`. The law is computed in doubles; mujoco_warp hands it
-position, velocity, inertia and time as single floats.
+the same source, on rows of state that live in a warp array instead of ``mjData.userdata``. A stiff
+joint is left to `warp_stiff`, which is told in which trees there is one. The law is computed in
+doubles; mujoco_warp hands it position, velocity, inertia and time as single floats.
 
 Time and position need care. A float clock that counts milliseconds is off by several percent of a
 step after some minutes, and the law divides by the step. A float position of a radian is off by
@@ -24,6 +24,7 @@ from typing import Any
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
 from frictionjoint.simulate.row import ASTRAY, STARTED, T_EVALUATED, torque_now
+from frictionjoint.simulate.together import is_stiff
 from frictionjoint.simulate.warp_source import translate
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 
@@ -46,11 +47,12 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
     """
     import warp as wp
 
-    functions = [torque_now]
+    functions = [torque_now, is_stiff]
     if with_effects:
         functions += [effects_torque, unit_gravity, coupled_load]
     made = translate(functions, N_SIGNALS, f"frictionjoint_warp_{int(with_effects)}")
     joint_torque = made["simulate_row_torque_now"]
+    stiff_now = made["simulate_together_is_stiff"]
     effect_torque = made.get("simulate_with_effects_effects_torque")
     gravity_arms = made.get("simulate_with_effects_unit_gravity")
     load_of_others = made.get("simulate_with_effects_coupled_load")
@@ -121,7 +123,9 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         blocks: wp.array(dtype=int),
         rows: wp.array(dtype=int),
         loads: wp.array(dtype=int),
+        trees: wp.array(dtype=int),
         timestep: floats,
+        weight: wp.array2d(dtype=float),
         rowadr: wp.array(dtype=int),
         rownnz: wp.array(dtype=int),
         armature: wp.array2d(dtype=float),
@@ -149,6 +153,9 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         biases: motors,
         state: doubles,
         total: doubles,
+        stiff: wp.array2d(dtype=int),
+        torque: wp.array2d(dtype=float),
+        passive: wp.array2d(dtype=float),
     ):
         k, world = wp.tid()
         P = numbers[world % numbers.shape[0]]
@@ -174,7 +181,7 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
             if P[effects] > double(0.0):
                 joint = int(P[block + JOINT])
                 a = axis[world % axis.shape[0], joint]
-                w = world_axis[world, joint]
+                turned = world_axis[world, joint]
                 g = gravity[world % gravity.shape[0]]
                 M = xmat[world, bodyid[joint]]
                 R = wp.zeros(shape=9, dtype=wp.float64)
@@ -184,9 +191,9 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
                     double(a[0]),
                     double(a[1]),
                     double(a[2]),
-                    double(w[0]),
-                    double(w[1]),
-                    double(w[2]),
+                    double(turned[0]),
+                    double(turned[1]),
+                    double(turned[2]),
                     double(g[0]),
                     double(g[1]),
                     double(g[2]),
@@ -220,6 +227,12 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
                     P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
         total[world, k] = F
+        w = double(weight[world % weight.shape[0], dof])
+        if stiff_now(P, law, X, x + FRONT, h, w):
+            wp.atomic_add(stiff, trees[k], world, 1)
+        else:
+            torque[world, k] = float(F)
+            passive[world, dof] = passive[world, dof] - float(F)
 
     @wp.kernel(enable_backward=False, module="unique")
     def reset(mask: wp.array(dtype=wp.bool), rows: wp.array(dtype=int), state: doubles):

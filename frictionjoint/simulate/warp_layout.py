@@ -44,8 +44,9 @@ class Layout:
         loads: number of the first effect that looks at the load, or -1, shape (n,).
         motor_first, motors: actuators of joints that saturate, those of the i-th joint from
             motor_first[i] to motor_first[i + 1].
-        tree_first, members: joints by tree, in the same way. tree_dof: first degree of freedom of
-            each of those trees and one past its last, shape (t, 2).
+        trees: number of each joint's tree, shape (n,). tree_first, members: joints by tree, in the
+            same way. tree_dof: first degree of freedom of each of those trees and one past its
+            last, shape (t, 2).
         has_effects, has_loads: whether any joint has.
     """
 
@@ -60,6 +61,7 @@ class Layout:
     loads: Whole
     motor_first: Whole
     motors: Whole
+    trees: Whole
     tree_first: Whole
     members: Whole
     tree_dof: Whole
@@ -110,6 +112,7 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
         motor_first=_starts([len(own) for own in motors]),
         motors=_whole(i for own in motors for i in own),
         tree_first=_starts([int(np.count_nonzero(trees == tree)) for tree in present]),
+        trees=_whole(np.searchsorted(present, trees)),
         members=_whole(np.argsort(trees, kind="stable")),
         tree_dof=_whole(ends.T),
         has_effects=bool(np.any(numbers[effects] > 0.0)),

@@ -1,5 +1,7 @@
 """The kernel that lets the stiff joints of each tree hold their loads together, in every world.
 
+Most trees of most worlds have none at a time: that is all that it reads of them.
+
 It does what the native callback does after all joints have their explicit torque
 (`frictionjoint.simulate.together`), with the function made from the same source. The inverse of the
 mass matrix between the stiff joints comes from a factorization of its own: mujoco_warp makes that
@@ -20,7 +22,8 @@ from frictionjoint.simulate.warp_source import translate
 
 @functools.lru_cache(maxsize=1)
 def build() -> Any:
-    """The kernel that ends an evaluation: it writes torques, and adds them to passive forces."""
+    """The kernel that ends an evaluation: as `warp_kernel` does for all others, it writes the
+    torques of stiff joints and adds them to the passive forces."""
     import warp as wp
 
     made = translate([is_stiff, settle], 1, "frictionjoint_warp_stiff")
@@ -91,7 +94,8 @@ def build() -> Any:
         mass: wp.array2d(dtype=float),
         state: doubles,
         total: doubles,
-        stiff: doubles,
+        stiff: wp.array2d(dtype=int),
+        held: doubles,
         L: doubles,
         x: doubles,
         inverse: doubles,
@@ -100,11 +104,14 @@ def build() -> Any:
         passive: wp.array2d(dtype=float),
     ):
         tree, world = wp.tid()
+        if stiff[tree, world] == 0:
+            return
+        stiff[tree, world] = 0
         P = numbers[world % numbers.shape[0]]
         X = state[world]
         h = double(timestep[world % timestep.shape[0]])
         place = tree * state.shape[0] + world
-        B, W, Y = stiff[place], inverse[place], room[place]
+        B, W, Y = held[place], inverse[place], room[place]
         first, last = tree_first[tree], tree_first[tree + 1]
         # a constant that changes in a loop has to be made a variable for warp
         k = int(0)  # noqa: RUF046, UP018
@@ -118,7 +125,7 @@ def build() -> Any:
             if stiff_now(P, block + HEAD, X, int(P[block + ROW]), h, w):
                 B[k] = double(block)
                 k = k + 1
-        if k > 0 and not astray:
+        if not astray:
             begin, end = tree_dof[tree, 0], tree_dof[tree, 1]
             for i in range(rowadr[begin], rowadr[end - 1] + rownnz[end - 1]):
                 L[world, i] = double(mass[world, i])
@@ -131,18 +138,17 @@ def build() -> Any:
                 for j in range(k):
                     W[j * k + i] = x[world, int(P[int(B[j]) + DOF])]
             settled(P, B, k, X, h, W, Y)
-            n = int(0)  # noqa: RUF046, UP018
-            for i in range(first, last):
-                j = members[i]
-                if n < k:  # noqa: SIM102 - warp's `and` would read B[k]
-                    if int(B[n]) == blocks[j]:
-                        total[world, j] = total[world, j] + Y[n]
-                        n = n + 1
+        n = int(0)  # noqa: RUF046, UP018
         for i in range(first, last):
             j = members[i]
-            dof = int(P[blocks[j] + DOF])
-            F = float(total[world, j])
-            torque[world, j] = F
-            passive[world, dof] = passive[world, dof] - F
+            if n < k:  # noqa: SIM102 - warp's `and` would read B[k]
+                if int(B[n]) == blocks[j]:
+                    F = total[world, j]
+                    if not astray:
+                        F = F + Y[n]
+                    n = n + 1
+                    dof = int(P[blocks[j] + DOF])
+                    torque[world, j] = float(F)
+                    passive[world, dof] = passive[world, dof] - float(F)
 
     return hold
