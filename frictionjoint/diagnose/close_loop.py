@@ -31,7 +31,6 @@ from frictionjoint.diagnose.replay import (
 from frictionjoint.diagnose.report_data import (
     LogEntry,
     Report,
-    Role,
 )
 from frictionjoint.diagnose.report_parts import (
     added,
@@ -210,7 +209,8 @@ def explain(
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
     torque = [torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
-    entries = [_entry(log, "fit") for log in logs] + [_entry(log, "held-out") for log in held_out]
+    entries = [LogEntry.of(log, "fit") for log in logs]
+    entries += [LogEntry.of(log, "held-out") for log in held_out]
     unexplained = found.unexplained
     floor = noise_floor(moving, found.final.gain)
     final = law_estimates(found.final, cov, body.slide)
@@ -268,10 +268,6 @@ def _fitted_and_held_out(
         return bounded(fitted), bounded([_read(log, joint) for log in held_out])
     first, last = split_each_in_time(fitted, held_out)
     return bounded(first), bounded(last)
-
-
-def _entry(log: JointLog, role: Role) -> LogEntry:
-    return LogEntry(log.name, len(log.time), log.duration, role)
 
 
 def _read(log: LogLike, joint: str) -> JointLog:

@@ -1,7 +1,7 @@
 """What the loop found, as plain data: the content of report.json and of the page."""
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.result import Estimate
+from frictionjoint.measured.log import JointLog
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.simulate.carrier import JointFriction
@@ -30,6 +31,11 @@ class LogEntry:
     samples: int
     duration_s: float
     role: Role
+
+    @classmethod
+    def of(cls, log: JointLog, role: Role) -> Self:
+        """The line of a log."""
+        return cls(log.name, len(log.time), log.duration, role)
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""

@@ -132,7 +132,7 @@ class RobotLogs:
         for role, by_joint in roles:
             for logs in by_joint.values():
                 for place, log in by_place(logs).items():
-                    entry = LogEntry(log.name, len(log.time), log.duration, role)
+                    entry = LogEntry.of(log, role)
                     lines.setdefault((role, place), entry)
         return tuple(lines.values())
 
