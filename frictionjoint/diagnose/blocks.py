@@ -80,12 +80,12 @@ class Blocks:
     @cached_property
     def folds(self) -> Folds:
         """As they are."""
-        return _folds(self.fold)
+        return folds_of(self.fold)
 
     @cached_property
     def half_folds(self) -> Folds:
         """Each cut into halves of its logs."""
-        return _folds(2 * self.fold + self.halves)
+        return folds_of(2 * self.fold + self.halves)
 
     @cached_property
     def _edges(self) -> Index:
@@ -109,7 +109,8 @@ class Blocks:
         return out
 
 
-def _folds(fold: Index) -> Folds:
+def folds_of(fold: Index) -> Folds:
+    """Of blocks by the number of the fold of each, shape (B,)."""
     names, place = np.unique(fold, return_inverse=True)
     return Folds(place, (np.arange(len(names))[:, None] == place).astype(float))
 

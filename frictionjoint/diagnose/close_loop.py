@@ -28,10 +28,7 @@ from frictionjoint.diagnose.replay import (
     simulated_effects,
     simulated_whole,
 )
-from frictionjoint.diagnose.report_data import (
-    LogEntry,
-    Report,
-)
+from frictionjoint.diagnose.report_data import LogEntry, Report
 from frictionjoint.diagnose.report_parts import (
     added,
     curves,

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.blocks import folds_of
 from frictionjoint.diagnose.chance import surprise
-from frictionjoint.identify.basis import without
+from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import lengths
 from frictionjoint.robot.clock import Clock
 
@@ -89,8 +90,8 @@ class Stack:
         self._places = np.full((len(self.joints), self.size), -1)
         for k, joint in enumerate(self.joints):
             self._places[k, joint.columns] = np.arange(len(joint.columns))
-        self.folds, self._fold = np.unique(clock.fold, return_inverse=True)
-        self.outside = np.array([self._sum(clock.fold != fold) for fold in self.folds])
+        self.folds = folds_of(clock.fold)
+        self.outside = np.array([self._sum(inside == 0.0) for inside in self.folds.inside])
         self.total = self._sum(np.ones(clock.count, dtype=bool))
 
     def _sum(self, blocks: NDArray[np.bool_]) -> Array:
@@ -122,7 +123,7 @@ class Stack:
         left = self.squares.copy()
         betas = least_squares(self.outside[:, at[:, None], at], self.outside[:, at, -1])
         # of each block, those fitted without its fold
-        beta = betas[self._fold]
+        beta = betas[self.folds.place]
         for k, joint in enumerate(self.joints):
             here = self._places[k, at] >= 0
             own, weights = self._places[k, at[here]], beta[:, here, None]
@@ -150,7 +151,7 @@ class Stack:
         G = self.total
         inner = G[np.ix_(known, known)]
         scale = roots(inner)
-        inverse = np.linalg.pinv(inner / np.outer(scale, scale), rcond=_RCOND, hermitian=True)
+        inverse = pseudo_inverse(inner / np.outer(scale, scale), _RCOND)
         right = G[np.ix_(known, np.append(at, self.size))] / scale[:, None]
         both = np.concatenate([known, at])
         # what the columns and the residual are of those of the stack, and of the residual itself
@@ -176,9 +177,8 @@ class Stack:
         total = A.sum(axis=0) + np.diag(self.precision[at])
         scale = roots(total)
         A, b, total = A / np.outer(scale, scale), b / scale, total / np.outer(scale, scale)
-        inside = (self.folds[:, None] == self.clock.fold).astype(float)
-        outside = total - np.tensordot(inside, A, axes=1)
-        elsewhere = least_squares(outside, b.sum(axis=0) - inside @ b)[self._fold]
+        outside = least_squares(total - self.folds.sums(A), b.sum(axis=0) - self.folds.sums(b))
+        elsewhere = outside[self.folds.place]
         free = np.full(len(at), np.inf)
         low, high = room.T * scale if len(room) else (-free, free)
         return surprise(A, b, elsewhere, total, (low, high), signs, self.clock.log)
@@ -199,7 +199,7 @@ def least_squares(A: Array, b: Array) -> Array:
         return b
     scale = roots(A)
     scaled = A / (scale[..., :, None] * scale[..., None, :])
-    inverse = np.linalg.pinv(scaled, rcond=_RCOND, hermitian=True)
+    inverse = pseudo_inverse(scaled, _RCOND)
     return np.asarray((inverse @ (b / scale)[..., None])[..., 0] / scale)
 
 
