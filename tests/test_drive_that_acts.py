@@ -10,6 +10,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm
 from tests.leg import BELIEVED, CONTROLLER, MODEL, leg
 
@@ -23,8 +24,8 @@ def heavier() -> Prepared:
 
 
 def test_a_drive_that_hardly_acts_explains_nothing(heavier):
-    found = trace(heavier, law="integrated")
-    base, blocks = found.base, make_blocks(heavier, found.base)
+    base = fit(heavier)
+    blocks = make_blocks(heavier, base)
     none = refit(heavier, (DriveTerm(LIMIT, (1e-4,)),), base.shape, ROUGH)
     # what is left without a drive, in N m, is less than what the missing inertia leaves
     assert none.acting < 1e-3

@@ -69,7 +69,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     spec = replace(PLANT, effects=(Effect("inertia-error", {"inertia": 0.04}),), length=0.0)
     body = RigidBody(assemble(spec).believed(), "joint")
     prepared = prepare(logs_of(spec, 0.8, 2.0), body)
-    found = trace(prepared)
+    found = trace(prepared, law="integrated")
     step = found.findings[0]
     assert {step.term.name, *step.ties} == {"torque-gain", "inertia-error"}
 
@@ -91,7 +91,8 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
         RigidBody(assemble(loaded).believed(), "joint"),
         prepared.band,
     )
-    again = trace(replace(prepared, segments=prepared.segments + new.segments))
+    logs = replace(prepared, segments=prepared.segments + new.segments)
+    again = trace(logs, law="integrated")
     assert again.findings[0].term.name == "inertia-error"
     assert again.findings[0].ties == ()
 

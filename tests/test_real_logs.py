@@ -30,15 +30,6 @@ def test_emps_shows_its_asymmetry(emps):
     assert emps.added[0].effect == "direction-asymmetry"
 
 
-def test_xl330_held_out_gain_is_better_explained(measured_data):
-    # all four splits of the gains are `scripts/compare_with_bam.py`'s; here one gain serves for one
-    logs = [read_log(path, "pendulum") for path in sorted((measured_data / "xl330").glob("*.json"))]
-    fitted, held_out = ([log for log in logs if log.metadata["kp"] == kp] for kp in (200, 400))
-    report = close_loop(fitted, MODELS / "xl330_pendulum.xml", "pendulum", held_out)
-    assert report.added
-    assert report.after_torque.held_out < report.before_torque.held_out
-
-
 def test_panda_joint_4_is_known_to_two_per_cent(measured_data):
     report = close_loop([measured_data / "panda"], MODELS / "panda.xml", "joint4", held_out=0.3)
     assert report.after_torque.held_out < 0.02 * report.measured_rms
