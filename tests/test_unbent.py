@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.state import compared
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from tests.plants.spec import Effect, Motion
@@ -29,14 +29,17 @@ def test_a_law_that_bent_is_left(tmp_path):
     alone = fit(prepared)
     bent = replace(alone.shape, Vs=0.01, delta=3.0, length=0.02, excess=0.02)
     stuck = compared(prepared, (LAG,), bent)
-    free = unbent(prepared, (LAG,), replace(alone, shape=bent))
+    free = unbent(prepared, (LAG,), [INTEGRATED])
     assert free.drive_rms < 0.95 * stuck.drive_rms
     assert free.drive_rms < 0.7 * alone.drive_rms
     (term,) = free.effects
     assert term.shape[0] == pytest.approx(0.04, rel=0.1)
+    chosen = unbent(prepared, (LAG,), [forms_of("static"), forms_of("lugre")])
+    assert chosen.shape.variables == forms_of("lugre")[0].variables
+    assert chosen.drive_rms < 0.7 * alone.drive_rms
 
 
-def test_only_what_acts_on_the_friction_level_bends_a_law():
-    column = np.ones((3, 1))
-    assert bends(Candidate(LAG, column))
-    assert not bends(Candidate(EffectTerm(EFFECTS["torque-bias"]), column))
+def test_what_acts_on_the_friction_level_or_on_speed_bends_a_law():
+    assert bends(LAG)
+    assert bends(EffectTerm(EFFECTS["nonlinear-viscous"], (0.5,)))
+    assert not bends(EffectTerm(EFFECTS["torque-bias"]))

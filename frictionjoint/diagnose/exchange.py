@@ -8,6 +8,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
+from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
@@ -66,7 +67,7 @@ def weigh_others(state: State) -> None:
 
 
 def exchange_bent(state: State) -> bool:
-    """Exchange an effect on the friction level for another one, with the law fitted anew.
+    """Exchange an effect that a law bends for for another one, with the law fitted anew.
 
     The law was fitted beside the one that was found first, and may have bent for the other.
 
@@ -75,19 +76,19 @@ def exchange_bent(state: State) -> bool:
     """
     own = state.fit.effects
     for i, term in enumerate(own):
-        if is_unnamed(term) or not term.follows_law:
+        if not bends(term):
             continue
         blocks = state.blocks
         now = scored(state.fit, blocks)
         if now.above_noise < DISCREPANCY:
             return False
-        others = [c for c in _no_richer(state, term) if bends(c)]
+        others = [c for c in _no_richer(state, term) if bends(c.term)]
         best: dict[tuple[str, str], Candidate] = {}
         for candidate in _most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
         for candidate in list(best.values())[:MOST]:
             terms = (*own[:i], candidate.term, *own[i + 1 :])
-            other = unbent(state.prepared, terms, state.fit)
+            other = unbent(state.prepared, terms, [forms_like(state.fit.shape)])
             if now.better(scored(other, blocks)):
                 continue
             # weights that one model gives the logs favour it: the other one must do well there too

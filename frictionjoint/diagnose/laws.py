@@ -1,6 +1,6 @@
 """Which friction law the logs support: the integrated one, or a rival that fits clearly better."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import nnls
@@ -36,9 +36,14 @@ _RIVALS = (
     _CONSTRAINT,
 )
 # the forms of every law by the names of its numbers
-LAW_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
+_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
     forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)
 }
+
+
+def forms_like(shape: Shape) -> Sequence[Shape]:
+    """The forms of a shape's law."""
+    return _FORMS[shape.variables]
 
 
 class Laws:
@@ -78,6 +83,11 @@ class Laws:
         with side_by_side() as each:
             for shape in each(ripest, self._rivals):
                 self.shapes[shape.variables] = shape
+
+    @property
+    def forms(self) -> list[Sequence[Shape]]:
+        """Of each law that may be chosen."""
+        return [_FORMS[self.own], *([] if self._asked else self._rivals)]
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
         """Where to start with a law when effects go: as it is, and as no effect had bent it."""
@@ -131,8 +141,7 @@ class Laws:
         As a coarse look has them, which is near enough to be simulated.
         """
         self._progress("fit: laws that leave as much")
-        forms = [LAW_FORMS[self.own], *([] if self._asked else self._rivals)]
-        places = [p for f in forms for p in ripened(prepared, fitted.effects, f)]
+        places = [p for f in self.forms for p in ripened(prepared, fitted.effects, f)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 

@@ -1,8 +1,9 @@
 """The evidence of each effect, restated on the final model.
 
 When an effect came in it was seen beside another law and other effects. In the end each is looked
-at as if it alone were missing, with all candidates beside it, and the best of those are fitted in
-its place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
+at as if it alone were missing, with all candidates beside it and the law as it was found, for one
+that is fitted without the effect has bent for want of it. The best candidates are fitted in its
+place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
 half of the halves of the data choose before these and before nothing, goes. The p-value is only
 stated: beside a law that has bent for want of a slow effect it may be high.
 """
@@ -18,7 +19,9 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import State, all_but, numbers_of, with_fewer, without
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 
@@ -58,7 +61,8 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     if not isinstance(finding.term, EffectTerm):
         return finding
     rest = replace(state, fit=without(state, finding.term))
-    seen, _ = look(rest.fit, rest.blocks, rest.candidates, rng)
+    alike = replace(state, fit=_as_it_is(state, finding.term))
+    seen, _ = look(alike.fit, alike.blocks, alike.candidates, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
@@ -70,6 +74,11 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     # shapes were chosen on all of the data for the one gain, without each fold for the other
     gain = min(now.gain(bare), seen.gain(row))
     return replace(finding, look=seen, row=row._replace(frequency=chosen), gain=gain)
+
+
+def _as_it_is(state: State, term: Term) -> Fit:
+    """The model without one of its effects, its law and the shapes of the others as they are."""
+    return refit(state.prepared, all_but(state.fit.terms, term), state.fit.shape, ROUGH, steps=1)
 
 
 def _rivals(seen: Look, finding: Finding) -> list[Term]:

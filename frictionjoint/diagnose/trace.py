@@ -27,7 +27,7 @@ from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.laws import LAW_FORMS, Laws
+from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
@@ -225,11 +225,13 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     with side_by_side() as each:
         tried = list(each(attempt, [m for m in moves if _beyond_chance(m, seen)]))
     choice = _chosen(now, tried)
+    if not choice or choice.taken.move.unnamed:
+        # before nothing is named, or what has no name is taken: is it the law that is in the way?
+        tried += _unbent(state, now, blocks)
+        choice = _chosen(now, tried)
     if choice:
         now, tried = _looked_at_again(state, now, tried, choice.taken)
         choice = _chosen(now, tried)
-    else:
-        choice = _chosen(now, _unbent(state, now, blocks))
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
@@ -248,9 +250,10 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
 
 def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
-    """Effects for want of which the law may have bent, with the law fitted from everywhere."""
+    """Effects for want of which a law may have bent, with all laws fitted from everywhere."""
     moves = worth_unbending(now, state.look, SIGNIFICANCE)
-    found = [settled(state.prepared, unbent(state.prepared, m.terms, state.fit)) for m in moves]
+    prepared, laws = state.prepared, state.laws.forms
+    found = [settled(prepared, unbent(prepared, m.terms, laws)) for m in moves]
     return [_Tried(m, own, scored(f, blocks)) for m, (own, f) in zip(moves, found, strict=True)]
 
 
@@ -303,7 +306,7 @@ def _looked_at_again(
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
-    anew = fit(prepared, first.effects, LAW_FORMS[first.shape.variables])
+    anew = fit(prepared, first.effects, forms_like(first.shape))
     first = min(first, anew, key=lambda f: f.drive_rms)
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = state.blocks_of(prepared, first)
@@ -311,7 +314,8 @@ def _looked_at_again(
     def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
         found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
         if anew:
-            found = min(found, unbent(prepared, terms, first), key=lambda f: f.drive_rms)
+            freed = unbent(prepared, terms, [forms_like(first.shape)])
+            found = min(found, freed, key=lambda f: f.drive_rms)
         swung = any(swings(term) for term in terms)
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
@@ -319,7 +323,7 @@ def _looked_at_again(
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
     with side_by_side() as each:
         several = len(leaders) > 1
-        bent = [several and all(bends(c) for c in t.move.added) for t in leaders]
+        bent = [several and all(bends(c.term) for c in t.move.added) for t in leaders]
         (_, before), *changes = list(each(begun, models, [False, *bent]))
     return before, [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
 

@@ -1,32 +1,37 @@
 """Effects tried with the law fitted from everywhere.
 
-What a model lacks bends its law: a Stribeck curve takes up what a contact gains at rest, or what
-friction follows late. The bent law is a valley of its own, which a search that starts there does
-not leave when the effect is added. So the law is fitted from all its starts together with an effect
-on the friction level, where the present law with it is not enough to decide.
+What a model lacks bends its law: a Stribeck curve takes up what a contact gains at rest, what
+friction follows late, or how viscous friction curves; or another law, whose curves have room for
+it, seems to be the joint's. The bent law is a valley of its own, which a search that starts there
+does not leave when the effect is added. So before nothing is named, laws are fitted from all their
+starts together with each effect on the friction level or on speed.
 """
 
+from collections.abc import Sequence
+
 from frictionjoint.diagnose.decisions import DISCREPANCY
-from frictionjoint.diagnose.laws import LAW_FORMS
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import ripened
-from frictionjoint.identify.terms import Term, Timing
+from frictionjoint.identify.terms import EffectTerm, Term, Timing
+from frictionjoint.threads import side_by_side
 
-# effects that are tried, those that promise most at the present law
+# effects that are tried in the place of another, those that promise most at the present law
 MOST = 2
 # further searches from where the first one led: each follows where the last was clearly nearer
 _SEARCHES = 4
 
 
-def unbent(prepared: Prepared, terms: tuple[Term, ...], fitted: Fit) -> Fit:
-    """These effects with the law of a fit, in all its forms, fitted from everywhere."""
-    place = ripened(prepared, terms, LAW_FORMS[fitted.shape.variables])[0]
+def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
+    """These effects with the best of some laws, each fitted from everywhere in all its forms."""
+    with side_by_side() as each:
+        places = list(each(lambda forms: ripened(prepared, terms, forms)[0], laws))
+    place = min(places, key=lambda place: place.cost)
     law, moved = place.search.split(place.x)
     found = compared(prepared, tuple(t for t in moved if not isinstance(t, Timing)), law)
     for _ in range(_SEARCHES):
@@ -37,18 +42,18 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], fitted: Fit) -> Fit:
     return found
 
 
-def bends(candidate: Candidate) -> bool:
-    """Whether it acts on the friction level, so that a law may have bent for want of it."""
-    return not candidate.unnamed and candidate.term.follows_law
+def bends(term: Term) -> bool:
+    """Whether a law may have bent for want of it: it acts on the friction level, or on speed."""
+    return isinstance(term, EffectTerm) and (term.follows_law or term.effect.of_speed)
 
 
 def worth_unbending(now: Scored, seen: Look, most: float) -> list[Move]:
-    """The most promising effects on the friction level, where a law alone leaves enough for one.
+    """The effects that a law bends for, where a law alone leaves enough for one.
 
     Args:
         now: the present model. most: p-value of those tried.
     """
     if now.fit.effects or now.above_noise < DISCREPANCY:
         return []
-    rows = [r for r in seen.rows if bends(r.candidate) and r.p_value <= most][:MOST]
+    rows = [r for r in seen.rows if bends(r.candidate.term) and r.p_value <= most]
     return [Move((r.candidate.term,), (r.candidate,), r.left) for r in rows]
