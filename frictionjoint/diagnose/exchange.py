@@ -20,11 +20,14 @@ from frictionjoint.diagnose.state import (
     numbers_of,
     without,
 )
-from frictionjoint.diagnose.unbent import MOST, bends, unbent
+from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
+
+# effects that are tried in the place of one that a law bends for, those that promise most first
+_MOST = 2
 
 
 def best_forms(state: State) -> bool:
@@ -67,7 +70,7 @@ def weigh_others(state: State) -> None:
 
 
 def exchange_bent(state: State) -> bool:
-    """Exchange an effect that a law bends for for another one, with the law fitted anew.
+    """Try others in the place of each effect that a law bends for, with the law fitted anew.
 
     The law was fitted beside the one that was found first, and may have bent for the other.
 
@@ -86,7 +89,7 @@ def exchange_bent(state: State) -> bool:
         best: dict[tuple[str, str], Candidate] = {}
         for candidate in _most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
-        for candidate in list(best.values())[:MOST]:
+        for candidate in list(best.values())[:_MOST]:
             terms = (*own[:i], candidate.term, *own[i + 1 :])
             other = unbent(state.prepared, terms, [forms_like(state.fit.shape)])
             if now.better(scored(other, blocks)):

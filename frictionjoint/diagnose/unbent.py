@@ -21,8 +21,6 @@ from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import EffectTerm, Term, Timing
 from frictionjoint.threads import side_by_side
 
-# effects that are tried in the place of another, those that promise most at the present law
-MOST = 2
 # further searches from where the first one led: each follows where the last was clearly nearer
 _SEARCHES = 4
 
