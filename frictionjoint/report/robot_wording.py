@@ -109,7 +109,9 @@ def torsion_rows(report: RobotReport) -> list[TorsionRow]:
     """One for each joint with a second encoder."""
     return [
         TorsionRow(
-            name,
+            ", ".join(
+                [name, *(f"motor geared to {x} as well ({c:.4g})" for x, c in t.geared.items())]
+            ),
             _estimate(t.stiffness),
             _estimate(t.backlash),
             _estimate(t.hysteresis),

@@ -5,10 +5,11 @@
 The torque is what the gear transmits, by the model's rigid body behind it. In a gap of width b the
 twist turns over where the torque changes its side; a contact that slides between motor and link
 makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque. A
-delay T of the link's encoder makes a twist of its own, in proportion to the speed.
+delay T of the link's encoder makes a twist of its own, in proportion to the speed. The motor of a
+wrist may turn with the joint before it as well: that is a gear, and no twist.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,9 @@ from frictionjoint.measured.log import JointLog
 
 # standard errors from which on a part of the twist is there
 _SURE = 4.0
+# what a gear to another joint leaves of the twist's squares: a torque is never so nearly in
+# proportion to a position
+_GEARED = 0.01
 # part of the twist's variance that a gap or a hysteresis must explain beside the rest
 _SHARE = 0.02
 # twist over the travel, below which the second position was computed from the first
@@ -42,6 +46,8 @@ class Torsion:
 
     Attributes:
         ratio: turns of the motor in a turn of the link. twist: rms without its mean, rad.
+        geared: by joint, how far the motor turns with another joint, over how far it does with the
+            link.
         left: rms of the twist that is not explained, rad.
         stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: T by which the
             link's position is delayed against the motor's, s. Each None where the logs do not show
@@ -49,6 +55,7 @@ class Torsion:
     """
 
     ratio: float
+    geared: dict[str, float]
     twist: float
     left: float
     stiffness: Estimate | None
@@ -60,6 +67,7 @@ class Torsion:
         """As in report.json."""
         return {
             "ratio": self.ratio,
+            "geared": self.geared,
             "twist_rms": self.twist,
             "left_rms": self.left,
             **{
@@ -82,10 +90,10 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     """
     if any(log.motor_position is None for log in logs):
         return None
-    ratio = _ratio(logs)
+    ratio, geared = _gears(logs)
     span = max(float(np.ptp(log.position)) for log in logs)
     pairs = list(zip(logs, prepared.segments, strict=True))
-    twist = np.concatenate([_twist(log, s, ratio) for log, s in pairs])
+    twist = np.concatenate([_twist(log, s, ratio, geared) for log, s in pairs])
     torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
     offsets = _offsets(prepared)
     size = float(np.sqrt(np.mean((twist - offsets @ _mean(offsets, twist)) ** 2)))
@@ -104,6 +112,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     per, slope = ("N/m", "m") if prepared.slide else ("N m/rad", "rad")
     return Torsion(
         ratio=1.0 / ratio,
+        geared=geared,
         twist=size,
         left=float(np.sqrt(np.mean(best.residual**2))),
         stiffness=_inverse(best.estimate("torque"), per),
@@ -148,20 +157,44 @@ class _Model:
         return (value, error) if abs(value) > _SURE * error else None
 
 
-def _ratio(logs: Sequence[JointLog]) -> float:
-    """Turns of the link in a turn of the motor, each log with its own zeros."""
-    pairs = [(log.motor_position, log.position) for log in logs if log.motor_position is not None]
-    m, q = (np.concatenate([x - x.mean() for x in some]) for some in zip(*pairs, strict=True))
-    return float(m @ q / (m @ m))
+def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
+    """Turns of the link in a turn of the motor, and `Torsion.geared`; each log with its zeros."""
+    motor, link = (
+        _moved([getattr(x, name) for x in logs]) for name in ("motor_position", "position")
+    )
+    shared = set.intersection(*(set(log.other_positions) for log in logs))
+    others = {name: _moved([log.other_positions[name] for log in logs]) for name in sorted(shared)}
+    names: tuple[str, ...] = ()
+    known, left = _regressed([motor], link)
+    while rest := [name for name in others if name not in names]:
+        tried = {n: _regressed([motor, *(others[x] for x in (*names, n))], link) for n in rest}
+        best = min(rest, key=lambda name: tried[name][1])
+        if tried[best][1] > _GEARED * left:
+            break
+        names, (known, left) = (*names, best), tried[best]
+    return float(known[0]), {n: -float(x) for n, x in zip(names, known[1:], strict=True)}
 
 
-def _twist(log: JointLog, segment: Segment, ratio: float) -> Array:
+def _moved(positions: Sequence[Array]) -> Array:
+    """Each without its mean, one behind the other."""
+    return np.concatenate([x - x.mean() for x in positions])
+
+
+def _regressed(columns: Sequence[Array], y: Array) -> tuple[Array, float]:
+    """Coefficients of a least squares and what it leaves of the squares."""
+    X = np.column_stack(columns)
+    found = np.linalg.lstsq(X, y, rcond=None)[0]
+    return np.asarray(found), float(np.sum((y - X @ found) ** 2))
+
+
+def _twist(log: JointLog, segment: Segment, ratio: float, geared: Mapping[str, float]) -> Array:
     """On the kept samples, behind the filter of the balance."""
     assert log.motor_position is not None
     time = log.time[0] + segment.signals[:, TIME]
-    return kept(
-        segment, np.interp(time, log.time, ratio * log.motor_position - log.position)[:, None]
-    )[:, 0]
+    turned = log.position + sum(c * log.other_positions[name] for name, c in geared.items())
+    return kept(segment, np.interp(time, log.time, ratio * log.motor_position - turned)[:, None])[
+        :, 0
+    ]
 
 
 def _element(prepared: Prepared, reach: float) -> Array:
