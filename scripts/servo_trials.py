@@ -1,12 +1,10 @@
-"""Servos of another hand through the loop: what their firmware hides, by name and by number.
+"""Servos of other hands through the loop: what their firmware hides, by name and by number.
 
-    python scripts/servo_trials.py --n 21 --seed 1 [--bands] [--out FILE.jsonl]
+    python scripts/servo_trials.py --n 21 --seed 1 [--hand second] [--bands] [--out FILE.jsonl]
 
-Each is simulated by MuJoCo with MuJoCo's own friction, its firmware written in
-`tests/servo_plant.py`; friction, gains, motions and what is hidden are drawn anew. Hidden is one of
-a delay of the target, a lower limit, a dead band, a drop of the duty, a slower target, another
-gain, or nothing. Of a duty the gain is that of the motor, which no file says: plants with another
-gain put out a torque. A trial is right where exactly that effect of the drive is named, nothing
+See `servo_hands.py` for the hands. Friction, gains, motions and what is hidden are drawn anew for
+each: a delay of the target, a lower limit, a dead band, a drop of the duty, a slower target,
+another gain, or nothing. A trial is right where exactly that effect of the drive is named, nothing
 where there is nothing; its number where it is within 10%.
 
 --bands also refines the model, with what the motion asks for besides, as a report does. It counts
@@ -19,16 +17,15 @@ given the log's own target.
 
 import argparse
 import json
-import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from servo_hands import HANDS, JOINT, KINDS, NOTHING, Servo
 
-from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import COUNT
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import (
@@ -44,62 +41,24 @@ from frictionjoint.identify.bodies import Bodies
 from frictionjoint.refine.guard import held as in_band
 from frictionjoint.simulate.one_joint import simulate
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
-from servo_plant import COUNT, KNOWN, KT, PLANT, SUPPLY, moved, servo, sines, steps, swept
-
-# what is hidden: the effect's name, the number that is compared, and its range
-KINDS: dict[str, tuple[str, str, float, float]] = {
-    "delay": ("command-delay", "delay", 0.02, 0.06),
-    "limit": ("drive-limit", "limit", 0.3, 0.6),
-    "deadband": ("deadband", "deadband", 0.04, 0.1),
-    "threshold": ("duty-drop", "threshold", 0.25, 0.5),
-    "rate": ("command-rate", "rate", 1.5, 3.5),
-    "factor": ("gain-error", "factor", 0.6, 1.6),
-}
-NOTHING = "nothing"
 OF_DRIVE = {effect.name for effect in DRIVE_EFFECTS}
 DRAWS = 200
-# the plants' motor with its supply as one gain, N m a unit of duty
-TORQUE = Controller(output="torque_nm", kp="log:kp", limit=KT * SUPPLY, count_rad=COUNT)
 
 
-def trial(kind: str, rng: np.random.Generator, bands: bool) -> dict[str, Any]:
-    """One plant: what was hidden, named and measured."""
-    friction = (
-        f'frictionloss="{rng.uniform(0.03, 0.15):.4f}" damping="{rng.uniform(0.01, 0.1):.4f}"'
-    )
-    gains = sorted(rng.choice([0.6, 1.0, 1.7, 3.0, 5.0], 3, replace=False).tolist())
-    hidden: dict[str, float] = {}
-    if kind != NOTHING:
-        _, _, low, high = KINDS[kind]
-        hidden[kind] = float(rng.uniform(low, high))
-    if kind == "threshold":
-        hidden["left"] = float(rng.uniform(0.2, 0.5))
-    torque = kind == "factor" or (kind == NOTHING and rng.random() < 0.5)
-    if torque:
-        hidden["emf"] = 0.0
-    logs = [
-        servo(f"{m.__name__} {kp}", kp, m, hidden, friction=friction)
-        for kp in gains
-        for m in (steps, sines, swept)
-    ]
-    known = KNOWN
-    if torque:
-        known = TORQUE
-        logs = [replace(x, metadata={"kp": KT * SUPPLY * x.metadata["kp"]}) for x in logs]
-    kept = [x for x in logs if x.name.endswith(f" {gains[1]}")]
-    fit = [x for x in logs if not x.name.endswith(f" {gains[1]}")]
-    bodies = Bodies(PLANT.format(""), "j", None)
-    report, found = explain(fit, kept, bodies, controller=known)
+def trial(kind: str, servo: Servo, bands: bool) -> dict[str, Any]:
+    """What was hidden, named and measured of one servo."""
+    bodies = Bodies(servo.mjcf, JOINT, None)
+    report, found = explain(servo.fitted, servo.kept, bodies, controller=servo.controller)
     drive = {a.effect: a.parameters for a in report.added if a.effect in OF_DRIVE}
-    name, number = KINDS[kind][:2] if kind != NOTHING else ("", "")
+    name, number = KINDS[kind]
     off = None
     if name in drive:
-        off = abs(drive[name][number].value / hidden[kind] - 1.0)
+        off = abs(drive[name][number].value / servo.hidden[kind] - 1.0)
     loops = report.closed_loops
     told = {
         "kind": kind,
-        "hidden": hidden,
+        "hidden": servo.hidden,
+        "own": servo.own,
         "drive": {n: {k: x.value for k, x in p.items()} for n, p in drive.items()},
         "others": [a.effect for a in report.added if a.effect not in OF_DRIVE],
         "right": set(drive) == ({name} if name else set()),
@@ -107,12 +66,10 @@ def trial(kind: str, rng: np.random.Generator, bands: bool) -> dict[str, Any]:
         "mae": [x.mae.held_out for x in loops] if loops else None,
     }
     if bands:
-        held = courses_of(kept, bodies.of(kept), known)
-        told |= _bands(found, courses_of(fit, bodies.of(fit), known), held)
-        off_true = [
-            np.abs(moved(c.target, gains[1], hidden, friction, c.run.start) - c.position)
-            for c in held
-        ]
+        courses = courses_of(servo.fitted, bodies.of(servo.fitted), servo.controller)
+        kept = courses_of(servo.kept, bodies.of(servo.kept), servo.controller)
+        told |= _bands(found, courses, kept)
+        off_true = [np.abs(servo.truth(c.name, c) - c.position) for c in kept]
         told["true_mae"] = float(np.mean(np.concatenate(off_true)))
     return told
 
@@ -133,7 +90,8 @@ def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> d
                 for f in models
             ]
         )
-        read, predicted = (np.round(x / COUNT) for x in (course.position, runs))
+        count = course.run.block[COUNT]
+        read, predicted = (np.round(x / count) for x in (course.position, runs))
         low, high = np.mean(predicted < read, axis=0), np.mean(predicted <= read, axis=0)
         inside.append(in_band(low, high))
     return {
@@ -149,13 +107,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--n", type=int, default=21)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--hand", choices=HANDS, default="mujoco")
     parser.add_argument("--bands", action="store_true")
     parser.add_argument("--out", type=Path)
     asked = parser.parse_args()
-    kinds = [*KINDS, NOTHING]
+    kinds = list(KINDS)
     told = []
     for i in range(asked.n):
-        one = trial(kinds[i % len(kinds)], np.random.default_rng([asked.seed, i]), asked.bands)
+        kind = kinds[i % len(kinds)]
+        servo = HANDS[asked.hand](kind, np.random.default_rng([asked.seed, i]))
+        one = trial(kind, servo, asked.bands)
         told.append(one)
         print(json.dumps(one), flush=True)
         if asked.out:
@@ -167,6 +128,10 @@ def main() -> None:
         count = sum(x["kind"] == kind for x in told)
         number = near[kind] if kind != NOTHING else ""
         print(f"| {kind} | {count} | {named[kind]} | {number} |")
+    own = [x for x in told if x["own"]]
+    if own:
+        found = sum(x["own"] in (*x["others"], *x.get("by_motion", ())) for x in own)
+        print(f"effects of the joint itself named: {found} of {len(own)}")
     if asked.bands:
         motion = Counter(name for x in told for name in x["by_motion"])
         listed = ", ".join(f"{name} {count}" for name, count in motion.items()) or "nothing"
