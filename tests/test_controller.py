@@ -1,6 +1,7 @@
 """Controllers: their files, their control law, the drive of a log."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -150,6 +151,16 @@ def test_deadbands_protections_and_counts():
     np.testing.assert_allclose(drop, np.where(np.abs(e) > 0.8, 0.25 * whole, whole), atol=1e-14)
     counted = drive_of(given, Controller(**plain, count_rad=0.1))
     np.testing.assert_allclose(counted, 2 * given.target, atol=1e-14)
+
+
+def test_a_band_that_cuts_is_silent_whatever_the_velocity():
+    given = log(target=np.linspace(-1, 1, len(T)), position=np.zeros(len(T)))
+    given = replace(given, velocity=np.full(len(T), 5.0))
+    braked = Controller(output="torque_nm", kp=2.0, kd=1.0)
+    plain, cut = (drive_of(given, replace(braked, deadband=d)) for d in (0.0, 0.3))
+    within = np.abs(given.target) <= 0.3
+    assert np.all(plain[within] < -4.0)
+    np.testing.assert_array_equal(cut, np.where(within, 0.0, plain))
 
 
 def test_a_tick_holds_and_a_target_arrives_late():

@@ -84,6 +84,41 @@ def test_it_steps_as_mujoco_does(effects):
     assert np.ptp(expected) > 0.5
 
 
+def standing(target, law=LAW):
+    """A run of the hanging pendulum from rest away from its target, and its positions."""
+    run = Run(
+        step=STEP,
+        target=np.full(N, target),
+        supply=np.ones(N),
+        on=np.ones(N, dtype=bool),
+        start=(0.4, 0.0),
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=block(KP=1.0),
+    )
+    return run, simulate(JointModel.of(law, [], 0.1), run)
+
+
+def test_friction_holds_a_joint_that_stands_at_first():
+    run, _ = standing(0.4)
+    load = run.load.numbers[:, 0]
+    torque = load[1] * np.cos(0.4) + load[2] * np.sin(0.4) + load[3]
+    Fs = 2.0 * torque
+    strong = FrictionParameters.symmetric(
+        Fs=Fs, Fc=0.9 * Fs, Vs=0.2, knots=((0.002, Fs), (0.01, 2.0 * Fs))
+    )
+    _, found = standing(0.4, strong)
+    # a joint never moved would sink by half a milliradian until its friction holds the load
+    assert np.abs(found - 0.4).max() < 1e-9
+    # nor does it depend on which of the two there is more of
+    _, found = standing(0.4 + 20.0 * torque, strong)
+    assert np.abs(found - 0.4).max() < 1e-9
+
+
+def test_a_joint_that_nothing_holds_starts_to_move():
+    _, found = standing(0.4)
+    assert found[-1] < 0.3
+
+
 def test_windows_start_from_the_measured_motion():
     target = 0.8 * np.sin(6.0 * STEP * np.arange(N))
     run = Run(

@@ -1,6 +1,7 @@
 """Kinds of logs that the guard leaves out, and derivatives kept up to date by steps."""
 
 import itertools
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +18,7 @@ from frictionjoint.refine.guard import (
     of_logs,
     on_each,
     spread,
+    uncertain,
     without_each,
 )
 from frictionjoint.refine.secant import Secant
@@ -174,7 +176,11 @@ def test_standard_errors_are_widened_until_bands_hold_what_was_left_out():
     line = Line(np.linspace(0.0, 1.0, 2001), np.zeros(2001))
     run = SimpleNamespace(block=np.zeros(BLOCK))
     line.courses = [SimpleNamespace(position=np.zeros(2001), run=run)]
-    cov = np.diag([0.01**2, 1e-12])  # the line may be off by 0.01, everywhere alike
+
+    def cov(wider):
+        """The line may be off by 0.01, everywhere alike."""
+        return wider**2 * np.diag([0.01**2, 1e-12])
+
     errors = np.random.default_rng(0).normal(0.0, 0.03, (1, 2001))
     errors[0, :200] = np.nan  # not of this kind
     # of the ten parts of a log alone: Student's band
@@ -184,6 +190,21 @@ def test_standard_errors_are_widened_until_bands_hold_what_was_left_out():
     # what a count of the encoder hides asks for nothing
     run.block[COUNT] = 1.0
     assert missing_width(line, np.zeros(2), cov, errors) == 1.0
+
+
+def test_what_logs_do_not_tell_stays_as_the_prior_has_it():
+    J = np.column_stack([np.full(100, 3.0), np.zeros(100)])  # of the second number they say nothing
+    one, wide = (uncertain(J, np.zeros((2, 2)), w) for w in (1.0, 20.0))
+    assert np.diag(one) == pytest.approx([1.0 / 901.0, 1.0])
+    assert np.diag(wide) == pytest.approx([1.0 / (900.0 / 400.0 + 1.0), 1.0])
+    # and no width of the logs' errors asks for more than the prior allows
+    line = Line(np.linspace(0.0, 1.0, 2001), np.zeros(2001))
+    line.courses = [
+        SimpleNamespace(position=np.zeros(2001), run=SimpleNamespace(block=np.zeros(BLOCK)))
+    ]
+    far = np.full((1, 2001), 1e6)
+    wider = missing_width(line, np.zeros(2), partial(uncertain, J, np.zeros((2, 2))), far)
+    assert np.diag(uncertain(J, np.zeros((2, 2)), wider)) == pytest.approx([1.0, 1.0], rel=1e-4)
 
 
 def test_a_band_holds_readings_of_a_true_prediction_however_coarse_the_encoder():
@@ -202,7 +223,10 @@ def test_what_an_encoder_rounds_does_not_hide_that_bands_are_too_narrow():
     block = np.zeros(BLOCK)
     block[COUNT] = 0.02
     line.courses = [SimpleNamespace(position=np.zeros(2001), run=SimpleNamespace(block=block))]
-    cov = np.diag([0.003**2, 1e-12])
+
+    def cov(wider):
+        return wider**2 * np.diag([0.003**2, 1e-12])
+
     true = np.random.default_rng(0).normal(0.0, 0.03, (1, 2001)) + np.linspace(0.0, 1.0, 2001)
     errors = 0.02 * np.round(true / 0.02) - np.linspace(0.0, 1.0, 2001)
     wider = 10.0 * student.ppf(0.975, 9) / norm.ppf(0.975)

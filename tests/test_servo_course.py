@@ -1,5 +1,7 @@
 """A log ready to be simulated: what its controller is told at every step."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from servo_plant import (
@@ -16,7 +18,8 @@ from servo_plant import (
     swept,
 )
 
-from frictionjoint.control.kernel import KP
+from frictionjoint.control.kernel import KP, STATE, one_tick
+from frictionjoint.control.kernel import TICK as TICK_AT
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import courses_of
 from frictionjoint.identify.bodies import Bodies
@@ -58,6 +61,41 @@ def test_a_delay_finer_than_a_step_acts_for_its_part_of_it(course):
         # every step up comes later by the delay, and none is lost: the area tells
         lost = h * np.sum(course.run.target - later(course, delay))
         assert lost == pytest.approx(delay * course.target[-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("rate", [60.0, 300.0, 800.0, 1000.0, 1500.0, 2000.0])
+def test_ticks_come_at_their_rate(rate):
+    """A step of a millisecond would make 500 Hz of 800."""
+    time = 0.01 * np.arange(101)
+    log = JointLog(
+        name="log", joint="j", time=time, position=0.0 * time, target=time, metadata={"kp": 2.0}
+    )
+    known = replace(KNOWN, rate_hz=rate)
+    run = courses_of([log], [RigidBody(PLANT.format(""), "j")], known)[0].run
+    assert 0.5e-3 < run.step <= 1e-3
+    S, ticks = np.zeros(STATE), set()
+    for i in range(len(run.target)):
+        one_tick(run.block, S, i * run.step, run.target[i], 0.0, 0.0)
+        ticks.add(S[TICK_AT])
+    assert len(ticks) == pytest.approx(min(rate, 1.0 / run.step) + 1.0, abs=1.0)
+
+
+def test_a_delay_that_is_found_acts_smoothly_between_ticks():
+    time = 0.01 * np.arange(101)
+    stairs = np.floor(time / 0.1 + 1e-9)
+    log = JointLog(
+        name="log", joint="j", time=time, position=0.0 * time, target=stairs, metadata={"kp": 2.0}
+    )
+    known = replace(KNOWN, rate_hz=200.0)
+    course = courses_of([log], [RigidBody(PLANT.format(""), "j")], known)[0]
+
+    def at_ticks(delay):
+        return later(course, delay)[:: round(0.005 / course.run.step)]
+
+    for delay in (0.0101, 0.0127, 0.0149):
+        assert np.any(at_ticks(delay + 1e-4) != at_ticks(delay))
+    # as given it is exact
+    np.testing.assert_allclose(course.run.target, np.round(course.run.target), atol=1e-9)
 
 
 def test_what_tells_logs_of_one_kind_comes_along(course):

@@ -1,7 +1,8 @@
 """The control law of one tick, the same along a log and in a simulation.
 
     e     = target - position, nothing within the dead band; the target no faster than its limit
-    u     = kp e + ki (integral of e) - kd v + kff (target's velocity), within the limit
+    u     = kp e + ki (integral of e) - kd v + kff (target's velocity), within the limit;
+            nothing at all within a dead band that cuts
     u     = left u while |e| or |u| is above the threshold of a protection
     drive = supply u of a duty, less what the supply sags; else u
 
@@ -69,12 +70,15 @@ def tick(B: Vector, S: Vector, t: float, target: float, q: float, v: float, supp
     elif B[DIFFERENTIATED] == 1.0:
         v = 0.0
     acting = e
-    if abs(e) <= B[DEADBAND]:
+    within = abs(e) <= B[DEADBAND]
+    if within:
         acting = 0.0
     elif B[SHIFTED] == 1.0:
         acting = e - math.copysign(B[DEADBAND], e)
     S[INTEGRAL] += acting * dt
     u = B[KP] * acting + B[KI] * S[INTEGRAL] - B[KD] * v + B[KFF] * rate
+    if within and B[DEADBAND] > 0.0 and B[SHIFTED] == 0.0:
+        u = 0.0  # a band that cuts is silent, whatever the velocity
     asked = abs(u)
     if asked > B[LIMIT]:
         u = math.copysign(B[LIMIT], u)

@@ -4,6 +4,7 @@ Controller, motor, friction and load are simulated; nothing of the measured moti
 where the joint was at first. This is what a user of the model will see of it.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import COUNT
+from frictionjoint.control.kernel import COUNT, PERIOD
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
 from frictionjoint.errors import LogError
@@ -30,6 +31,8 @@ from frictionjoint.simulate.one_joint import JointModel, Load, Run, load_of, sim
 
 # s, longest step of a simulation
 _STEP = 1e-3
+# of a step, by which a number of steps may be off a whole one
+_WHOLE = 1e-6
 # steps from one evaluation of the load among other joints to the next
 _LOAD_STRIDE = 4
 
@@ -61,8 +64,11 @@ class Course:
         block, delay = self.run.block.copy(), self.delay
         for change in changes:
             block, delay = change(block, delay)
-        steps = self.time[0] + self.run.step * np.arange(len(self.run.target)) - delay
-        target = held_over(self.time, self.target, steps, self.run.step)
+        step = self.run.step
+        steps = self.time[0] + step * np.arange(len(self.run.target)) - delay
+        # of a delay that is not given no tick is known, either: the mean over all that it may be
+        over = step if delay == self.delay else max(step, float(block[PERIOD]))
+        target = held_over(self.time, self.target, steps - 0.5 * (over - step), over)
         return replace(self.run, block=block, target=target)
 
     def at_samples(self, position: Array) -> Array:
@@ -121,8 +127,9 @@ def courses_of(
 def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -> Course:
     if log.target is None:
         raise LogError(f"{log.name}: no target to follow, add target_rad")
-    steps = max(1, int(np.ceil(log.duration / _STEP)))
-    h = log.duration / steps
+    block = block_of(controller, log)
+    h = _step(log.duration, float(block[PERIOD]))
+    steps = max(1, math.ceil(log.duration / h - _WHOLE))
     time = log.time[0] + h * np.arange(steps + 1)
     smooth = followed(log)
     others: dict[str, tuple[Array, Array, Array]] = {}
@@ -137,7 +144,6 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
     if log.torque_enabled is not None:
         on = held(log.time, log.torque_enabled.astype(float), time) > 0.5
     delay = delay_of(controller)
-    block = block_of(controller, log)
     start = first_velocity(log.time, log.position, block[COUNT])
     return Course(
         name=log.name,
@@ -160,6 +166,18 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
         delay=delay,
         figures={**log.metadata, "motion": log.motion, "load": float(load)},
     )
+
+
+def _step(duration: float, period: float) -> float:
+    """Longest step, s, of which a log or, where it is known, a controller's tick is a multiple.
+
+    Of a faster controller it is itself a multiple of the tick.
+    """
+    if period == 0.0:
+        return duration / max(1, math.ceil(duration / _STEP - _WHOLE))
+    if period > _STEP:
+        return period / math.ceil(period / _STEP - _WHOLE)
+    return period * math.floor(_STEP / period + _WHOLE)
 
 
 def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:

@@ -18,7 +18,7 @@ from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import DriveTerm
+from frictionjoint.identify.terms import DriveTerm, Term, all_but
 from frictionjoint.threads import side_by_side
 
 # samples of the coarse fits, starts of each form of an effect that ripen there and for how many
@@ -58,9 +58,62 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         return None
     coarse = prepared.thinned(_COARSE)
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
+    order = _best_of_each(coarse, start, start.effects, terms)
+    blocks = make_blocks(prepared, fitted)
+    now = scored(fitted, blocks)
+    tried = []
+    for _, term in order[:_LEADERS]:
+        found = refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
+        moved = found.effects[-1]
+        assert isinstance(moved, DriveTerm)
+        tried.append((moved, scored(found, blocks)))
+    tried.sort(key=lambda pair: -pair[1].gain(now))
+    squares = [score.squares for _, score in tried]
+    won = _frequencies(squares, rng)
+    rows = [
+        Looked(
+            Candidate(term, np.zeros((0, 0))),
+            left,
+            min(1.0, len(order) * sign_flips(now.squares - left, rng)),
+            frequency,
+        )
+        for (term, _), left, frequency in zip(tried, squares, won, strict=True)
+    ]
+    rows += [
+        Looked(Candidate(term, np.zeros((0, 0))), (1.0 - gain) * now.squares, 1.0, 0.0)
+        for gain, term in order[_LEADERS:]
+    ]
+    return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
+
+
+def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
+    """Models with another effect of the drive, or this one anew, in the place of the i-th effect.
+
+    Best first. The rest of the model is as it is beside that effect, not as it would bend for want
+    of it.
+    """
+    own = fitted.effects
+    terms = drive_terms(prepared, all_but(own, own[i]))
+    coarse = prepared.thinned(_COARSE)
+    start = refit(coarse, own, fitted.shape, ROUGH, _STEPS)
+    order = _best_of_each(coarse, start, all_but(start.effects, start.effects[i]), terms)
+    return [
+        refit(prepared, (*own[:i], term, *own[i + 1 :]), fitted.shape, ROUGH, _FINE_STEPS)
+        for _, term in order[:_LEADERS]
+    ]
+
+
+def _best_of_each(
+    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm]
+) -> list[tuple[float, DriveTerm]]:
+    """Of each effect the form and size that leaves least on thinned logs, best first.
+
+    With the fraction of the drive's squares by which it leaves less than the fit that it starts
+    from.
+    """
 
     def begun(term: DriveTerm) -> Place:
-        search = Search(coarse, timed(coarse, (*start.effects, term)), start.shape)
+        search = Search(coarse, timed(coarse, (*beside, term)), start.shape)
         x = search.start
         return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
 
@@ -83,32 +136,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:
             best[term.name] = gain, term
-    order = sorted(best.values(), key=lambda pair: -pair[0])
-    blocks = make_blocks(prepared, fitted)
-    now = scored(fitted, blocks)
-    tried = []
-    for _, term in order[:_LEADERS]:
-        found = refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
-        moved = found.effects[-1]
-        assert isinstance(moved, DriveTerm)
-        tried.append((moved, scored(found, blocks)))
-    tried.sort(key=lambda pair: -pair[1].gain(now))
-    squares = [score.squares for _, score in tried]
-    won = _frequencies(squares, rng)
-    rows = [
-        Looked(
-            Candidate(term, np.zeros((0, 0))),
-            left,
-            min(1.0, len(best) * sign_flips(now.squares - left, rng)),
-            frequency,
-        )
-        for (term, _), left, frequency in zip(tried, squares, won, strict=True)
-    ]
-    rows += [
-        Looked(Candidate(term, np.zeros((0, 0))), (1.0 - gain) * now.squares, 1.0, 0.0)
-        for gain, term in order[_LEADERS:]
-    ]
-    return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
+    return sorted(best.values(), key=lambda pair: -pair[0])
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:

@@ -4,7 +4,8 @@ from functools import partial
 
 from frictionjoint.diagnose.library import comes_first, is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, all_but, needed, with_fewer
+from frictionjoint.diagnose.state import State, needed, with_fewer
+from frictionjoint.identify.terms import all_but
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 

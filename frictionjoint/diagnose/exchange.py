@@ -6,6 +6,7 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
+from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
@@ -23,7 +24,7 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import DriveTerm, Term
 from frictionjoint.identify.weights import reweighed
 
 # effects that are tried in the place of one that a law bends for, those that promise most first
@@ -100,6 +101,38 @@ def exchange_bent(state: State) -> bool:
             same = scored(compared(prepared, own, state.fit.shape), after)
             if needed(scored(other, after), same):
                 state.findings = [_instead(f, term, candidate) for f in state.findings]
+                state.prepared, state.fit = prepared, other
+                return True
+    return False
+
+
+def exchange_drive(state: State) -> bool:
+    """Try others in the place of each effect of the drive, beside all that was named since.
+
+    The drive comes first, with a law that bends for want of the rest: of two forms of one effect
+    the wrong one may then be nearer.
+
+    Returns:
+        whether one predicts so much more, or another form of the same effect more.
+    """
+    own = state.fit.effects
+    for i, term in enumerate(own):
+        if not isinstance(term, DriveTerm):
+            continue
+        looks = [f.look for f in state.findings if f.term.name == term.name]
+        for other in others_of_drive(state.prepared, state.fit, i):
+            instead = Candidate(other.effects[i], np.zeros((0, 0)))
+            if not all(look.holds(instead) for look in looks):
+                continue
+            if scored(state.fit, state.blocks).better(scored(other, state.blocks)):
+                continue
+            prepared, other = reweighed(state.prepared, other)
+            after = state.blocks_of(prepared, other)
+            same = scored(compared(prepared, own, state.fit.shape), after)
+            score = scored(other, after)
+            alike = instead.term.name == term.name
+            if score.better(same) if alike else needed(score, same):
+                state.findings = [_instead(f, term, instead) for f in state.findings]
                 state.prepared, state.fit = prepared, other
                 return True
     return False

@@ -19,10 +19,10 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, all_but, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import State, numbers_of, with_fewer, without
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import EffectTerm, Term, all_but
 from frictionjoint.identify.weights import reweighed
 
 _MOST_RIVALS = 2

@@ -14,7 +14,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import Term, all_but
 
 # of a search that only compares models
 _TRIED_STEPS = 8
@@ -110,11 +110,6 @@ def with_fewer(state: State, terms: tuple[Term, ...]) -> Fit:
     """The model with some of its effects, the law from the nearest of where it may start."""
     laws = state.laws.starts(state.fit.shape)
     return compared(state.prepared, terms, nearer(state.prepared, terms, laws))
-
-
-def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
-    """All terms but one."""
-    return tuple(t for t in terms if t is not term)
 
 
 def apart(one: Scored, other: Scored) -> bool:

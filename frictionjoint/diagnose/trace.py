@@ -25,7 +25,7 @@ from frictionjoint.diagnose.decisions import (
 )
 from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import best_forms, exchange_bent, weigh_others
+from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.library import Candidate
@@ -111,7 +111,7 @@ def trace(
         if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
-        if _other_law(state) or taken or exchange_bent(state):
+        if _other_law(state) or taken or exchange_bent(state) or exchange_drive(state):
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False

@@ -15,8 +15,9 @@ from frictionjoint.control.kernel import DROP_ERROR, DROP_LEFT, DROP_OUTPUT, KP
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# quantiles of the error's size, and what is left, at which a search starts
-_QUANTILES = (0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97)
+# quantiles of the error's size, and what is left, at which a search starts: a torque that leaps
+# tells nothing of a threshold further away than a few hundredths of the samples
+_QUANTILES = np.linspace(0.4, 0.98, 30)
 _LEFT = 0.4
 
 

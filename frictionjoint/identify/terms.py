@@ -213,3 +213,8 @@ class Timing:
 def delay_of(terms: tuple[Term, ...]) -> float:
     """Time by which the position is logged later than the drive, s."""
     return sum(t.delay for t in terms)
+
+
+def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
+    """All terms but one."""
+    return tuple(t for t in terms if t is not term)

@@ -8,7 +8,7 @@ search that begins with the derivatives that are known; the balance is fitted wi
 model knows the logs that it was fitted to. Both simulate the logs left out.
 """
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +39,8 @@ _PARTS = 10
 # part of the positions that a band holds and to within what, and least standard error of one, rad
 # (m)
 BAND, _CLOSE, _LEAST_WIDTH = 0.95, 1e-6, 1e-9
+# by how much wider logs may err: then all is as the prior has it
+_WIDEST = 1e4
 # steps towards where the kept logs would have the numbers
 _STEPS = 10
 
@@ -131,34 +133,52 @@ def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
     return found / ways
 
 
-def missing_width(objective: Objective, z: Array, cov: Array, errors: Array) -> float:
-    """By how much standard errors must be wider for bands to hold what was left out; at least 1.
+def uncertain(J: Array, U: Array, wider: float) -> Array:
+    """Covariance of numbers in units of the prior where logs err `wider` than they do, (p, p).
+
+    What the logs do not tell stays as the prior has it, however large their errors.
+
+    Args:
+        J: derivatives of the logs' soft errors, shape (n, p). U: what kinds of logs have apart,
+            shape (p, p).
+    """
+    return np.asarray(np.linalg.inv(J.T @ J / wider**2 + np.eye(J.shape[1])) + U)
+
+
+def missing_width(
+    objective: Objective, z: Array, cov: Callable[[float], Array], errors: Array
+) -> float:
+    """By how much logs must err more for bands to hold what was left out; at least 1.
 
     What every model lacks is in no spread of its numbers. But it is in what it errs on kinds left
     out, beyond what the encoder rounds. A log errs as a whole, so of a few logs that is no more
     certain than a variance of as many numbers: the band is Student's.
 
     Args:
-        cov: of the numbers, shape (p, p). errors: on kinds left out, NaN elsewhere, (kinds, n).
+        cov: of the numbers by how much wider logs err, shape (p, p). errors: on kinds left out, NaN
+            elsewhere, (kinds, n).
     """
     moves = differences(objective.errors, objective.bounds, z, objective.errors(z))
-    width = np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", moves, cov, moves), _LEAST_WIDTH**2))
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
     kind, sample = np.nonzero(np.isfinite(errors))
-    off, width = errors[kind, sample], width[sample]
+    off, moves = errors[kind, sample], moves[sample]
     half = np.maximum(0.5 * np.concatenate(counts)[sample], _LEAST_WIDTH)
 
     def missed(wider: float) -> float:
-        low, high = (ndtr((x - off) / (wider * width)) for x in (-half, half))
+        squares = np.einsum("ni,ij,nj->n", moves, cov(wider), moves)
+        width = np.sqrt(np.maximum(squares, _LEAST_WIDTH**2))
+        low, high = (ndtr((x - off) / width) for x in (-half, half))
         return BAND - _CLOSE - float(np.mean(held(low, high)))
 
     if missed(1.0) <= 0.0:
         return 1.0
     most = 2.0
-    while missed(most) > 0.0:
+    while missed(most) > 0.0 and most < _WIDEST:
         most *= 2.0
     edge, few = 0.5 + 0.5 * BAND, len(of_logs(errors, objective.courses)) - 1
     student = float(stdtrit(few, edge) / ndtri(edge))
+    if most >= _WIDEST:
+        return student * most
     return student * float(brentq(missed, 0.5 * most, most, rtol=1e-3))
 
 

@@ -6,7 +6,7 @@ come last, for they are what is judged.
 """
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -20,6 +20,7 @@ from frictionjoint.refine.guard import (
     of_logs,
     on_each,
     spread,
+    uncertain,
     without_each,
 )
 from frictionjoint.refine.motion import WINDOW_S
@@ -79,9 +80,10 @@ class Tried:
     def cov(self) -> Array:
         """Covariance of the numbers, shape (p, p)."""
         moved, errors = self._without
-        uncertain = np.linalg.pinv(self._J.T @ self._J) + spread(self._z, moved, self.masks)
-        uncertain *= missing_width(self._objective, self._z, uncertain, errors) ** 2
-        return np.asarray(uncertain * np.outer(self.vector.unit, self.vector.unit))
+        of_logs = self._J[: -len(self._z)]  # the last rows are the prior
+        cov = partial(uncertain, of_logs, spread(self._z, moved, self.masks))
+        wider = missing_width(self._objective, self._z, cov, errors)
+        return np.asarray(cov(wider) * np.outer(self.vector.unit, self.vector.unit))
 
 
 def tried(

@@ -30,6 +30,9 @@ _TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
 # steps from one evaluation of the friction to the next along a measured motion, which is smooth; a
 # law is driven by displacement, and each step at one speed is exact
 _STRIDE = 4
+# rad (m): displacements between which friction comes to hold a joint at rest, and how often the
+# range is halved
+_STRAIN, _FURTHEST, _HALVINGS = 1e-9, 1.0, 40
 # rows of `Load.numbers`
 INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
 _ROWS = 10
@@ -163,7 +166,10 @@ def simulate(
     motion: tuple[Array, Array] | None = None,
     window: int | None = None,
 ) -> Array:
-    """Position at every step, rad, shape (n,): the friction at rest and never moved at first.
+    """Position at every step, rad, shape (n,).
+
+    A joint that stands at first is held by its friction, as far as that goes, against its load and
+    its drive; otherwise friction begins as if never moved.
 
     Args:
         motion: position and velocity as measured, on the steps, shape (n,) each, from which the
@@ -189,6 +195,8 @@ def simulate(
         thermal=model.thermal if run.temperature is not None else model.thermal[:0],
     )
     X, S, position, drive = np.zeros(model.row), np.zeros(STATE), np.empty(n), np.empty(n)
+    if run.start[1] == 0.0:
+        _hold(given, X, run.start[0])
     if motion is None:
         _part(given, X, S, run.start[0], run.start[1], 0, n, position, drive)
     else:
@@ -228,6 +236,37 @@ def _warm(given: _Given, X: Array, k: int) -> None:
     """Put the temperature of step k where effects remember it."""
     for i in range(len(given.thermal)):
         X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
+
+
+@compiled
+def _hold(given: _Given, X: Array, q: float) -> None:
+    """Strain the friction of a joint at rest until it holds what the drive and the load leave."""
+    P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
+    bias = load[COS, 0] * math.cos(q) + load[SIN, 0] * math.sin(q) + load[REST, 0]
+    held = -bias - body[1] * (q - body[2])
+    if given.on[0]:
+        S = np.zeros(STATE)
+        held += given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
+    way = math.copysign(1.0, held)
+    least, most = 0.0, _STRAIN
+    while _strained(P, effects, X.copy(), q, way * most, h) * way < abs(held):
+        least, most = most, 2.0 * most
+        if most > _FURTHEST:  # nothing holds it: it starts to move
+            return
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (least + most)
+        if _strained(P, effects, X.copy(), q, way * middle, h) * way < abs(held):
+            least = middle
+        else:
+            most = middle
+    _strained(P, effects, X, q, way * least, h)
+
+
+@in_line
+def _strained(P: Array, effects: int, X: Array, q: float, d: float, h: float) -> float:
+    """Torque of a friction that was never moved, after a slow displacement d that ends at q."""
+    torque_now(P, 0, effects, X, 0, -1.0 - h, q - d, 0.0, 0.0)
+    return torque_now(P, 0, effects, X, 0, -h, q, 0.0, 0.0)
 
 
 @compiled
