@@ -41,6 +41,7 @@ from frictionjoint.identify.bodies import Bodies
 from frictionjoint.refine.guard import held as in_band
 from frictionjoint.simulate.one_joint import simulate
 
+TORQUE_GAIN = "torque-gain"
 OF_DRIVE = {effect.name for effect in DRIVE_EFFECTS}
 DRAWS = 200
 
@@ -48,27 +49,30 @@ DRAWS = 200
 def trial(kind: str, servo: Servo, bands: bool) -> dict[str, Any]:
     """What was hidden, named and measured of one servo."""
     bodies = Bodies(servo.mjcf, JOINT, None)
-    report, found = explain(servo.fitted, servo.kept, bodies, controller=servo.controller)
+    report, trace = explain(servo.fitted, servo.kept, bodies, controller=servo.controller)
     drive = {a.effect: a.parameters for a in report.added if a.effect in OF_DRIVE}
     name, number = KINDS[kind]
-    off = None
-    if name in drive:
-        off = abs(drive[name][number].value / servo.hidden[kind] - 1.0)
+    found = {n: p[number].value for n, p in drive.items() if n == name}
+    others = {a.effect: a.parameters for a in report.added if a.effect not in OF_DRIVE}
+    if kind == "factor" and not drive and TORQUE_GAIN in others:
+        # a drive that gives another torque than its output says has either name
+        found = {name: 1.0 / (1.0 + others[TORQUE_GAIN]["gain"].value)}
+    off = abs(found[name] / servo.hidden[kind] - 1.0) if found else None
     loops = report.closed_loops
     told = {
         "kind": kind,
         "hidden": servo.hidden,
         "own": servo.own,
         "drive": {n: {k: x.value for k, x in p.items()} for n, p in drive.items()},
-        "others": [a.effect for a in report.added if a.effect not in OF_DRIVE],
-        "right": set(drive) == ({name} if name else set()),
+        "others": list(others),
+        "right": set(drive) <= {name} and bool(found) == bool(name),
         "off": off,
         "mae": [x.mae.held_out for x in loops] if loops else None,
     }
     if bands:
         courses = courses_of(servo.fitted, bodies.of(servo.fitted), servo.controller)
         kept = courses_of(servo.kept, bodies.of(servo.kept), servo.controller)
-        told |= _bands(found, courses, kept)
+        told |= _bands(trace, courses, kept)
         off_true = [np.abs(servo.truth(c.name, c) - c.position) for c in kept]
         told["true_mae"] = float(np.mean(np.concatenate(off_true)))
     return told

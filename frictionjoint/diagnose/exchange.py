@@ -113,7 +113,8 @@ def exchange_drive(state: State) -> bool:
     the wrong one may then be nearer.
 
     Returns:
-        whether one predicts so much more, or another form of the same effect more.
+        whether one predicts so much more, another form of the same effect more, or a simpler one as
+        much.
     """
     own = state.fit.effects
     for i, term in enumerate(own):
@@ -124,18 +125,27 @@ def exchange_drive(state: State) -> bool:
             instead = Candidate(other.effects[i], np.zeros((0, 0)))
             if not all(look.holds(instead) for look in looks):
                 continue
-            if scored(state.fit, state.blocks).better(scored(other, state.blocks)):
+            simpler = numbers_of(instead.term) < numbers_of(term)
+            if not simpler and _left_better(state, other):
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             score = scored(other, after)
-            alike = instead.term.name == term.name
-            if score.better(same) if alike else needed(score, same):
+            if instead.term.name == term.name:
+                taken = score.better(same)
+            else:
+                taken = as_much(score, same) if simpler else needed(score, same)
+            if taken:
                 state.findings = [_instead(f, term, instead) for f in state.findings]
                 state.prepared, state.fit = prepared, other
                 return True
     return False
+
+
+def _left_better(state: State, other: Fit) -> bool:
+    """Whether the model predicts better than another one."""
+    return scored(state.fit, state.blocks).better(scored(other, state.blocks))
 
 
 def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
