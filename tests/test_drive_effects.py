@@ -1,20 +1,16 @@
 """Effects of the drive on servos simulated by MuJoCo, their firmware written here."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
 from frictionjoint.control.block import block_of
-from frictionjoint.control.kernel import KD, KP, LIMIT
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.diagnose.exchange import exchange_drive
+from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
-from frictionjoint.diagnose.library import drive_terms
-from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.state import State
 from frictionjoint.effects import duty_drop
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
@@ -111,41 +107,24 @@ def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
     """Two forms of one effect, of which a law bent for want of a spring may take the wrong one."""
     friction = 'frictionloss="0.06" damping="0.03" stiffness="1.2" springref="0.4"'
     made = logs({"threshold": 0.35, "left": 0.3}, friction=friction)
-    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    _, _, prepared, _, driven = looked_at(made)
+    assert driven is not None
     spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
     output = DriveTerm(duty_drop.OF_OUTPUT, (0.5, 0.4))
     law = INTEGRATED[0].grid(5.0, 2.0)[2]
     wrong = refit(prepared, (EMF_TERM, output, spring), law, ROUGH)
     laws = Laws(prepared, wrong, asked=True, progress=lambda text: None)
-    state = State(prepared, wrong, [], Look((), np.zeros(0), 0.0), laws, law_errs=False)
-    assert exchange_drive(state)
+    row = next(r for r in driven.look.rows if r.name == output.name)
+    finding = Finding(output, driven.look, row, 0.5, (), (), wrong)
+    state = State(prepared, wrong, [finding], driven.look, laws, law_errs=False)
+    rng = np.random.default_rng(0)
+    assert exchange_drive(state, rng)
     protection = state.fit.effects[1]
     assert protection.effect is duty_drop.EFFECT
     assert protection.shape == pytest.approx((0.35, 0.3), rel=0.05)
     assert state.fit.drive_rms < 0.7 * wrong.drive_rms
     # and what is right stays
-    assert not exchange_drive(state)
-
-
-def test_a_gain_a_unit_of_gains_and_a_unit_of_the_output_are_three_forms():
-    known = replace(KNOWN, kd=0.05)
-    log = replace(logs_of_nothing(), metadata={"kp": 2.0})
-    block = block_of(known, log)
-    one, every, output = (e for e in DRIVE_EFFECTS if e.name == "gain-error")
-    for effect, brake, limit in ((one, 0.05, 1.0), (every, 0.06, 1.0), (output, 0.06, 1.2)):
-        changed, _ = effect.drive(block.copy(), 0.0, (1.2,))
-        assert changed[[KP, KD, LIMIT]] == pytest.approx((2.4, brake, limit))
-    # nothing tells them apart where the proportional gain is alone, or below the limit
-    away = replace(log, target=log.target + 0.6)
-    for given, controller, forms in (
-        (log, KNOWN, {one.form}),
-        (log, known, {one.form, every.form}),
-        (away, known, {one.form, every.form, output.form}),
-    ):
-        torque = replace(controller, output="torque_nm", supply_v=None)
-        prepared = prepare([given], RigidBody(PLANT.format(""), "j"), controller=torque)
-        terms = drive_terms(prepared, ())
-        assert {t.effect.form for t in terms if t.name == "gain-error"} == forms
+    assert not exchange_drive(state, rng)
 
 
 def test_a_drive_as_its_file_says_asks_for_nothing():
@@ -161,6 +140,14 @@ def test_a_number_that_ended_at_zero_is_fitted_on():
     band = DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "deadband"), (0.0,))
     found = refit(prepared, (EMF_TERM, band), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 1)
     assert np.isfinite(found.terms[1].shape[0])
+
+
+def test_a_drive_of_nothing_is_left_again():
+    """A protection that leaves nothing of the output, from which a search must still go on."""
+    prepared = prepare(logs({})[:2], RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    silent = DriveTerm(duty_drop.EFFECT, (0.0, 0.0))
+    found = refit(prepared, (EMF_TERM, silent), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 3)
+    assert np.isfinite(found.drive_rms)
 
 
 def test_a_measured_drive_is_not_looked_at():

@@ -133,6 +133,8 @@ def _best_of_each(
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
+        if found.target_rms == 0.0:  # a drive of nothing explains nothing
+            continue
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:
             best[term.name] = gain, term

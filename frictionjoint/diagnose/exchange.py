@@ -11,6 +11,7 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms
+from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
     State,
@@ -106,11 +107,12 @@ def exchange_bent(state: State) -> bool:
     return False
 
 
-def exchange_drive(state: State) -> bool:
+def exchange_drive(state: State, rng: np.random.Generator) -> bool:
     """Try others in the place of each effect of the drive, beside all that was named since.
 
-    The drive comes first, with a law that bends for want of the rest: of two forms of one effect
-    the wrong one may then be nearer.
+    The drive comes first, with a law that bends for want of the rest: of two forms of one effect,
+    or of an effect of the drive and one of the joint, the wrong one may then be nearer. One that
+    explains nearly as much is a tie.
 
     Returns:
         whether one predicts so much more, another form of the same effect more, or a simpler one as
@@ -120,32 +122,55 @@ def exchange_drive(state: State) -> bool:
     for i, term in enumerate(own):
         if not isinstance(term, DriveTerm):
             continue
-        looks = [f.look for f in state.findings if f.term.name == term.name]
-        for other in others_of_drive(state.prepared, state.fit, i):
+        for other, seen in [*_other_drives(state, i), *_joints_instead(state, i, rng)]:
             instead = Candidate(other.effects[i], np.zeros((0, 0)))
-            if not all(look.holds(instead) for look in looks):
-                continue
             simpler = numbers_of(instead.term) < numbers_of(term)
-            if not simpler and _left_better(state, other):
+            alike = instead.term.name == term.name
+            now, its = (scored(f, state.blocks) for f in (state.fit, other))
+            if not simpler and now.better(its):
+                if not (alike or apart(now, its)):
+                    state.findings = [_tied(f, term, instead) for f in state.findings]
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             score = scored(other, after)
-            if instead.term.name == term.name:
+            if alike:
                 taken = score.better(same)
             else:
                 taken = as_much(score, same) if simpler else needed(score, same)
             if taken:
-                state.findings = [_instead(f, term, instead) for f in state.findings]
+                findings = [
+                    replace(f, look=seen) if f.term.name == term.name else f for f in state.findings
+                ]
+                state.findings = [_instead(f, term, instead) for f in findings]
                 state.prepared, state.fit = prepared, other
                 return True
     return False
 
 
-def _left_better(state: State, other: Fit) -> bool:
-    """Whether the model predicts better than another one."""
-    return scored(state.fit, state.blocks).better(scored(other, state.blocks))
+def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
+    """Models with another effect of the drive in the place of the i-th, and where it was seen."""
+    name = state.fit.effects[i].name
+    seen = next((f.look for f in state.findings if f.term.name == name), None)
+    others = others_of_drive(state.prepared, state.fit, i)
+    if seen is None:
+        return []
+    return [(f, seen) for f in others if seen.holds(Candidate(f.effects[i], np.zeros((0, 0))))]
+
+
+def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
+    """The same with an effect of the joint of no more numbers, those that promise most."""
+    own = state.fit.effects
+    rest = replace(state, fit=without(state, own[i]))
+    among = [
+        c for c in rest.candidates if not c.unnamed and numbers_of(c.term) <= numbers_of(own[i])
+    ]
+    if not among:
+        return []
+    seen, _ = look(rest.fit, rest.blocks, among, rng)
+    terms = [(*own[:i], r.candidate.term, *own[i + 1 :]) for r in seen.rows[:_MOST]]
+    return [(compared(state.prepared, t, rest.fit.shape), seen) for t in terms]
 
 
 def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:

@@ -111,7 +111,7 @@ def trace(
         if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
-        if _other_law(state) or taken or exchange_bent(state) or exchange_drive(state):
+        if _other_law(state) or taken or exchange_bent(state) or exchange_drive(state, rng):
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False

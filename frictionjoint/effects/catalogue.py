@@ -79,8 +79,6 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
     duty_drop.OF_OUTPUT,
     supply_sag.EFFECT,
     gain_error.EFFECT,
-    gain_error.UNIT,
-    gain_error.OUTPUT,
 )
 
 _ALL = (*SIMULATED, *DRIVE_EFFECTS)

@@ -1,18 +1,11 @@
-"""gain-error: gains other than the controller's file says.
-
-Three forms: the proportional gain alone; all gains alike, whose unit is another one; all that the
-controller puts out, its limit too, where a unit of the output is worth another torque.
-"""
+"""gain-error: a proportional gain other than the controller's file says."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import KD, KFF, KI, KP, LIMIT
+from frictionjoint.control.kernel import KP
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
@@ -25,18 +18,6 @@ def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
     return block, delay
 
 
-def all_changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """All gains of the error and the velocity in another unit."""
-    block[[KP, KI, KD]] *= shape[0]
-    return block, delay
-
-
-def output_changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """The whole output in another unit."""
-    block[[KP, KI, KD, KFF, LIMIT]] *= shape[0]
-    return block, delay
-
-
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
     """What it changes in a controller's file."""
     kp = controller.kp
@@ -45,34 +26,8 @@ def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
     return {"kp": kp * shape[0]}
 
 
-def all_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
-    return {"gain_unit": controller.gain_unit * shape[0]}
-
-
-def output_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
-    limit = controller.limit if isinstance(controller.limit, str) else controller.limit * shape[0]
-    return {
-        "gain_unit": controller.gain_unit * shape[0],
-        "feed_forward": controller.feed_forward * shape[0],
-        "limit": limit,
-    }
-
-
 def _factors(logs: Sequence[Commands]) -> list[Shape]:
     return [(factor,) for factor in _FACTORS]
-
-
-def _units(logs: Sequence[Commands]) -> list[Shape]:
-    """None where the proportional gain is alone."""
-    return _factors(logs) if any(np.any(x.block[[KI, KD]]) for x in logs) else []
-
-
-def _outputs(logs: Sequence[Commands]) -> list[Shape]:
-    """None where the limit is never reached."""
-    reached = any(np.any(np.abs(x.drive()) >= x.block[LIMIT]) for x in logs)
-    return _factors(logs) if reached else []
 
 
 EFFECT = Effect(
@@ -94,20 +49,4 @@ EFFECT = Effect(
     drive=changed,
     controller=figures,
     drive_shapes=_factors,
-)
-
-UNIT = replace(
-    EFFECT,
-    form="factor u in place of u, within the same limit",
-    drive=all_changed,
-    controller=all_figures,
-    drive_shapes=_units,
-)
-
-OUTPUT = replace(
-    EFFECT,
-    form="factor u in place of u, the limit with it",
-    drive=output_changed,
-    controller=output_figures,
-    drive_shapes=_outputs,
 )

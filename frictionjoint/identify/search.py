@@ -323,8 +323,10 @@ class Search:
         return y if self.prepared.gain_unknown else y + self.prepared.balanced_load
 
     def residual(self, x: Array) -> Array:
-        """Target less model, weighted."""
+        """Target less model, weighted; of a drive that is nothing, all that the drive was."""
         X, y, beta, _, unit = self.solved(x)
+        if unit != 1.0 and not np.any(y):
+            return np.asarray(self.prepared.balanced_drive * self.weight)
         out: Array = (y - X @ beta) * (self.weight * unit)
         return out
 
@@ -338,7 +340,8 @@ class Search:
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
         Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]
         found = unit * (Q_ @ (Q_.T @ moves) - moves)
-        if unit != 1.0:
+        # of a drive that is nothing the unit is at its end, and moves with no number
+        if unit != 1.0 and np.any(y):
             left, y = unit * (y - X @ beta) * self.weight, y * self.weight
             for k, term in enumerate(self.terms):
                 if isinstance(term, DriveTerm):
