@@ -40,8 +40,6 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
-# waves that the usual range of positions, or the longest log, must hold: fewer are any curve
-FEWEST_WAVES = 1.5
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -163,21 +161,13 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges, within what the logs show.
-
-        A frequency in time is no higher than the band of the balance, a wave in position no longer
-        than the joint's usual range holds enough of.
-        """
+        """Physical ranges; a frequency in time no higher than the band of the balance shows."""
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
-                low, high = limits[i]
                 if unit == "Hz":
-                    limits[i] = (low, max(min(high, top), 1.01 * low))
-                elif unit == "1/x":
-                    fewest = 2.0 * np.pi * FEWEST_WAVES / self.prepared.usual_range
-                    limits[i] = (max(low, min(fewest, term.shape[i])), high)
+                    limits[i] = (limits[i][0], max(min(limits[i][1], top), 1.01 * limits[i][0]))
         return limits
 
     @property

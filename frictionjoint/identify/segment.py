@@ -215,12 +215,6 @@ class Prepared:
         return float(np.quantile(speeds, 0.99)) or 1.0
 
     @cached_property
-    def usual_range(self) -> float:
-        """Where the joint mostly is: a few excursions count little, rad (m)."""
-        positions = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in self.segments])
-        return float(np.subtract(*np.quantile(positions, (0.95, 0.05))))
-
-    @cached_property
     def weight(self) -> Array:
         """Of the kept samples of all logs in turn."""
         return np.concatenate([s.kept_weight for s in self.segments])
