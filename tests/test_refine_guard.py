@@ -194,7 +194,7 @@ def test_standard_errors_are_widened_until_bands_hold_what_was_left_out():
 
 def test_what_logs_do_not_tell_stays_as_the_prior_has_it():
     J = np.column_stack([np.full(100, 3.0), np.zeros(100)])  # of the second number they say nothing
-    one, wide = (uncertain(J, np.zeros((2, 2)), w) for w in (1.0, 20.0))
+    one, wide = (uncertain(J.T @ J, np.zeros((2, 2)), w) for w in (1.0, 20.0))
     assert np.diag(one) == pytest.approx([1.0 / 901.0, 1.0])
     assert np.diag(wide) == pytest.approx([1.0 / (900.0 / 400.0 + 1.0), 1.0])
     # and no width of the logs' errors asks for more than the prior allows
@@ -203,8 +203,10 @@ def test_what_logs_do_not_tell_stays_as_the_prior_has_it():
         SimpleNamespace(position=np.zeros(2001), run=SimpleNamespace(block=np.zeros(BLOCK)))
     ]
     far = np.full((1, 2001), 1e6)
-    wider = missing_width(line, np.zeros(2), partial(uncertain, J, np.zeros((2, 2))), far)
-    assert np.diag(uncertain(J, np.zeros((2, 2)), wider)) == pytest.approx([1.0, 1.0], rel=1e-4)
+    wider = missing_width(line, np.zeros(2), partial(uncertain, J.T @ J, np.zeros((2, 2))), far)
+    assert np.diag(uncertain(J.T @ J, np.zeros((2, 2)), wider)) == pytest.approx(
+        [1.0, 1.0], rel=1e-4
+    )
 
 
 def test_a_band_holds_readings_of_a_true_prediction_however_coarse_the_encoder():

@@ -22,7 +22,7 @@ from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_G
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.library import Candidate, effect_terms, effects
+from frictionjoint.diagnose.library import effect_terms, effects, without_columns
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
@@ -151,7 +151,7 @@ def told(term: Term, other: Tried, now: Refined) -> Look:
     own, without = other.near, now.near
     p_value = sign_flips(without - own, np.random.default_rng(0))
     better = float(np.mean(own < without))
-    row = Looked(Candidate(term, np.zeros((0, 0))), own**2, p_value, better)
+    row = Looked(without_columns(term), own**2, p_value, better)
     return Look((row,), without**2, 0.0)
 
 

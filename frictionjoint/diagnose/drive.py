@@ -12,13 +12,13 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import halves, make_blocks
-from frictionjoint.diagnose.library import Candidate, drive_terms
+from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import DriveTerm, Term, all_but
+from frictionjoint.identify.terms import DriveTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
 # samples of the coarse fits, starts of each form of an effect that ripen there and for how many
@@ -72,7 +72,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     won = _frequencies(squares, rng)
     rows = [
         Looked(
-            Candidate(term, np.zeros((0, 0))),
+            without_columns(term),
             left,
             min(1.0, len(order) * sign_flips(now.squares - left, rng)),
             frequency,
@@ -80,7 +80,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         for (term, _), left, frequency in zip(tried, squares, won, strict=True)
     ]
     rows += [
-        Looked(Candidate(term, np.zeros((0, 0))), (1.0 - gain) * now.squares, 1.0, 0.0)
+        Looked(without_columns(term), (1.0 - gain) * now.squares, 1.0, 0.0)
         for gain, term in order[_LEADERS:]
     ]
     return Driven(Look(tuple(rows), now.squares, 0.0), tuple(tried), now)
@@ -98,7 +98,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     start = refit(coarse, own, fitted.shape, ROUGH, _STEPS)
     order = _best_of_each(coarse, start, all_but(start.effects, start.effects[i]), terms)
     return [
-        refit(prepared, (*own[:i], term, *own[i + 1 :]), fitted.shape, ROUGH, _FINE_STEPS)
+        refit(prepared, in_place(own, i, term), fitted.shape, ROUGH, _FINE_STEPS)
         for _, term in order[:_LEADERS]
     ]
 

@@ -10,7 +10,7 @@ from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
-from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms
+from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms, without_columns
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
@@ -25,7 +25,7 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.terms import DriveTerm, Term
+from frictionjoint.identify.terms import DriveTerm, Term, in_place
 from frictionjoint.identify.weights import reweighed
 
 # effects that are tried in the place of one that a law bends for, those that promise most first
@@ -65,7 +65,7 @@ def weigh_others(state: State) -> None:
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
-            state.findings = [_instead(f, own[i], best) for f in state.findings]
+            state.findings = [_instead(f, own[i], best, f.look) for f in state.findings]
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):
             state.findings = [_tied(f, own[i], best) for f in state.findings]
@@ -92,7 +92,7 @@ def exchange_bent(state: State) -> bool:
         for candidate in _most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
         for candidate in list(best.values())[:_MOST]:
-            terms = (*own[:i], candidate.term, *own[i + 1 :])
+            terms = in_place(own, i, candidate.term)
             other = unbent(state.prepared, terms, [forms_like(state.fit.shape)])
             if now.better(scored(other, blocks)):
                 continue
@@ -101,7 +101,7 @@ def exchange_bent(state: State) -> bool:
             after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             if needed(scored(other, after), same):
-                state.findings = [_instead(f, term, candidate) for f in state.findings]
+                state.findings = [_instead(f, term, candidate, f.look) for f in state.findings]
                 state.prepared, state.fit = prepared, other
                 return True
     return False
@@ -122,13 +122,14 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
     for i, term in enumerate(own):
         if not isinstance(term, DriveTerm):
             continue
+        now = scored(state.fit, state.blocks)
         for other, seen in [*_other_drives(state, i), *_joints_instead(state, i, rng)]:
-            instead = Candidate(other.effects[i], np.zeros((0, 0)))
+            instead = without_columns(other.effects[i])
             simpler = numbers_of(instead.term) < numbers_of(term)
             alike = instead.term.name == term.name
-            now, its = (scored(f, state.blocks) for f in (state.fit, other))
-            if not simpler and now.better(its):
-                if not (alike or apart(now, its)):
+            before = scored(other, state.blocks)
+            if not simpler and now.better(before):
+                if not (alike or apart(now, before)):
                     state.findings = [_tied(f, term, instead) for f in state.findings]
                 continue
             prepared, other = reweighed(state.prepared, other)
@@ -140,10 +141,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             else:
                 taken = as_much(score, same) if simpler else needed(score, same)
             if taken:
-                findings = [
-                    replace(f, look=seen) if f.term.name == term.name else f for f in state.findings
-                ]
-                state.findings = [_instead(f, term, instead) for f in findings]
+                state.findings = [_instead(f, term, instead, seen) for f in state.findings]
                 state.prepared, state.fit = prepared, other
                 return True
     return False
@@ -152,11 +150,9 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
 def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
     """Models with another effect of the drive in the place of the i-th, and where it was seen."""
     name = state.fit.effects[i].name
-    seen = next((f.look for f in state.findings if f.term.name == name), None)
+    seen = next(f.look for f in state.findings if f.term.name == name)
     others = others_of_drive(state.prepared, state.fit, i)
-    if seen is None:
-        return []
-    return [(f, seen) for f in others if seen.holds(Candidate(f.effects[i], np.zeros((0, 0))))]
+    return [(f, seen) for f in others if seen.holds(without_columns(f.effects[i]))]
 
 
 def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
@@ -169,7 +165,7 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
     if not among:
         return []
     seen, _ = look(rest.fit, rest.blocks, among, rng)
-    terms = [(*own[:i], r.candidate.term, *own[i + 1 :]) for r in seen.rows[:_MOST]]
+    terms = [in_place(own, i, r.candidate.term) for r in seen.rows[:_MOST]]
     return [(compared(state.prepared, t, rest.fit.shape), seen) for t in terms]
 
 
@@ -180,13 +176,13 @@ def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
     return replace(finding, ties=(*finding.ties, candidate.term.name))
 
 
-def _instead(finding: Finding, term: Term, candidate: Candidate) -> Finding:
-    """A finding of one effect as that of a simpler one, seen in the same look."""
+def _instead(finding: Finding, term: Term, candidate: Candidate, seen: Look) -> Finding:
+    """A finding of one effect as that of another one, which a look has seen."""
     if finding.term.name != term.name:
         return finding
-    row = finding.look.find(candidate)
+    row = seen.find(candidate)
     ties = tuple(name for name in finding.ties if name != row.name)
-    return replace(finding, term=candidate.term, row=row, ties=ties)
+    return replace(finding, term=candidate.term, look=seen, row=row, ties=ties)
 
 
 def _in_place_of(
@@ -194,8 +190,7 @@ def _in_place_of(
 ) -> tuple[Candidate, Fit]:
     """The candidate that promises most in place of the i-th effect, and the model with it."""
     best = _most_first(state, blocks, i, others)[0]
-    own = state.fit.effects
-    terms: tuple[Term, ...] = (*own[:i], best.term, *own[i + 1 :])
+    terms = in_place(state.fit.effects, i, best.term)
     return best, compared(state.prepared, terms, state.fit.shape)
 
 

@@ -86,6 +86,11 @@ class Candidate:
         return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
 
 
+def without_columns(term: Term) -> Candidate:
+    """A term as a candidate that is fitted, and not screened by columns."""
+    return Candidate(term, np.zeros((0, 0)))
+
+
 def is_unnamed(term: Term) -> bool:
     """Whether a term is a dependence without a physical name."""
     return isinstance(term, SmoothTerm)

@@ -12,7 +12,7 @@ from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import Term, in_place
 from frictionjoint.threads import side_by_side
 
 # of each sort of move, how many are refitted
@@ -177,7 +177,7 @@ class Moves:
             for c in self.named:
                 if c.term.name != term.name:
                     left, _ = self.screened.held_out([*rest, self._at(c)])
-                    terms = (*self.own[:i], c.term, *self.own[i + 1 :])
+                    terms = in_place(self.own, i, c.term)
                     found.append(Move(terms, (c,), left))
         return found
 

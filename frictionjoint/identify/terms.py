@@ -215,6 +215,11 @@ def delay_of(terms: tuple[Term, ...]) -> float:
     return sum(t.delay for t in terms)
 
 
+def in_place(terms: tuple[Term, ...], i: int, term: Term) -> tuple[Term, ...]:
+    """The terms with another one in the place of the i-th."""
+    return (*terms[:i], term, *terms[i + 1 :])
+
+
 def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:
     """All terms but one."""
     return tuple(t for t in terms if t is not term)

@@ -133,16 +133,16 @@ def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
     return found / ways
 
 
-def uncertain(J: Array, U: Array, wider: float) -> Array:
+def uncertain(told: Array, U: Array, wider: float) -> Array:
     """Covariance of numbers in units of the prior where logs err `wider` than they do, (p, p).
 
     What the logs do not tell stays as the prior has it, however large their errors.
 
     Args:
-        J: derivatives of the logs' soft errors, shape (n, p). U: what kinds of logs have apart,
-            shape (p, p).
+        told: J'J of the derivatives of the logs' soft errors, shape (p, p). U: what kinds of logs
+            have apart, shape (p, p).
     """
-    return np.asarray(np.linalg.inv(J.T @ J / wider**2 + np.eye(J.shape[1])) + U)
+    return np.asarray(np.linalg.inv(told / wider**2 + np.eye(len(told))) + U)
 
 
 def missing_width(
@@ -165,7 +165,7 @@ def missing_width(
     half = np.maximum(0.5 * np.concatenate(counts)[sample], _LEAST_WIDTH)
 
     def missed(wider: float) -> float:
-        squares = np.einsum("ni,ij,nj->n", moves, cov(wider), moves)
+        squares = np.sum(moves @ cov(wider) * moves, axis=1)
         width = np.sqrt(np.maximum(squares, _LEAST_WIDTH**2))
         low, high = (ndtr((x - off) / width) for x in (-half, half))
         return BAND - _CLOSE - float(np.mean(held(low, high)))

@@ -81,7 +81,7 @@ class Tried:
         """Covariance of the numbers, shape (p, p)."""
         moved, errors = self._without
         of_logs = self._J[: -len(self._z)]  # the last rows are the prior
-        cov = partial(uncertain, of_logs, spread(self._z, moved, self.masks))
+        cov = partial(uncertain, of_logs.T @ of_logs, spread(self._z, moved, self.masks))
         wider = missing_width(self._objective, self._z, cov, errors)
         return np.asarray(cov(wider) * np.outer(self.vector.unit, self.vector.unit))
 

@@ -238,12 +238,17 @@ def _warm(given: _Given, X: Array, k: int) -> None:
         X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
 
 
+@in_line
+def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float) -> float:
+    """Of the rigid body and the MJCF's own spring at step i; c, s: cosine and sine of q."""
+    return float(load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2]))
+
+
 @compiled
 def _hold(given: _Given, X: Array, q: float) -> None:
     """Strain the friction of a joint at rest until it holds what the drive and the load leave."""
     P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
-    bias = load[COS, 0] * math.cos(q) + load[SIN, 0] * math.sin(q) + load[REST, 0]
-    held = -bias - body[1] * (q - body[2])
+    held = -_load_torque(load, body, 0, q, math.cos(q), math.sin(q))
     if given.on[0]:
         S = np.zeros(STATE)
         held += given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
@@ -293,7 +298,7 @@ def _part(
         c, s = math.cos(q), math.sin(q)
         # a negative error beyond the armature is not inertia, see `replay.friction_spec`
         inertia = load[INERTIA, i] + max(extra, -body[0])
-        bias = load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2])
+        bias = _load_torque(load, body, i, q, c, s)
         position[k] = q
         drive[k] = 0.0
         if on[k]:
@@ -335,7 +340,7 @@ def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vecto
         if some:
             i = min(k, load.shape[1] - 1)
             c, s = math.cos(q), math.sin(q)
-            bias = load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2])
+            bias = _load_torque(load, body, i, q, c, s)
             gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
             gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
             asked = gain * drive[k] - emf * v if on[k] else 0.0
