@@ -24,15 +24,21 @@ PAGE = "docs/robots.md"
 REST = "## What a least squares leaves"
 HEAD = """# Measured robots
 
-Written by `python scripts/real_robots.py --data DIR --out DIR --docs`: for each robot one command,
-`frictionjoint close-loop LOG... --model ROBOT --held-out 0.3 --out OUT`. Torque errors are in per
-cent of the rms of the joint's torque, on the last 30% of each log, which served neither the fit nor
-the choice, in motion: at rest friction is known only where the fitted logs held presliding. Replay
-is the rms position error of free runs of half a second on the same data. Before
-is the integrated law alone under the model as it is. Where one is larger after than before, the
-last column has by how much, as a 95% interval: of the same samples, paired, over blocks of time; of
-replay over its runs. *Worse* is a joint whose interval is all above zero and whose squares grew by
-more than a twentieth, which no shared cause may add to a joint's: a failure of the loop.
+Public logs of four robots. `python scripts/real_robots.py --data DIR --out DIR --docs` runs one
+command for each, `frictionjoint close-loop LOG... --model ROBOT --held-out 0.3 --out OUT`, and
+writes the tables. After them come [what is left, and why](#what-is-left-and-why), robots that were
+[new](#robots-that-were-new) and [other programs](#beside-mujocosysid-and-figaroh).
+
+* **Held out** is the last 30% of each log, which serves neither the fit nor the choice of effects.
+* **Torque**: rms error in motion, in per cent of the rms of the joint's torque. Rest does not
+  count: friction at rest is known only where the fitted logs hold presliding.
+* **Replay**: rms position error, rad, of free runs of half a second on the same data.
+* **Before** is the integrated law alone under the model as it is, **after** all that is named.
+* **Shared causes** stand above each table, with standard errors; in brackets is the part of a
+  joint's squares that a cause takes away in cross-validation.
+* **The last column** says by how much an error is larger after than before, as a 95% interval
+  (torque: paired, over blocks of time; replay: over runs). *Worse* marks an interval all above zero
+  with squares that grow by more than a twentieth, a failure of the loop.
 
 """
 
