@@ -12,9 +12,13 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from llvmlite import binding, ir
 from numba import cfunc, config, njit, types
+from numba.core import cgutils
 from numba.extending import intrinsic
+
+from frictionjoint.arrays import Vector
 
 # Division by zero is as in C: the test for it would be most of a small kernel. Other threads go on
 # meanwhile, see `threads.side_by_side`.
@@ -24,6 +28,7 @@ in_line = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
 
 # without annotations of its own
 _types: Any = types
+_utils: Any = cgutils
 _config: Any = config
 REAL, WHOLE, NOTHING = types.float64, types.int64, types.void
 VECTOR = _types.CPointer(REAL)
@@ -33,6 +38,39 @@ _C: dict[Any, Any] = {
     VECTOR: ctypes.c_void_p,
     NOTHING: None,
 }
+
+
+@intrinsic
+def _address(typing_context: Any, array: Any, at: Any) -> tuple[Any, Any]:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        return builder.gep(data, [arguments[1]])
+
+    return _types.CPointer(array.dtype)(array, WHOLE), generate
+
+
+@intrinsic
+def _zeros(typing_context: Any, n: Any) -> tuple[Any, Any]:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        made = builder.alloca(ir.DoubleType(), size=arguments[0])
+        size = builder.mul(arguments[0], context.get_constant(WHOLE, 8))
+        _utils.memset(builder, made, size, 0)
+        return made
+
+    return VECTOR(WHOLE), generate
+
+
+# A kernel for pointers serves simulations, which have no arrays, and logs: compiled once for both.
+_jit = not _config.DISABLE_JIT
+pointer = cast(
+    "Callable[[Vector, int], Vector]",
+    _address if _jit else lambda array, at: array.reshape(-1)[at:],
+)
+"""Pointer to number `at` of a contiguous array, which must be an argument: others end here."""
+room = cast("Callable[[int], Vector]", _zeros if _jit else np.zeros)
+"""Pointer to so many zeros, on the stack of the function that asks for them."""
+whole = cast("Callable[[int], int]", np.int64)
+"""A whole number written out, as one of any value: else a kernel is compiled for each of them."""
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _links: dict[Any, Callable[[], int]] = {}
@@ -47,7 +85,7 @@ def late(function: _Function, signature: Any) -> _Function:
         function: compiled by numba, defined in a module.
         signature: of REAL, WHOLE and, for arrays and pointers alike, VECTOR.
     """
-    if _config.DISABLE_JIT:
+    if not _jit:
         return function
     plain = cast("Any", function).py_func
     symbol = f"{plain.__module__}.{plain.__name__}".replace(".", "_")
@@ -100,5 +138,5 @@ def late(function: _Function, signature: Any) -> _Function:
 
 def link(function: Any) -> None:
     """Compile or load a `late` function now; nothing to do where numba does not compile."""
-    if not _config.DISABLE_JIT:
+    if _jit:
         _links[function]()

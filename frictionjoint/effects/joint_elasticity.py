@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import pointer, room, whole
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
@@ -64,14 +65,15 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 @njit(cache=True, nogil=True)
 def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
-    sig = np.zeros(N_SIGNALS)
+    numbers, start = pointer(P, 0), whole(0)
+    sig, X = room(N_SIGNALS), room(3)
     w = 2.0 * math.pi * P[0]
     steeper = _steeper(w, signals[min(1, len(out) - 1), DT])
-    X = np.array([d / steeper, rate / steeper, 0.0])
+    X[0], X[1] = d / steeper, rate / steeper
     out[0] = -P[2] * (w * w * d + 2.0 * P[1] * w * rate)
     for k in range(1, len(out)):
         sig[DT], sig[SWAY] = signals[k, DT], signals[k, SWAY]
-        out[k] = torque(P, 0, sig, X, 0)
+        out[k] = torque(numbers, start, sig, X, start)
 
 
 def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Array:

@@ -4,12 +4,11 @@ A block ``P[e:]`` holds the number of effects, then for each its id, the length 
 the numbers (shape first, then coefficients). Memory ``X[x:]`` holds `MEMORY` numbers an effect.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import pointer, room, whole
 from frictionjoint.effects import (
     back_emf,
     backlash,
@@ -149,24 +148,6 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
     return total
 
 
-@njit(inline="always")
-def _along(
-    torque: Callable[..., float], numbers: Array, n_shape: int, signals: Array, out: Array
-) -> None:
-    """Columns of one effect: its torque for one coefficient at a time, the others zero."""
-    X = np.zeros(MEMORY)
-    # a view of each row would take longer to make than most torques
-    sig = np.empty(signals.shape[1])
-    for c in range(out.shape[1]):
-        numbers[n_shape:] = 0.0
-        numbers[n_shape + c] = 1.0
-        X[:] = 0.0
-        for k in range(signals.shape[0]):
-            for i in range(len(sig)):
-                sig[i] = signals[k, i]
-            out[k, c] = torque(numbers, 0, sig, X, 0)
-
-
 @njit(cache=True)
 def _centred(out: Array) -> None:
     """Means over the time since the sample before each, made means around each."""
@@ -174,71 +155,26 @@ def _centred(out: Array) -> None:
         out[k] = 0.5 * (out[k] + out[k + 1])
 
 
-# Along a log each effect has a loop of its own, twice as fast as a choice at every sample. Other
-# threads go on: a search asks for columns side by side.
+# Other threads go on: a search asks for columns side by side.
 @njit(cache=True, nogil=True)
-def _columns(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
-    out[:] = np.nan
-    if effect_id == 1:
-        _along(_bias, numbers, n_shape, signals, out)
-    elif effect_id == 2:
-        _along(_gravity, numbers, n_shape, signals, out)
-    elif effect_id == 3:
-        _along(_inertia, numbers, n_shape, signals, out)
-    elif effect_id == 4:
-        _along(_spring, numbers, n_shape, signals, out)
-    elif effect_id == 5:
-        _along(_asymmetry, numbers, n_shape, signals, out)
-    elif effect_id == 6:
-        _along(_viscous, numbers, n_shape, signals, out)
-    elif effect_id == 7:
-        _along(_load, numbers, n_shape, signals, out)
-    elif effect_id == 9:
-        _along(_warm_up, numbers, n_shape, signals, out)
-    elif effect_id == 10:
-        _along(_emf, numbers, n_shape, signals, out)
-    elif effect_id == 11:
-        _along(_periodic, numbers, n_shape, signals, out)
-    elif effect_id == 12:
-        _along(_periodic_level, numbers, n_shape, signals, out)
-    elif effect_id == 13:
-        _along(_gain, numbers, n_shape, signals, out)
-    elif effect_id == 14:
-        _along(_delay, numbers, n_shape, signals, out)
-    elif effect_id == 16:
-        _along(_upper_stop, numbers, n_shape, signals, out)
-    elif effect_id == 17:
-        _along(_lag, numbers, n_shape, signals, out)
-    elif effect_id == 18:
-        _along(_dwell, numbers, n_shape, signals, out)
-    elif effect_id == 19:
-        _along(_backlash, numbers, n_shape, signals, out)
+def _fill(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
+    """Columns of one effect: its torque for one coefficient at a time, the others zero."""
+    P, X, start = pointer(numbers, 0), room(MEMORY), whole(0)
+    for c in range(out.shape[1]):
+        numbers[n_shape:] = 0.0
+        numbers[n_shape + c] = 1.0
+        for i in range(MEMORY):
+            X[i] = 0.0
+        for k in range(signals.shape[0]):
+            sig = pointer(signals, k * signals.shape[1])
+            out[k, c] = effect_torque(effect_id, P, start, sig, X, start)
+    if effect_id == 19:
         _centred(out)
-    elif effect_id == 20:
-        _along(_motor_side, numbers, n_shape, signals, out)
-    elif effect_id == 21:
-        _along(_warmed, numbers, n_shape, signals, out)
-    elif effect_id == 22:
-        _along(_load_coulomb, numbers, n_shape, signals, out)
-    elif effect_id == 23:
-        _along(_asymmetry_reached, numbers, n_shape, signals, out)
-    elif effect_id == 24:
-        _along(_lower_stop, numbers, n_shape, signals, out)
-    elif effect_id == 25:
-        _along(_load_stribeck, numbers, n_shape, signals, out)
-    elif effect_id == 26:
-        _along(_saturation, numbers, n_shape, signals, out)
-    elif effect_id == 27:
-        _along(_temperature, numbers, n_shape, signals, out)
-    elif effect_id == 29:
-        _along(_temperature_apart, numbers, n_shape, signals, out)
-    elif effect_id == 30:
-        _along(_motor_temperature, numbers, n_shape, signals, out)
 
 
 def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:
     """Torque per unit of each coefficient along a log, shape (n, n_coefficients)."""
     numbers = np.array([*shape, *([0.0] * n_coefficients)])
     out = np.empty((len(signals), n_coefficients))
-    _columns(effect_id, numbers, len(shape), signals, out)
+    _fill(effect_id, numbers, len(shape), np.ascontiguousarray(signals), out)
     return out

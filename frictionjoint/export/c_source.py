@@ -6,8 +6,8 @@ controller runs the very law that was identified, not a second version that coul
 point operations keep their order.
 
 What the translation knows: annotated functions of numbers and vectors, scalar arithmetic, `while`,
-`for ... in range`, `if`, calls of other numba functions, `math`, arrays by subscript, `np.zeros` of
-a constant size, assignments of several values. Anything else is an error, never a guess. `math` is
+`for ... in range`, `if`, calls of other numba functions, `math`, arrays by subscript, `room` of a
+constant size, assignments of several values. Anything else is an error, never a guess. `math` is
 reduced to exp, log and pow of the C library (`frictionjoint.export.c_math`).
 """
 

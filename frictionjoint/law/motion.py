@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, pointer, room, whole
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import (
@@ -31,16 +31,17 @@ def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F
     Without a measured velocity (an empty array) the velocity of sample k is the mean over the
     interval that ends there, and zero at the first one.
     """
-    X = np.zeros(row_size(P, p))
-    start_row(P, p, X, 0)
+    block, x = pointer(P, 0), whole(0)
+    X = room(row_size(block, p))
+    start_row(block, p, X, x)
     F[0] = 0.0
     own = len(velocity) == 0
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
         v = dq / dt if own else velocity[k]
-        F[k] = step_row(P, p, X, 0, dq, dt, v)
-        commit(P, p, X, 0)
+        F[k] = step_row(block, p, X, x, dq, dt, v)
+        commit(block, p, X, x)
 
 
 def edges_of(position: Array, edges: Index | None) -> Index:
@@ -57,17 +58,18 @@ def drive_integrated(
     The motions lie one behind the other, the i-th from edges[i] to before edges[i + 1]; before
     each the contact is at rest and was never moved.
     """
-    X = np.zeros(HEADER + 2 * CAPACITY)
+    block, X = pointer(P, 0), room(HEADER + 2 * CAPACITY)
+    p, h, s = whole(1), whole(0), whole(HEADER)
     for i in range(len(edges) - 1):
         first = edges[i]
-        _start(P, 1, X, 0, HEADER)
+        _start(block, p, X, h, s)
         H[first] = 0.0
         rate[first] = 1.0
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            _step(P, 1, X, 0, 0, HEADER, dq, dt, dq / dt)
-            make_room(X, 0, HEADER)
+            _step(block, p, X, h, h, s, dq, dt, dq / dt)
+            make_room(X, h, s)
             H[k] = X[FH]
             rate[k] = X[RATE]
 
@@ -77,17 +79,18 @@ def drive_rival(
     P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
 ) -> None:
     """As `drive_integrated`, for a block of any other law, its number in front."""
-    X = np.zeros(row_size(P, 0))
+    block, p, x = pointer(P, 0), whole(0), whole(0)
+    X = room(row_size(block, p))
     for i in range(len(edges) - 1):
         first = edges[i]
-        start_rival(P, 0, X, 0)
+        start_rival(block, p, X, x)
         H[first] = 0.0
         rate[first] = X[bristle.RATE]
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            step_rival(P, 0, X, 0, dq, dt, dq / dt)
-            commit_rival(P, 0, X, 0)
+            step_rival(block, p, X, x, dq, dt, dq / dt)
+            commit_rival(block, p, X, x)
             H[k] = X[bristle.FH]
             rate[k] = X[bristle.RATE]
 

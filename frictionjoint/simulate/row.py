@@ -22,7 +22,7 @@ evaluated, then the evaluated torque of each effect.
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import commit, presliding, start_row, step_row
@@ -138,7 +138,7 @@ def evaluate(
         K, damping = presliding(P, p)
         if h * (h * K + damping) > STIFF * J:
             f = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED]
-            S = np.empty(law_row_size(P, p))
+            S = room(law_row_size(P, p))
             F = torque_ahead(P, p, X, x + FRONT, S, 0, h, f, J, v)
             X[x + TORQUE] = F
     return F

@@ -7,7 +7,7 @@ the law, or a new effect, is on the GPU without a second copy that could differ 
 Numbers are doubles throughout, as in the source.
 
 What the rewriting knows about: scalar arithmetic, `while`, `for ... in range`, `if`, calls of other
-numba functions, `math`, arrays by subscript, `np.zeros` and `np.empty` of a fixed size, and tuples
+numba functions, `math`, arrays by subscript, `room` of a fixed size, and tuples
 of numbers. Anything else is an error at translation, never a guess.
 """
 
@@ -18,8 +18,7 @@ import math
 import textwrap
 from typing import Any
 
-import numpy as np
-
+from frictionjoint.compiled import room
 from frictionjoint.errors import ModelError
 
 _MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan", "sqrt"}
@@ -303,7 +302,7 @@ class _Rewriting(ast.NodeTransformer):
         if isinstance(node.func, ast.Name) and node.func.id == "float":
             return _call("wp.float64", *arguments)
         called = self._look_up(node.func)
-        if called in (np.zeros, np.empty):
+        if called is room:
             return ast.parse(f"wp.zeros(shape={self.room}, dtype=wp.float64)", mode="eval").body
         if hasattr(called, "py_func"):
             self.calls.append(called)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, room
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.kernel import MEMORY, total_torque
@@ -67,7 +67,7 @@ def effects_torque(
     the torque of the joint's motors before anything saturates. An effect `heating` comes first, and
     has the loss of the committed point.
     """
-    sig = np.zeros(N_SIGNALS)
+    sig = room(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
     sig[TIME] = t
     sig[Q] = q
