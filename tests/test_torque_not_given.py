@@ -1,4 +1,4 @@
-"""Torque that a drive did not give, and torque that a model only does not explain."""
+"""Torque that a drive did not give, that a sensor did not tell, that a model does not explain."""
 
 from types import SimpleNamespace
 
@@ -8,10 +8,10 @@ import pytest
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.outcome import _without_unnamed
-from frictionjoint.identify.instruments import ExcessTerm
+from frictionjoint.identify.instruments import ExcessTerm, MissingTerm
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
-from tests.three_sines import INERTIA, A, T, V, logged
+from tests.three_sines import INERTIA, A, Q, T, V, logged
 
 LIMIT = 1.5
 
@@ -60,3 +60,55 @@ def test_torque_did_not_act_where_the_motion_comes_nearer_without_it(tmp_path, n
     changed = np.flatnonzero(now != drive)
     assert bool(changed.size) == believed
     assert np.all(np.abs(now[changed]) < np.abs(drive[changed]))
+
+
+def with_noise(torque):
+    return torque + np.random.default_rng(5).normal(0.0, 0.005, len(T))
+
+
+def missing(prepared):
+    """Torque that acted beside what was logged at the end of the range, mean, N m, and the fit."""
+    shape = fit(prepared).shape
+    found = refit(prepared, (MissingTerm("torque"),), shape)
+    return -found.term_coefficients(0)[0], found
+
+
+def test_a_sensor_at_the_end_of_its_range_is_told_and_left_out(tmp_path):
+    """All of the torque acted; above a level the log holds that level."""
+    acted = INERTIA * A + 0.5 * np.clip(V / 0.02, -1.0, 1.0)
+    prepared = logged(tmp_path, np.clip(with_noise(acted), -np.inf, LIMIT))
+    base = fit(prepared)
+    terms = [c.term for c in library(prepared, base, make_blocks(prepared, base))]
+    assert MissingTerm("torque") in terms
+    size, found = missing(prepared)
+    assert size == pytest.approx(np.mean(acted[acted > LIMIT] - LIMIT), rel=0.2)
+    state = SimpleNamespace(prepared=prepared, fit=found)
+    _without_unnamed(state, lambda logs, fitted: None)
+    assert not state.fit.effects
+    assert state.fit.coefficient("Fc") == pytest.approx(0.5, rel=0.02)
+    assert state.fit.rms < 0.2 * base.rms
+    # logs held out are prepared as those that were fitted
+    for log in (
+        state.prepared,
+        logged(tmp_path, np.clip(acted, -5.0, LIMIT), Q, state.prepared.band),
+    ):
+        (segment,) = log.segments
+        cut = segment.at_limit > 0.0
+        assert 0.02 < cut.mean() < 0.4
+        assert not segment.mask[cut].any()
+
+
+def test_a_drive_at_its_limit_that_acts_is_missing_nothing(tmp_path):
+    """The motion is that of the torque as logged."""
+    h, q, v, rows = 5e-4, 0.0, 0.0, []
+    for k in range(80_000):
+        target = 0.6 * np.sin(2 * np.pi * 0.31 * k * h) + 0.15 * np.sin(2 * np.pi * 1.3 * k * h)
+        torque = float(np.clip(8.0 * (target - q) - 0.8 * v, -1.0, 1.0))
+        v += h / INERTIA * (torque - 0.5 * np.tanh(v / 0.02))
+        q += h * v
+        rows.append((q, torque))
+    position, torque = np.array(rows)[::4].T
+    prepared = logged(tmp_path, torque, position)
+    assert prepared.segments[0].at_limit is not None
+    size, _ = missing(prepared)
+    assert size < 0.01

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.segment import Band, Prepared
 from frictionjoint.measured.log import JointLog
 
 INERTIA = 0.05
@@ -31,9 +31,14 @@ T = np.arange(0.0, 40.0, 2e-3)
 Q, V, A = sines(T, _LINES)
 
 
-def logged(folder: Path, torque: NDArray[np.float64]) -> Prepared:
+def logged(
+    folder: Path,
+    torque: NDArray[np.float64],
+    position: NDArray[np.float64] = Q,
+    band: Band | None = None,
+) -> Prepared:
     """The log of a torque, N m, prepared with the joint's model."""
     file = folder / "j.xml"
     file.write_text(_MODEL)
-    log = JointLog(name="log", joint="j", time=T, position=Q, torque=torque)
-    return prepare([log], RigidBody(file, "j"))
+    log = JointLog(name="log", joint="j", time=T, position=position, torque=torque)
+    return prepare([log], RigidBody(file, "j"), band)

@@ -167,6 +167,8 @@ def explain(
         return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
+    if kept_back and found.prepared.band.sensor_saturates:
+        kept_back = kept_back.without_limits()
     shows = load_shows(found.final)
     if shows and not load_shows(found.base):
         # without the effects the drive may hide the load: the motor is that of the found model

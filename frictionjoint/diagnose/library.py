@@ -18,7 +18,7 @@ from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths, term_bounds
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import scale_is_determined
-from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm
+from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm, MissingTerm
 from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import (
@@ -302,6 +302,8 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
         excess = [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
         motion_hz = prepared.band.motion
         terms += [term for term in excess if term.shows(prepared.segments, motion_hz)]
+    if any(s.at_limit is not None for s in prepared.segments):
+        terms.append(MissingTerm("torque"))
     if not prepared.slide:
         x = np.concatenate([s.signals[s.mask] for s in prepared.segments])
         inertia, *arms = np.linalg.lstsq(x[:, [A, GX, GY]], x[:, LOAD], rcond=None)[0].tolist()

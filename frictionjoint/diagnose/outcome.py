@@ -18,7 +18,7 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import ExcessTerm
+from frictionjoint.identify.instruments import ExcessTerm, MissingTerm
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SmoothTerm
@@ -77,6 +77,8 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
     What a residual owes to the measured torque says little: it is a part of it. So the motion has
     to come nearer, where it can be simulated, driven by the torque that is said to have acted.
     """
+    if any(isinstance(term, MissingTerm) for term in state.fit.terms):
+        state.prepared = state.prepared.without_limits()
     named = named_of(state.fit.effects)
     asked = state.prepared, refit(state.prepared, named, state.fit.shape)
     logs, said = list(state.prepared.segments), []

@@ -1,4 +1,5 @@
-"""Terms of what instruments hold that the joint does not: a torque not given, a position off.
+"""Terms of what instruments hold that the joint does not: a torque not given, one not told, a
+position off.
 
 They are quantities that a residual depends on, as those of `smooth` are, and have no place in a
 simulation: the log is wrong there, not the model.
@@ -70,6 +71,34 @@ class ExcessTerm(TunedTerm):
         """
         excess = self.columns(segment, segment.signals)[:, 0]
         return replace(segment, drive=segment.drive - fraction * excess)
+
+
+@dataclass(frozen=True)
+class MissingTerm(SmoothTerm):
+    """Torque that a sensor at the end of its range does not tell: the mean of it."""
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """There is more of it than was logged, not less."""
+        return ((-np.inf, 0.0),)
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Less the torque that is missing."""
+        return ("missing",)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """Torque per unit of each coefficient, shape (n, 1)."""
+        where = segment.at_limit
+        return np.zeros((len(signals), 1)) if where is None else where[:, None]
+
+    def says(self, coefficients: Array, unit: str) -> str:
+        """How much is missing."""
+        return (
+            f"Where the logged torque stands at its largest value, {-coefficients[0]:.2g} {unit} "
+            "more acted on average: the sensor, or what writes the log, saturates. The final fit "
+            "leaves these samples out. Record with a wider range, or a slower motion."
+        )
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,10 @@ _A_SAMPLE = 16.0
 _NO_MATTER = 50.0
 # periods of the balance's corner at each end of a log that what lies beyond it spoils, see `gentle`
 _SPOILT = 2.0
+# a drive that stands at the end of its range: within so many times its usual change from sample to
+# sample; so many times as often as just below; so often at the very end; and not half of the time,
+# which one with few values would
+_OF_NOISE, _PILE, _REPEATS, _MOST_AT_LIMIT = 4.0, 4.0, 10, 0.5
 
 
 def prepare(
@@ -175,7 +179,7 @@ def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller |
         count_of(log.position),
         inertia_of(signals, LOAD) * per_drive,
     )
-    return Segment(
+    found = Segment(
         name=log.name,
         dt=dt,
         bandwidth_hz=band.balance,
@@ -194,10 +198,33 @@ def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller |
         noise=noise if commanded is None else replace(noise, torque=0.0),
         driven_along=path_of(signals, noise.resolution),
         unknown=rigid.unknown,
+        at_limit=_at_limit(log.time, values, t) if controller is None else None,
         sample=sample,
         corner_hz=band.motion,
         commanded=commanded,
     )
+    return found.without_limits() if band.sensor_saturates else found
+
+
+def _at_limit(time: Array, values: Array, grid: Array) -> Array | None:
+    """Where a drive stands at its largest value, 1, or its least, -1; None: it stands at neither.
+
+    Samples pile up there, within the noise. At the crest of a wave there are some more than below.
+    """
+    found = np.zeros(len(values))
+    steps = np.abs(np.diff(values))
+    apart = np.diff(np.unique(values))
+    near = _OF_NOISE * max(float(np.median(steps)), float(apart.min(initial=np.inf)))
+    for side in (1.0, -1.0):
+        below = np.max(side * values) - side * values
+        there = below <= near
+        under = np.count_nonzero(below <= 2.0 * near) - np.count_nonzero(there)
+        piled = np.count_nonzero(there) > _PILE * under
+        if piled and np.count_nonzero(below == 0.0) >= _REPEATS:
+            found[1:-1][there[:-2] & there[1:-1] & there[2:]] = side
+    if not 0 < np.count_nonzero(found) < _MOST_AT_LIMIT * len(found):
+        return None
+    return np.round(np.interp(grid, time, found))
 
 
 def _per_torque(drive: Array, load: Array, velocity: Array) -> float:

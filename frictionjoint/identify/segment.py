@@ -8,11 +8,12 @@ and a law sees a motion sharper than the balance.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_dilation
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
@@ -37,11 +38,13 @@ class Band:
     """Corners of the two filters, Hz: of the balance, and of the motion that makes it.
 
     zero_order_hold: whether a measured drive holds its torque from one sample to the next.
+    sensor_saturates: whether samples at the end of a drive's range do not count.
     """
 
     balance: float
     motion: float
     zero_order_hold: bool = False
+    sensor_saturates: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,8 @@ class Segment:
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
         driven_along: what a law is driven along, where it was made before; see `path`.
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
+        at_limit: shape (n,), 1 while a measured drive stands at its largest value, -1 at its least,
+            0 elsewhere; None: it stands at neither.
     """
 
     name: str
@@ -87,6 +92,7 @@ class Segment:
     swing: tuple[float, float] = (0.0, 0.0)
     driven_along: Path | None = None
     unknown: Array | None = None
+    at_limit: Array | None = None
 
     @cached_property
     def path(self) -> Path:
@@ -157,6 +163,17 @@ class Segment:
     def kept(self) -> NDArray[np.bool_]:
         """The mask on the decimated grid."""
         return self.mask[:: self.step]
+
+    def without_limits(self) -> Self:
+        """The log without what stands at the end of its drive's range, see `Band`.
+
+        And without a period of the balance's corner around it, which the filter brings there.
+        """
+        if self.at_limit is None:
+            return self
+        reach = max(1, int(1.0 / (self.bandwidth_hz * self.dt)))
+        spoilt = binary_dilation(self.at_limit != 0.0, iterations=reach)
+        return replace(self, mask=self.mask & ~spoilt)
 
 
 @dataclass(frozen=True)
@@ -264,6 +281,14 @@ class Prepared:
         factor = max(1.0, self.samples / most)
         return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
 
+    def without_limits(self) -> "Prepared":
+        """The logs without what stands at the end of the drive's range: its sensor saturates."""
+        return replace(
+            self,
+            segments=tuple(s.without_limits() for s in self.segments),
+            band=replace(self.band, sensor_saturates=True),
+        )
+
     def subset(self, indices: list[int]) -> "Prepared":
         """Some of the logs."""
         return replace(self, segments=tuple(self.segments[i] for i in indices))
@@ -295,5 +320,6 @@ def _thinned(s: Segment, factor: float) -> Segment:
         mask=s.mask[::step],
         weight=None if s.weight is None else s.weight[::step],
         unknown=None if s.unknown is None else s.unknown[::step],
+        at_limit=None if s.at_limit is None else s.at_limit[::step],
         others={name: x[::step] for name, x in s.others.items()},
     )
