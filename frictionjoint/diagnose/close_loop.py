@@ -61,6 +61,7 @@ from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.readers import read_log, require_logs
+from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_text import model_text
 from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
@@ -149,6 +150,8 @@ def explain(
     if controller:
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
     progress("rigid-body torque")
+    for log in logs:
+        require_motion(f"{log.name}, {joint}", log.position)
     fitted_on = prepare(list(logs), mine, controller=controller)
     check(fitted_on)
     kept_back = None

@@ -14,6 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import halves, make_blocks
 from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, Place, Search, refit, timed
@@ -48,7 +49,7 @@ def of_drive(score: Scored, now: Scored) -> float:
 
 
 def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:
-    """Every effect of the drive added to a fit; None where the drive is measured, or none is left.
+    """Every effect of the drive added to a fit; None where the drive is measured, or none can be.
 
     Args:
         prepared: the logs of the fit. rng: for sign flips and halves.
@@ -66,7 +67,10 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
         found = refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
         moved = found.effects[-1]
         assert isinstance(moved, DriveTerm)
-        tried.append((moved, scored(found, blocks)))
+        if found.acting >= LEAST_ACTING:
+            tried.append((moved, scored(found, blocks)))
+    if not tried:
+        return None
     tried.sort(key=lambda pair: -pair[1].gain(now))
     squares = [score.squares for _, score in tried]
     won = _frequencies(squares, rng)
@@ -133,7 +137,7 @@ def _best_of_each(
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
-        if found.target_rms == 0.0:  # a drive of nothing explains nothing
+        if found.acting < LEAST_ACTING:  # a drive of nothing explains nothing
             continue
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
         if gain > best.get(term.name, (-np.inf, term))[0]:

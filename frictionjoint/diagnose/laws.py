@@ -118,6 +118,21 @@ class Laws:
         best = next(sure, None)
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
+    def first(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+        """The law fitted first, where another was taken that is no longer clearly better.
+
+        It was when effects were missing that have been found since.
+        """
+        if fitted.shape.variables == self.own:
+            return prepared, fitted
+        fits = [
+            refit(prepared, fitted.effects, s, ROUGH) for s in self.starts(self.shapes[self.own])
+        ]
+        own = min(fits, key=lambda f: f.drive_rms)
+        if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms:
+            return prepared, fitted
+        return reweighed(prepared, own)
+
     def errors(self, fitted: Fit) -> Array:
         """The direction in which the law of a fit is wrong first of all, N m, shape (n, 1).
 

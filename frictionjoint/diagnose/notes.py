@@ -86,7 +86,8 @@ def _law_note(found: Trace) -> tuple[str, ...]:
         return ()
     own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
     unit, _ = units_of(found.final, found.prepared.slide)
-    left = f"{found.final.rms:.3g} {unit} on fitted logs, {other} {found.other.rms:.3g} {unit}"
+    mine, its = _in_motion(found.final), _in_motion(found.other)
+    left = f"{mine:.3g} {unit} on fitted logs, {other} {its:.3g} {unit}"
     if own != final:
         return (
             f"The friction law {final} takes the place of {own}: with the same effects it leaves "
@@ -96,6 +97,11 @@ def _law_note(found: Trace) -> tuple[str, ...]:
         f"The effects were found with the law {other} and then added to {final}, which leaves "
         f"{left}. --law {other} reports and simulates that law.",
     )
+
+
+def _in_motion(fitted: Fit) -> float:
+    """rms of what is left where the position determines the torque, by which laws are chosen."""
+    return float(np.sqrt(np.mean(fitted.residual[fitted.weight**2 > IN_MOTION] ** 2)))
 
 
 def _constraint_note(fitted: Fit) -> tuple[str, ...]:

@@ -12,10 +12,12 @@ from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import shape_limits
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
 
 # fraction of a bound within which a number lies on it
 _ON_BOUND = 1e-3
+# of a drive, what must act: a limit may leave little of what high gains ask for, but not nothing
+LEAST_ACTING = 0.01
 
 
 def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
@@ -25,8 +27,11 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     more torque than a law is wrong by, says that what they hold is something else. At zero or at
     infinity an effect has only another form, or is none. Of what leaps derivatives say too little.
 
-    So would what turns friction round: friction takes energy, whatever scales its level.
+    So would what turns friction round: friction takes energy, whatever scales its level. And what
+    leaves nothing of the drive, for something moved the joint.
     """
+    if fitted.acting < LEAST_ACTING:
+        return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))
     beyond = frozenset(
         term.name
         for i, term in enumerate(fitted.terms)

@@ -132,7 +132,7 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
     Raises:
         LogError: it does not.
     """
-    left = fitted.rms / fitted.target_rms
+    left = fitted.rms / fitted.target_rms if fitted.target_rms else np.inf
     if left > MOST_LEFT:
         names = few([s.name for s in prepared.segments])
         raise LogError(unexplained(prepared, names, left, ""))

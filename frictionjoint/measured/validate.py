@@ -44,6 +44,9 @@ _TOO_FAR = 20.0
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
 _NEAR, _FOLLOWS = 0.2, 0.95
 _BLOCK = 1 << 16
+# With fewer different readings a joint stands, on the edge of a count, or its encoder is too coarse
+# for any velocity.
+_FEWEST_READINGS = 20
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
 
@@ -136,6 +139,20 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
                 f"{source}, {name}: constant at {x[0]:g}, it was not recorded: "
                 "leave it out or check the column"
             )
+
+
+def require_motion(source: str, position: Array) -> None:
+    """Raise NoMotionError where a position has too few readings for any velocity.
+
+    Args:
+        source: name of the log and its joint for the message. position: shape (n,).
+    """
+    n = len(np.unique(position))
+    if n < _FEWEST_READINGS:
+        raise NoMotionError(
+            f"{source}: {n} different positions in all, it stands still but for its encoder's "
+            "flicker: record a motion, or with a finer encoder"
+        )
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:

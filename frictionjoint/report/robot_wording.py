@@ -7,6 +7,9 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
+# a rise of the position error that is more than another run's
+_WORSE = 1.1
+
 
 class SharedRow(NamedTuple):
     """A shared cause in words."""
@@ -139,6 +142,12 @@ def whole(report: RobotReport) -> str:
             f" The position error {_change(*replay, ' rad')} rms when all joints are simulated "
             "together, restarted from the log every 0.5 s."
         )
+        first, last = (x.fit for x in replay)
+        if where == "held-out" and first and last and last > _WORSE * first:
+            text += (
+                f" On the fitted data it rises from {three(first)} to {three(last)} rad: what was "
+                "added to single joints does not hold for all of them together."
+            )
     return text
 
 

@@ -217,16 +217,19 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
         )
         for i, choice in enumerate(shared.choices)
     )
-    return causes + tuple(
-        SharedCause(
-            cause=common.term.name,
-            place={"common_to": ", ".join(common.joints)},
-            parameters=common.parameters,
-            evidence=_evidence(choice),
-            joints={n: pair for n, x in done.items() if (pair := _own(x, common.term.name))},
-        )
-        for common, choice in shared.common
-    )
+    for common, choice in shared.common:
+        # a joint whose own search has dropped the effect shares it no longer
+        own = {n: pair for n, x in done.items() if (pair := _own(x, common.term.name))}
+        if len(own) > 1:
+            cause = SharedCause(
+                cause=common.term.name,
+                place={"common_to": ", ".join(own)},
+                parameters=common.parameters,
+                evidence=_evidence(choice),
+                joints=own,
+            )
+            causes = (*causes, cause)
+    return causes
 
 
 def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:

@@ -14,12 +14,11 @@ from frictionjoint.identify.held import joint_label
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log, require_logs
+from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import ONE_DOF, compile_model
 
 # travel below which a joint stands still, rad (m)
 _STILL = 1e-3
-# positions that the encoder of a joint at rest may show in turn
-_FLICKER = 3
 # of a log among those of a joint: its name, and how many before it have that
 Place = tuple[str, int]
 
@@ -146,16 +145,10 @@ def _in_motion(
     for path in paths:
         try:
             log = read(path, joint)
+            require_motion(f"{log.name}, {joint}", log.position)
+            moves.append(log)
         except NoMotionError as error:
             still[Path(path).stem] = error
-            continue
-        if len(np.unique(log.position)) > _FLICKER:
-            moves.append(log)
-        else:
-            still[log.name] = NoMotionError(
-                f"{log.name}, {joint}: it stands still but for its encoder's flicker: record a "
-                "motion"
-            )
     return moves, still
 
 
