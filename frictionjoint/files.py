@@ -88,7 +88,7 @@ def toml_text_without_scale(parameters: Friction, unit: str) -> str:
     """Friction that is known in amperes or volts only; `read_parameters` refuses it.
 
     Args:
-        unit: A or V.
+        unit: A or V; rad or m of friction over an unknown kp.
     """
     document = tomlkit.document()
     document.add(

@@ -10,6 +10,7 @@ import pytest
 from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of
+from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import controller_of
 from frictionjoint.control.profile import followed_over, held, held_over
 from frictionjoint.control.reconstruct import (
@@ -53,6 +54,7 @@ def test_files_keep_every_digit(tmp_path, preset):
         ('output = "torque_nm"\nkp = true', "kp is True: give a number"),
         ('output = "torque_nm"\nkp = nan', "kp is nan: give a number"),
         ('output = "torque_nm"\nkp = 1\nsupply_v = 3', "supply_v does not go with"),
+        ('output = "torque_nm"\nkp = "unknown"\nkd = 2', "kd is 2 beside an unknown kp"),
         ("output = ", "not TOML"),
     ],
 )
@@ -132,6 +134,18 @@ def test_an_unknown_gain_leaves_the_error_as_a_current():
     given = with_drive(log(), Controller(output="torque_nm", kp="unknown", limit=2.0))
     assert given.torque is None
     np.testing.assert_allclose(given.current, given.target - given.position, atol=1e-14)
+
+
+def test_a_damping_that_is_not_known_is_taken_as_none_and_that_is_said():
+    known = Controller(output="torque_nm", kp=4.0)
+    unknown = replace(known, kd="unknown")
+    given = log(velocity=np.cos(T))
+    np.testing.assert_array_equal(
+        with_drive(given, unknown).torque, with_drive(given, known).torque
+    )
+    (note,) = unknown_notes(unknown)
+    assert "kd is unknown and taken as 0" in note
+    assert unknown_notes(known) == ()
 
 
 def drive_of(given, c):

@@ -1,9 +1,12 @@
 """Effects of the drive on servos simulated by MuJoCo, their firmware written here."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
+from frictionjoint.control import Controller
 from frictionjoint.control.block import block_of
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
@@ -11,10 +14,13 @@ from frictionjoint.diagnose.drive import look_at_drive, of_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.state import State
-from frictionjoint.effects import duty_drop
+from frictionjoint.effects import drive_limit, duty_drop
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import law_estimates, scale_note, units_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
@@ -168,14 +174,49 @@ def test_the_controller_found_does_what_the_effect_says(effect):
 
     class Fit:
         terms = (DriveTerm(effect, shape),)
+        over_kp = False
 
-    found = found_controller(KNOWN, Fit)
+    found = found_controller(KNOWN, Fit, scaled=True)
     np.testing.assert_array_equal(block_of(found, log), block)
     assert found.delay_s == delay
     for text in (effect.cause, effect.form, effect.source, effect.signature):
         assert text
     assert effect.separating_motion
     assert len(effect.shape) == len(effect.shape_units) == len(effect.shape_bounds)
+
+
+def test_a_gain_that_is_not_known_is_found_by_the_load_or_friction_is_over_it():
+    time = 0.01 * np.arange(800)
+    position = sines(time)
+    v = np.gradient(position, time)
+    # the plant's inertia and gravity, and its friction
+    torque = 0.0281 * np.gradient(v, time) + 1.1772 * np.sin(position)
+    torque += 0.03 * v + 0.06 * np.tanh(v / 0.01)
+    log = JointLog(
+        name="log", joint="j", time=time, position=position, target=position + torque / 3.0
+    )
+    body = RigidBody(PLANT.format(""), "j")
+    unknown = Controller(output="torque_nm", kp="unknown")
+    prepared = prepare([log], body, controller=unknown)
+    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    found = found_controller(unknown, fitted, scaled=True)
+    assert found.kp == pytest.approx(3.0, rel=0.03)
+    assert units_of(fitted, slide=False) == ("N m", "rad")
+    assert law_estimates(fitted, np.eye(fitted.jacobian.shape[1]), False)["gain"].unit == "N m/rad"
+    spec = body.spec()
+    friction_spec(spec, "j", fitted)
+    assert not spec.actuators  # its torque goes to the joint, as where kp is known
+    # a limit over kp becomes one of the torque
+    limit = DriveTerm(drive_limit.EFFECT, (0.5,))
+    limited = found_controller(unknown, replace(fitted, terms=(limit,)), scaled=True)
+    assert limited.limit == 0.5 * limited.kp
+    # and where the load does not tell, nothing is claimed
+    assert found_controller(unknown, fitted, scaled=False) == unknown
+    over = without_scale(fitted)
+    assert units_of(over, slide=False) == ("rad", "rad")
+    (note,) = scale_note(over, slide=False)
+    assert "over kp, as the position error in rad" in note
+    assert "Give kp in the controller's file" in note
 
 
 def logs_of_nothing():

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from frictionjoint.cli.robot import show_robot
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.robot_wording import whole
@@ -106,9 +107,22 @@ def test_the_sentence_says_what_fell_and_what_did_not(robot):
     )
     further = replace(robot, after=RobotErrors(Rms(2.0, 12.0), Rms(None, None)))
     assert whole(further) == (
-        "The torque error goes from 11.9% to 12% of the rms torque (mean of the joints, held-out "
+        "The torque error rises from 11.9% to 12% of the rms torque (mean of the joints, held-out "
         "data)."
     )
+
+
+def test_position_errors_have_their_unit_and_a_dash_its_reason(robot, page, capsys):
+    dash = "–: no position error is stated, since the simulation leaves the logged motion"
+    show_robot(robot)
+    told = capsys.readouterr().out
+    assert f"{robot.joints['elbow'].before_replay.held_out:.3g}\u00a0rad" in told
+    assert dash not in told + page
+    lost = replace(robot.joints["elbow"], before_replay=Rms(None, None))
+    astray = replace(robot, joints=robot.joints | {"elbow": lost})
+    show_robot(astray)
+    assert dash in capsys.readouterr().out
+    assert dash in render_robot(astray, page_names(list(robot.joints)), "")
 
 
 def test_a_note_says_whose_it_is_unless_it_is_that_of_all():

@@ -37,6 +37,16 @@ def prepared_log(tmp_path, saturates):
     return logged(tmp_path, asked + rng.normal(0.0, 0.005, len(T)))
 
 
+@pytest.mark.parametrize(
+    ("fraction", "text"), [(0.72, "72% failed"), (0.96, "all of it"), (1.1, "all of it")]
+)
+def test_no_more_than_all_is_missing(fraction, text):
+    term = ExcessTerm("torque", 14.0, (10.0, 20.0))
+    assert term.says(np.array([fraction]), "N m").startswith(
+        f"Of the torque logged beyond 14 N m, {text}"
+    )
+
+
 @pytest.mark.parametrize("nearer", [True, False, None], ids=["nearer", "no nearer", "not known"])
 def test_torque_did_not_act_where_the_motion_comes_nearer_without_it(tmp_path, nearer):
     """What it explains of the balance is a part of itself."""

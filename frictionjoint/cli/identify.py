@@ -62,6 +62,7 @@ def identify(
 
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
+    from frictionjoint.control.controller import unknown_notes
     from frictionjoint.control.controller_file import controller_of
     from frictionjoint.control.reconstruct import check_drive
     from frictionjoint.diagnose.intervals import stated_covariance
@@ -96,6 +97,7 @@ def identify(
         body = bodies.of(read)[0]
         if driven_by:
             said += tuple(note for log in read for note in check_drive(log, driven_by))
+            said += unknown_notes(driven_by)
         prepared = prepare(read, bodies.of(read), controller=driven_by)
         check_balance(prepared)
         found = fit(prepared, forms=forms, progress=say)
@@ -116,6 +118,6 @@ def identify(
         typer.echo(json.dumps(result, indent=2))
         return
     show_estimates(list(estimates.items()))
-    for text in (*said, *scale_note(fitted)):
+    for text in (*said, *scale_note(fitted, body.slide)):
         console().print(f"* {text}", soft_wrap=True, markup=False)
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")

@@ -178,7 +178,13 @@ def show_units(report: "UnitsReport") -> None:
 
 def show_robot(report: "RobotReport") -> None:
     """Shared causes, a row a joint, the robot as a whole."""
-    from frictionjoint.report.robot_wording import joint_rows, shared_rows, torsion_rows, whole
+    from frictionjoint.report.robot_wording import (
+        joint_rows,
+        shared_rows,
+        torsion_rows,
+        unstated,
+        whole,
+    )
 
     out = console()
     for row in shared_rows(report):
@@ -186,13 +192,16 @@ def show_robot(report: "RobotReport") -> None:
         ties = f", or {', '.join(row.ties)}" if row.ties else ""
         out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}{ties}", markup=False)
     table = Table("joint", "effects added", "torque before", "after", "replay before", "after", "")
-    for line in joint_rows(report):
+    joints = joint_rows(report)
+    for line in joints:
         cells = (line.before, line.after, line.replay_before, line.replay_after)
         # why a joint has no result is a sentence, too long for a cell
         table.add_row(
             line.joint, line.effects, *cells, line.verdict if line.explained else "no result"
         )
     out.print(table)
+    if dash := unstated(joints):
+        out.print(dash, soft_wrap=True)
     for joint, why in report.failed.items():
         out.print(f"{joint}: {why}", soft_wrap=True, markup=False)
     for twist in torsion_rows(report):

@@ -12,6 +12,7 @@ from rich.table import Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.diagnose.report_data import Report
+    from frictionjoint.diagnose.rms import Rms
     from frictionjoint.identify.result import Estimate
 
 # "fit: start 3 of 12": work that says how much is left gets a bar
@@ -54,16 +55,20 @@ def warnings_afterwards() -> Iterator[None]:
 
 def show_report(report: "Report") -> None:
     """Errors before and after, what was added and why, the verdict, what to record next."""
-    from frictionjoint.report.wording import interval, known_as, sentence
+    from frictionjoint.report.wording import drive, interval, known_as, sentence
 
-    unit, _ = report.units
-    table = Table("torque rms", "fitted logs", "held out", "95% interval")
+    unit, position = report.units
+    table = Table(f"{drive(report)} rms", "fitted logs", "held out", "95% interval")
     stages = (("before", report.before_torque), ("after", report.after_torque))
     for (name, rms), pair in zip(stages, report.torque_interval, strict=True):
-        cells = ["-" if x is None else f"{x:.4g} {unit}" for x in (rms.fit, rms.held_out)]
-        table.add_row(name, *cells, interval(pair))
+        table.add_row(name, *_errors(rms, unit), interval(pair))
     out = console()
     out.print(table)
+    if report.result_loops:
+        table = Table("position in closed loop, mean absolute error", "fitted logs", "held out")
+        for name, loops in zip(("before", "after"), report.result_loops, strict=True):
+            table.add_row(name, *_errors(loops.mae, position))
+        out.print(table)
     for added in report.added:
         ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
         out.print(
@@ -74,6 +79,11 @@ def show_report(report: "Report") -> None:
     out.print(sentence(report), soft_wrap=True)
     for text in (*report.notes, *report.proposals):
         out.print(f"* {text}", soft_wrap=True, markup=False)
+
+
+def _errors(pair: "Rms", unit: str) -> list[str]:
+    """Cells of the logs fitted and of those held out."""
+    return ["-" if x is None else f"{x:.4g} {unit}" for x in (pair.fit, pair.held_out)]
 
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:

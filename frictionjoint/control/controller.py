@@ -104,6 +104,18 @@ class Controller:
             )
         if self.output != "duty" and self.supply_v is not None:
             raise ParameterError(f"supply_v does not go with output {self.output!r}: leave it out")
+        if self.kp == UNKNOWN:
+            self._check_nothing_beside_kp()
+
+    def _check_nothing_beside_kp(self) -> None:
+        """What adds to an output over kp would have to be over it too, and nobody knows that."""
+        for name in ("kd", "ki", "feed_forward"):
+            value = getattr(self, name)
+            if value not in (0.0, UNKNOWN):
+                instead = 'say that it is "unknown"' if name in _MAY_BE_UNKNOWN else "leave it out"
+                raise ParameterError(
+                    f"{name} is {value!r} beside an unknown kp: give kp too, or {instead}"
+                )
 
     @staticmethod
     def _check_text(name: str, value: str) -> None:
@@ -148,6 +160,16 @@ def _check_number(name: str, value: Any) -> None:
         raise ParameterError(f"{name} is {value}: give {'more than 0' if above else '0 or more'}")
     if name == "drop_left" and value > 1.0:
         raise ParameterError(f"{name} is {value}: give at most 1")
+
+
+def unknown_notes(controller: Controller) -> tuple[str, ...]:
+    """What is assumed of a damping that is not known; other unknowns are looked for as effects."""
+    if controller.kd != UNKNOWN:
+        return ()
+    return (
+        "The controller's kd is unknown and taken as 0. Where the drive is made from the "
+        "controller, viscous friction as found holds its damping too.",
+    )
 
 
 def without_unknowns(controller: Controller) -> Controller:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller
+from frictionjoint.control.controller import Controller, unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
@@ -149,6 +149,7 @@ def explain(
     said = bodies.check(logs, held_out)
     if controller:
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
+        said += unknown_notes(controller)
     progress("rigid-body torque")
     for log in logs:
         require_motion(f"{log.name}, {joint}", log.position)
@@ -237,6 +238,7 @@ def explain(
         torque_interval=intervals(kept_moving or moving, found),
         replay_interval=replay_intervals(runs),
         measured_rms=found.final.target_rms,
+        reconstructed=fitted_on.commanded,
         bandwidth_hz=fitted_on.band.balance,
         noise_floor=floor,
         unexplained=unexplained,
@@ -256,7 +258,7 @@ def explain(
         closed_loops=closed,
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
-        controller=found_controller(controller, best) if controller else None,
+        controller=found_controller(controller, best, scaled) if controller else None,
     )
     return report, found
 

@@ -221,11 +221,21 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
     return ClosedLoop(tuple(courses), tuple(found))
 
 
-def found_controller(controller: Controller, fitted: Fit) -> Controller:
-    """The controller with what a fit says of it, to be simulated."""
+def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
+    """The controller with what a fit says of it, to be simulated.
+
+    Args:
+        scaled: whether the logs determine what torque the drive makes, and so an unknown kp.
+    """
     found: dict[str, Any] = {}
     for term in fitted.terms:
         if isinstance(term, DriveTerm):
             assert term.effect.controller is not None
             found |= term.effect.controller(replace(controller, **found), term.shape)
+    if scaled and fitted.over_kp:
+        # what was found of an output over kp is of the whole output now
+        for name in ("limit", "drop_above"):
+            if name in found and (name == "limit" or found["drop_of"] == "output"):
+                found[name] *= float(fitted.gain)
+        found["kp"] = float(fitted.gain) / controller.gain_unit
     return replace(controller, **found)

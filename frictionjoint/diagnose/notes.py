@@ -41,7 +41,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         cov: of all parameters of the final fit. load_shows: whether its drive grows with the load.
     """
     return (
-        *scale_note(found.final),
+        *scale_note(found.final, found.prepared.slide),
         *(() if load_shows else (NO_LOAD,)),
         *_rest_note(found),
         *_hold_note(found),

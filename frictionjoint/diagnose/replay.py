@@ -129,7 +129,8 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
             extra = float(fitted.term_coefficients(i)[0])
             target.armature = max(0.0, float(target.armature) + extra)
     motor = motor_of(fitted)
-    if motor:
+    # the torque of a controller whose kp was found needs no motor, as that of a known one
+    if motor and not fitted.over_kp:
         add_motor(spec, joint, motor)
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
 

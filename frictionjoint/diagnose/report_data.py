@@ -97,8 +97,9 @@ class Added:
 class Curve:
     """Time series of one log for the plots, each of shape (n,).
 
-    `before` and `after` are the predictions of `measured`; `friction` is the law's part of `after`;
-    `in_motion` the samples whose torque the position determines, those of the torque errors.
+    `before` and `after` are the predictions of `measured`, the drive of the final model; `given` is
+    that of the model before, which effects of the drive change; `friction` is the law's part of
+    `after`; `in_motion` the samples whose torque the position determines, those of the errors.
     """
 
     name: str
@@ -106,6 +107,7 @@ class Curve:
     time: Array
     position: Array
     velocity: Array
+    given: Array
     measured: Array
     before: Array
     after: Array
@@ -136,10 +138,11 @@ class Report:
     page. `closed_loops`, before and after by the balance, and the controller as it was found are
     None where none was given, `refined` where it was not asked for; `posterior` is None where the
     logs determine no scale. Intervals are of the rms before and after, at 95%, on held-out logs
-    where there are any.
+    where there are any. `reconstructed`: whether the drive was not measured, but made from the
+    controller.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
-    not determine the torque that a current or a voltage makes, torques are in A or V, there is no
-    replay and the model carries no friction.
+    not determine the torque that a current or a voltage makes, torques are in A or V, or over a
+    controller's unknown kp in rad or m; there is no replay and the model carries no friction.
     """
 
     joint: str
@@ -170,6 +173,7 @@ class Report:
     closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
     refined: RefinedModel | None = None
     controller: Controller | None = None
+    reconstructed: bool = False
     posterior: Posterior | None = field(default=None, repr=False)
 
     @property
@@ -187,13 +191,19 @@ class Report:
             raise ParameterError("no samples: the logs do not determine the friction's scale")
         return self.posterior.sample(n, seed)
 
+    @property
+    def result_loops(self) -> tuple[LoopErrors, ...]:
+        """Whole logs in closed loop, by the model before and by the result; none without them."""
+        if self.closed_loops is None:
+            return ()
+        before, after = self.closed_loops
+        return before, self.refined.loops if self.refined and self.refined.taken else after
+
     def _closed_loop(self, which: int) -> dict[str, Any]:
         """Of the model before (0) or after (1); nothing where no controller is known."""
-        if self.closed_loops is None:
+        if not self.result_loops:
             return {}
-        found = self.closed_loops[which]
-        if which and self.refined and self.refined.taken:
-            found = self.refined.loops
+        found = self.result_loops[which]
         return {
             "closed_loop_mae": found.mae.to_dict(),
             "closed_loop_rms": found.rms.to_dict(),

@@ -125,9 +125,10 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
         measured, after, friction = last.measured, last.predicted, last.friction
         ends = np.cumsum([len(m) for m in measured])[:-1]
         moving = np.split(last.in_motion, ends)
-        before = [m - (o - b) * scale for m, o, b in zip(measured, own, base, strict=True)]
-        rows = zip(prepared.segments, measured, before, after, friction, moving, strict=True)
-        for s, m, b, a, f, in_motion in rows:
+        given = [o * scale for o in own]
+        before = [m - g + b * scale for m, g, b in zip(measured, given, base, strict=True)]
+        rows = zip(prepared.segments, given, measured, before, after, friction, moving, strict=True)
+        for s, g, m, b, a, f, in_motion in rows:
             kept = s.signals[:: s.step][s.kept]
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
             for name, x in s.others.items():
@@ -139,6 +140,7 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
                     kept[:, 0],
                     kept[:, Q],
                     kept[:, V],
+                    g,
                     m,
                     b,
                     a,

@@ -37,6 +37,7 @@ class Fit:
         acting: rms of the drive over that before effects of the drive changed it, weighted.
         holding: torque that a small error of the position calls for, of the drive and the load,
             over that before effects changed them; geometric mean. 1 where the drive is measured.
+        commanded: whether the drive is what a controller made of its commands, and not measured.
     """
 
     shape: Shape
@@ -57,6 +58,15 @@ class Fit:
     in_drive_units: bool = False
     acting: float = 1.0
     holding: float = 1.0
+    commanded: bool = False
+
+    @property
+    def over_kp(self) -> bool:
+        """Whether the drive is a controller's torque over its kp, which is not known.
+
+        A torque up to a gain is to a fit what a current is; this one is an error of the position.
+        """
+        return self.commanded and self.drive == "current"
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -56,11 +56,12 @@ class ExcessTerm(TunedTerm):
         return noise < _ABOUT * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """The level, and how much did not act."""
+        """The level, and how much did not act: more than all cannot be missing."""
+        whole = coefficients[0] >= 1.0 - 0.5 * _ABOUT
+        missing = "all of it" if whole else f"{coefficients[0]:.0%}"
         return (
-            f"Of the torque logged beyond {self.at:.3g} {unit}, {coefficients[0]:.0%} did not "
-            "act: a drive saturates, and the log holds what was asked for. The final fit is of "
-            "what did act."
+            f"Of the torque logged beyond {self.at:.3g} {unit}, {missing} failed to act: a drive "
+            "saturates, and the log holds what was asked for. The final fit is of what did act."
         )
 
     def corrected(self, segment: Segment, fraction: float) -> Segment:

@@ -40,14 +40,28 @@ class Estimate:
 def units_of(fitted: Fit, slide: bool) -> tuple[str, str]:
     """Units of torque and position that a fit is stated in."""
     torque, position = ("N", "m") if slide else ("N m", "rad")
-    return (_DRIVE_UNITS[fitted.drive] if fitted.in_drive_units else torque), position
+    return (_drive_unit(fitted, slide) if fitted.in_drive_units else torque), position
 
 
-def scale_note(fitted: Fit) -> tuple[str, ...]:
+def _drive_unit(fitted: Fit, slide: bool) -> str:
+    """Unit of a drive that is no torque; that of a position, where it is a torque over kp."""
+    if fitted.over_kp:
+        return "m" if slide else "rad"
+    return _DRIVE_UNITS[fitted.drive]
+
+
+def scale_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
     """What a reader must know of friction that is stated in units of the drive."""
     if not fitted.in_drive_units:
         return ()
-    unit = _DRIVE_UNITS[fitted.drive]
+    unit = _drive_unit(fitted, slide)
+    if fitted.over_kp:
+        return (
+            "The scale is not determined: these logs do not show how large the controller's kp is, "
+            f"so friction is stated over kp, as the position error in {unit} that overcomes it, "
+            "and no model can carry it. Give kp in the controller's file, or record motion with a "
+            "payload whose mass the MJCF holds.",
+        )
     return (
         f"The scale is not determined: these logs do not show how much torque 1 {unit} makes, so "
         f"friction is stated in {unit} and no model can carry it. Give the motor constant with "
@@ -122,7 +136,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
         error = None if unknown else _error(cov, by_column)
         found[name] = Estimate(value, error, _spelled(_UNITS[symbol], *units))
     if _by_gain(fitted):
-        unit = f"{units[0]}/{_DRIVE_UNITS[fitted.drive]}"
+        unit = f"{units[0]}/{_drive_unit(fitted, slide)}"
         error = _error(cov, _of_gain(fitted, fitted.gain))
         found["gain"] = Estimate(fitted.gain, error, unit)
     return found

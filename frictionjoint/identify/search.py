@@ -368,6 +368,7 @@ class Search:
             target_rms=float(np.sqrt(np.mean((self._drive(y) * gain) ** 2))),
             acting=acting,
             holding=self._holding(terms, beta),
+            commanded=self.prepared.commanded,
         )
 
     def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:

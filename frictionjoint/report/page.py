@@ -40,6 +40,7 @@ def render(report: Report, command: str) -> str:
         held=report.after_torque.held_out is not None,
         errors=errors(report),
         drive=wording.drive(report),
+        whose=wording.whose(report),
         smallest_gain=SMALLEST_GAIN,
         torque=torque,
         position=position,
@@ -62,13 +63,16 @@ def render(report: Report, command: str) -> str:
 def errors(report: Report) -> list[tuple[str, str, str, str]]:
     """Rows of the table: what, on fitted logs, held out, 95% interval."""
     torque, position = report.units
-    fitted, held = (wording.measured_rms(report, role) for role in ("fit", "held-out"))
+    first, last = (
+        (wording.drive_rms(report, "fit", stage), wording.drive_rms(report, "held-out", stage))
+        for stage in wording.STAGES
+    )
     unknown = (math.nan, math.nan)
     rows = []
     drive = wording.drive(report)
     found = [
-        ("before", drive, report.before_torque, report.torque_interval[0], torque, (fitted, held)),
-        ("after", drive, report.after_torque, report.torque_interval[1], torque, (fitted, held)),
+        ("before", drive, report.before_torque, report.torque_interval[0], torque, first),
+        ("after", drive, report.after_torque, report.torque_interval[1], torque, last),
         ("before", "position", report.before_replay, _either(report, 0), position, unknown),
         ("after", "position", report.after_replay, _either(report, 1), position, unknown),
     ]

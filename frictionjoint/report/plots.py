@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report
 from frictionjoint.report.figure import AFTER, BEFORE, HALF, MEASURED, REFINED, WIDE, cloud, figure
-from frictionjoint.report.wording import axis, drive
+from frictionjoint.report.wording import axis, drive, whose
 
 # points of a line, and of a cloud
 _LINE, _CLOUD = 3000, 4000
@@ -40,7 +40,7 @@ def over_time(report: Report, wide: bool) -> Figure:
     t, m = (x.copy() for x in _thin(_LINE, c.time, c.measured))
     # no line across what was left out
     m[1:][np.diff(t) > 2.5 * np.median(np.diff(t))] = np.nan
-    above.plot(t, m, color=MEASURED, linewidth=2.6, label="measured")
+    above.plot(t, m, color=MEASURED, linewidth=2.6, label=whose(report))
     for name, stage, colour in stages(report):
         (y,) = _thin(_LINE, getattr(c, stage))
         above.plot(t, np.where(np.isnan(m), np.nan, y), color=colour, linewidth=0.9, label=name)
@@ -86,7 +86,7 @@ def plane(report: Report, quantity: str) -> Figure:
     """Torque against velocity or position, measured and predicted."""
     c = shown(report)
     made, (axes,) = figure(HALF, 3.7)
-    for name, stage, colour in (("measured", "measured", MEASURED), *stages(report)):
+    for name, stage, colour in ((whose(report), "measured", MEASURED), *stages(report)):
         x, y = _thin(_CLOUD, getattr(c, quantity), getattr(c, stage))
         cloud(axes, x, y, colour, 3.6 if stage == "measured" else 1.8, name)
     axes.set_xlabel(axis(quantity, report.slide))

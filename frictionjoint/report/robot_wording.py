@@ -1,14 +1,24 @@
 """What was found of a robot, as rows and sentences for the terminal and the page."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.wording import known_as, percentage, three, title, unit, value
+from frictionjoint.report.wording import (
+    known_as,
+    percentage,
+    stated,
+    three,
+    title,
+    unit,
+    value,
+)
 from frictionjoint.robot.report_data import RobotReport, SharedCause
 
 # a rise of the position error that is more than another run's
 _WORSE = 1.1
+_NONE = "–"
 
 
 class SharedRow(NamedTuple):
@@ -24,7 +34,7 @@ class SharedRow(NamedTuple):
 
 
 class JointRow(NamedTuple):
-    """A joint in words: errors of torque in per cent of its rms, of the replay as they are."""
+    """A joint in words: errors of torque in per cent of its rms, of the replay with their unit."""
 
     joint: str
     effects: str
@@ -85,15 +95,25 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
                 effects,
                 _percent(result.before_torque, r.measured_rms),
                 _percent(r.after_torque, r.measured_rms),
-                _position(result.before_replay),
-                _position(r.after_replay),
+                _position(result.before_replay, r.units[1]),
+                _position(r.after_replay, r.units[1]),
                 r.verdict.replace("-", " ") + (", worse on held-out data" if result.worse else ""),
                 True,
             )
         )
-    none = ("–",) * 5
+    none = (_NONE,) * 5
     rows += [JointRow(n, *none, text, False) for n, text in report.failed.items()]
     return rows
+
+
+def unstated(rows: Sequence[JointRow]) -> str:
+    """What a dash in place of a position error means; nothing where there is none."""
+    if not any(r.explained and _NONE in (r.replay_before, r.replay_after) for r in rows):
+        return ""
+    return (
+        f"{_NONE}: no position error is stated, since the simulation leaves the logged motion by "
+        "more than all its travel, or the logs do not tell what torque the drive makes."
+    )
 
 
 class TorsionRow(NamedTuple):
@@ -156,7 +176,7 @@ def _change(before: Rms, after: Rms, unit: str) -> str:
     if three(first) == three(last):
         return f"stays at {three(first)}{unit}"
     falls = first is not None and last is not None and last < first
-    verb = "falls" if falls else "goes"
+    verb = "falls" if falls else "rises"
     return f"{verb} from {three(first)}{unit} to {three(last)}{unit}"
 
 
@@ -166,8 +186,9 @@ def _of(rms: Rms) -> float | None:
 
 def _percent(rms: Rms, size: float) -> str:
     error = _of(rms)
-    return "–" if error is None else percentage(error, size)
+    return _NONE if error is None else percentage(error, size)
 
 
-def _position(rms: Rms) -> str:
-    return three(_of(rms))
+def _position(rms: Rms, unit: str) -> str:
+    error = _of(rms)
+    return _NONE if error is None else stated(error, unit)

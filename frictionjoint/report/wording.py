@@ -1,6 +1,7 @@
 """Numbers, quantities and the verdict in words."""
 
 import math
+from typing import Literal
 
 import numpy as np
 
@@ -8,6 +9,9 @@ from frictionjoint.diagnose.advice import quantity
 from frictionjoint.diagnose.report_data import Report, Role
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.result import Estimate
+
+Stage = Literal["before", "after"]
+STAGES: tuple[Stage, Stage] = ("before", "after")
 
 # Up to this multiple of the torque's own noise nothing worth a word is left.
 _NOISE_ALONE = 1.5
@@ -43,13 +47,28 @@ def known_as(effect: str) -> str:
 
 def drive(report: Report) -> str:
     """What a report's torques are."""
-    return {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}[report.units[0]]
+    own = "force" if report.slide else "torque"
+    # in the unit of a position they are over a kp that is not known
+    known = {"N m": own, "N": own, "A": "current", "V": "voltage"}
+    return known.get(report.units[0], f"{own} over kp")
 
 
-def measured_rms(report: Report, role: Role) -> float:
-    """rms of the measured torque in motion on the logs of a role; NaN without such logs."""
-    own = [c.measured[c.in_motion] for c in report.curves if c.role == role]
-    return float(np.sqrt(np.mean(np.concatenate(own) ** 2))) if own else math.nan
+def whose(report: Report) -> str:
+    """Where the drive comes from, before what it is."""
+    return "controller's" if report.reconstructed else "measured"
+
+
+def drive_rms(report: Report, role: Role, stage: Stage) -> float:
+    """rms of the drive in motion on the logs of a role; NaN without such logs.
+
+    Before, that of the controller as its file says; after, as effects of the drive have changed it.
+    """
+    drives = [
+        (c.given if stage == "before" else c.measured)[c.in_motion]
+        for c in report.curves
+        if c.role == role
+    ]
+    return float(np.sqrt(np.mean(np.concatenate(drives) ** 2))) if drives else math.nan
 
 
 def sentence(report: Report) -> str:
@@ -59,8 +78,10 @@ def sentence(report: Report) -> str:
     where = "held-out" if role == "held-out" else "fitted"
     before = report.before_torque.held_out or report.before_torque.fit or 0.0
     after = report.after_torque.held_out or report.after_torque.fit or 0.0
-    whole = measured_rms(report, role)
-    percent = f" ({percentage(after, whole)} of the measured {drive(report)})"
+    first = percentage(before, drive_rms(report, role, "before"))
+    last = percentage(after, drive_rms(report, role, "after"))
+    of_drive = f"of the {whose(report)} {drive(report)}"
+    percent = f" ({last} {of_drive})"
     alone = f"{_law(report)} leaves {after:.3g} {unit}{percent} on {where} data"
     alone += _other_law(report, before)
     if report.verdict == "too-short-to-tell":
@@ -82,16 +103,16 @@ def sentence(report: Report) -> str:
             f"No known effect explains what is missing: {alone}{_times_noise(report, after)}.{rest}"
         )
     names = _listed([_with_ties(report, i) for i in range(len(report.added))])
-    percent = f" ({percentage(before, whole)} to {percentage(after, whole)} of the measured "
-    percent += f"{drive(report)})"
-    change = f"the error goes from {before:.3g} to {after:.3g} {unit}{percent} on {where} data"
-    if report.torque_interval[0][0] <= report.torque_interval[1][1]:
-        change += ", a change that may be chance"
-    elif after < before:
-        change = (
-            f"the error falls by {1.0 - after / before:.0%}, from {before:.3g} to {after:.3g} "
-            f"{unit}{percent} on {where} data"
-        )
+    change = f"from {before:.3g} to {after:.3g} {unit} ({first} to {last} {of_drive})"
+    change += f" on {where} data"
+    (least_before, most_before), (least_after, most_after) = report.torque_interval
+    rises = least_after > most_before
+    if rises:
+        change = f"the error rises {change}, which is no gain"
+    elif most_after < least_before:
+        change = f"the error falls by {1.0 - after / before:.0%}, {change}"
+    else:
+        change = f"the error goes {change}, a change that may be chance"
     if report.verdict == "partly-explained" and not rest:
         rest = f" The rest is more than noise{_times_noise(report, after)}."
     if report.after_torque.only_fitted:
@@ -101,7 +122,8 @@ def sentence(report: Report) -> str:
     if own != law:
         it += f", and the friction law {law} in place of {own},"
     if report.after_torque.worse_than(report.before_torque):
-        ask = f"The fitted logs suggest {names}, but the held-out ones do not confirm it"
+        held_out = "contradict it" if rises else "do not confirm it"
+        ask = f"The fitted logs suggest {names}, but the held-out ones {held_out}"
     else:
         ask = f"The model lacked {names}"
     return f"{ask}: with {it} {change}.{rest}{_replay(report)}"

@@ -10,7 +10,13 @@ from pathlib import Path
 from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.html import fill
 from frictionjoint.report.page import render
-from frictionjoint.report.robot_wording import joint_rows, shared_rows, torsion_rows, whole
+from frictionjoint.report.robot_wording import (
+    joint_rows,
+    shared_rows,
+    torsion_rows,
+    unstated,
+    whole,
+)
 from frictionjoint.report.wording import three
 from frictionjoint.report.write import write_files
 from frictionjoint.robot.report_data import RobotReport
@@ -39,13 +45,15 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
 
 def render_robot(report: RobotReport, pages: dict[str, str], command: str) -> str:
     """The page as text; `pages`: names of the joints' own."""
+    joints = joint_rows(report)
     return fill(
         "robot.html.j2",
         {"figures": three},
         report=report,
         sentence=whole(report),
         shared=shared_rows(report),
-        joints=joint_rows(report),
+        joints=joints,
+        unstated=unstated(joints),
         twists=torsion_rows(report),
         pages=pages,
         command=command,
