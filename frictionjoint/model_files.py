@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import multiprocessing
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,8 @@ from frictionjoint.urdf import with_found_meshes
 
 # kinds of joint with one degree of freedom
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+# what a model lacks that MuJoCo asks for by this setting's name
+_BALANCED = "balanceinertia"
 # what all functions of ctypes have as base, whatever their prototype
 _C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
@@ -47,11 +50,12 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     if not text and not Path(model).is_file():
         raise ModelError(f"{model}: no such file, give the path of an MJCF or a URDF")
     needed: tuple[str, ...] = ()
+    urdf_given = not text and is_urdf(Path(model))
     try:
         with as_python_warnings(), compiling():
             if text:
                 spec = mujoco.MjSpec.from_string(str(model))
-            elif is_urdf(Path(model)):
+            elif urdf_given:
                 urdf = with_found_meshes(Path(model))
                 needed = urdf.needed
                 _warn_of_shapes(model, urdf.left_out)
@@ -67,13 +71,23 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
             else ""
         )
         reason = " ".join(str(error).split())
+        how = _how_to_balance(urdf_given) if _BALANCED in reason else ""
         raise ModelError(
-            f"{source_name(model)}: MuJoCo cannot compile it: {reason}{looked}"
+            f"{source_name(model)}: MuJoCo cannot compile it: {reason}{how}{looked}"
         ) from None
 
 
+def _how_to_balance(urdf: bool) -> str:
+    """Where the setting that MuJoCo names stands in a file."""
+    setting = f'<compiler {_BALANCED}="true"/>'
+    if urdf:
+        return f", write <mujoco>{setting}</mujoco> inside <robot>"
+    return f", write {setting} inside <mujoco>"
+
+
 def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
-    if left_out:
+    # a process that another one started reads what that one has warned of
+    if left_out and multiprocessing.parent_process() is None:
         warnings.warn(
             f"{model}: meshes not found from its folder upwards: {few(left_out)}; these "
             "shapes are left out, masses are the file's own: put the package beside the URDF where "

@@ -62,7 +62,7 @@ def main() -> None:
     """Print."""
     print("| h sqrt(K/J) | step, us | rms velocity | creep | slip | period | stop | gained |")
     print("|---|---|---|---|---|---|---|---|")
-    for ratio in (0.2, 1.0, 3.0, 8.0):
+    for ratio in (0.2, 1.0, 3.0, 8.0, 26.0):
         for step in (STEP, STEP / 100):
             print(
                 f"| {ratio:g} | {1e6 * step:g} | {' | '.join(figures(ratio, step))} |", flush=True

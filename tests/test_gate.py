@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from frictionjoint.diagnose.notes import inertia_note
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
+from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import (
     MOST_LEFT,
@@ -251,3 +253,20 @@ def test_a_fit_that_explains_nothing_is_refused() -> None:
     nothing = replace(fitted, target_rms=fitted.rms / (MOST_LEFT + 0.01))
     with pytest.raises(LogError, match=r"the residual is 0.96 times the torque"):
         check_fit(prepared, nothing)
+
+
+@pytest.mark.parametrize("gravity", [MGL, 0.0])
+def test_a_scale_that_rests_on_inertia_alone_is_said(gravity):
+    _, q, v, a = motion()
+    drive = (J * a + gravity * np.sin(q) + 0.3 * np.tanh(v / 0.01)) / 3.7
+    prepared = prepare([log("current", q, drive, 0.005, kind="current")], pendulum(gravity=gravity))
+    fitted = refit(prepared, (), replace(INTEGRATED[0], Vs=0.05, length=1e-3))
+    assert scale_is_determined(prepared, fitted)
+    assert bool(inertia_note(prepared, fitted)) == (gravity == 0.0)
+
+
+def test_friction_of_the_mjcf_that_is_left_out_is_named():
+    _, q, _, a = motion()
+    text = str(pendulum().mjcf).replace('name="j"', 'name="j" frictionloss="0.3" damping="0.05"')
+    said = Bodies(text, "j").check([log("one", q, J * a + MGL * np.sin(q))], ())
+    assert sum("'j' has frictionloss 0.3 and damping 0.05" in note for note in said) == 1

@@ -389,3 +389,38 @@ def test_a_folder_of_meshes_that_the_urdf_names_is_looked_at(package):
     text = URDF.format(more=more, visual="package://x/link.stl", collision="anything/link.stl")
     (package / "urdf" / "arm.urdf").write_text(text)
     assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.2, rel=1e-5)
+
+
+HALVES = """<inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>"""
+UNBALANCED = {
+    "arm.urdf": f"""<robot name="arm">{{}}<link name="base"/><link name="tip">{HALVES}</link>
+      <joint name="j" type="continuous"><parent link="base"/><child link="tip"/></joint></robot>""",
+    "arm.xml": """<mujoco>{}<worldbody><body><joint name="j"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="1 1 3"/></body></worldbody></mujoco>""",
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "mend"),
+    [
+        ("arm.urdf", '<mujoco><compiler balanceinertia="true"/></mujoco>'),
+        ("arm.xml", '<compiler balanceinertia="true"/>'),
+    ],
+)
+def test_an_inertia_that_no_body_has_is_refused_with_its_mend(name, mend, tmp_path):
+    path = tmp_path / name
+    path.write_text(UNBALANCED[name].format(""))
+    with pytest.raises(ModelError) as refused:
+        compile_model(path)
+    assert f"write {mend} inside <" in str(refused.value)
+    path.write_text(UNBALANCED[name].format(mend))
+    assert compile_model(path).nv == 1
+
+
+def test_a_process_does_not_say_again_what_its_parent_has_warned_of(package, monkeypatch, recwarn):
+    gone = "package://x/gone.stl"
+    (package / "urdf" / "arm.urdf").write_text(URDF.format(more="", visual=gone, collision=gone))
+    monkeypatch.setattr("multiprocessing.parent_process", lambda: "the first one")
+    compile_model(package / "urdf" / "arm.urdf")
+    assert not recwarn.list

@@ -6,8 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from typer.testing import CliRunner
 
 import frictionjoint
+from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction
@@ -89,3 +91,29 @@ def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     assert failed.returncode == 2
     assert "no posterior" in failed.stderr
     assert not (tmp_path / "none.json").exists()
+
+
+def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_robot(
+    tmp_path, posterior
+):
+    out = tmp_path / "samples.json"
+    own = {"posterior": posterior.to_dict()}
+
+    def drawn_of(report, *joint):
+        (tmp_path / "report.json").write_text(json.dumps(report))
+        return CliRunner().invoke(
+            app, ["sample", str(tmp_path), "--n", "3", "--out", str(out), *joint]
+        )
+
+    robot = {"joints": {"hip": own, "knee": {}}}
+    for joint, words in (
+        ((), "say which with --joint, of hip, knee"),
+        (("--joint", "toe"), "no joint 'toe' in it, it has hip, knee"),
+        (("--joint", "knee"), "no posterior"),
+    ):
+        assert words in str(drawn_of(robot, *joint).exception)
+    assert "folder of one of them" in str(drawn_of({"spread": []}).exception)
+    assert not out.exists()
+    assert drawn_of(robot, "--joint", "hip").exit_code == 0
+    tables = json.loads(out.read_text())
+    assert [joint_friction(t) for t in tables] == list(posterior.sample(3))

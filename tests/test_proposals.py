@@ -2,14 +2,30 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 from test_plants import quiet
 
-from frictionjoint.diagnose.motions import Carried, Limits
-from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_distinguish
+from frictionjoint.diagnose import motions
+from frictionjoint.diagnose.motions import (
+    Carried,
+    Limits,
+    between,
+    family,
+    least_travel,
+)
+from frictionjoint.diagnose.proposal import (
+    LEVEL,
+    UNLIKE,
+    Planner,
+    Sharpened,
+    computed_proposals,
+    to_distinguish,
+    to_sharpen,
+)
 from frictionjoint.diagnose.report_parts import rivals
 from frictionjoint.diagnose.separation import (
     Noise,
@@ -18,9 +34,12 @@ from frictionjoint.diagnose.separation import (
     with_further,
 )
 from frictionjoint.diagnose.trace import trace
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V
 from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 from tests.plants import motion as paths
 from tests.plants.plant import (
@@ -154,3 +173,69 @@ def test_load_of_a_motion_is_inverse_dynamics():
     Carried(body, prepared, Limits(-1.0, 1.0, 1.0, 1.0)).fill(signals, 0.0)
     expected = body.torque(signals[:, Q], signals[:, V], signals[:, A]).load
     assert signals[:, LOAD] == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+COUNT = 1e-3
+
+
+@pytest.fixture(scope="module")
+def counted():
+    """A log of an encoder of 1 mrad, prepared."""
+    t = 5e-3 * np.arange(1600)
+    q = COUNT * np.round(0.5 * np.sin(4.0 * t) / COUNT)
+    torque = np.sign(np.cos(4.0 * t)) + 0.01 * np.random.default_rng(4).standard_normal(len(t))
+    log = JointLog(name="counted", joint="joint", time=t, position=q, torque=torque)
+    return prepare([log], RigidBody(assemble(PLANT).believed(), "joint"))
+
+
+def test_every_motion_tried_shows_ends_in_time_and_has_the_speed_in_its_name(counted):
+    least = least_travel(counted)
+    assert least > 5.0 * COUNT
+    # too little acceleration for this speed, over this range
+    for limits in (Limits(-0.4, 0.4, 4.0, 8.0), Limits(-400.0, 400.0, 40.0, 20.0)):
+        tried = list(family(limits, counted, 0.01))
+        assert any("slow reversals" in m.name for m in tried)
+        for m in tried:
+            assert m.once <= m.duration
+            assert np.ptp(m.position) > least
+            named = re.search(r"constant ([\d.e-]+)", m.name)
+            if named:
+                assert m.speed == pytest.approx(float(named[1]), rel=0.06)
+    assert not any("reversals" in m.name for m in family(limits, counted, 1e-5))
+    assert not list(family(Limits(0.0, COUNT, 0.1, 1.0), counted, 0.01))
+
+
+def test_a_range_is_told_as_finely_as_it_is_wide():
+    assert between(259.853, 260.147, "rad") == "259.853 to 260.147 rad"
+    assert between(-2.75e-5, 1.6302, "rad") == "0.00 to 1.63 rad"
+    assert between(-164.2, 684.1, "rad") == "-164 to 684 rad"
+
+
+def test_a_joint_at_rest_gets_one_sentence(counted):
+    planner = SimpleNamespace(at_rest=True)
+    assert len(computed_proposals(planner, [(0, None), (1, None)], None, {})) == 1
+
+
+def test_an_effect_of_several_shapes_is_one_rival():
+    effect = next(e for e in CATALOGUE if e.name == "load-dependent")
+    terms = [EffectTerm(effect, shape) for shape in ((0.1,), (0.2,))]
+    planner = SimpleNamespace(
+        at_rest=False,
+        fitted=SimpleNamespace(terms=[SimpleNamespace(name="torque-gain")]),
+        distinguishing=lambda i, other: None,
+    )
+    (text,) = computed_proposals(planner, [(0, other) for other in terms], None, {})
+    assert "torque-gain from load-dependent" in text
+
+
+def test_standard_errors_that_mean_nothing_are_not_stated():
+    motion = motions.Motion("a sine of 1 Hz", 0.1, np.array([0.0, 0.1]), 1.0)
+    found = Sharpened(motion, {"delta_pos": Estimate(2.0, 0.5, "1")})
+    planner = SimpleNamespace(
+        body=SimpleNamespace(slide=False, joint="j"), sharpening=lambda *_: found
+    )
+    law = {"delta_pos": Estimate(2.0, 5.2e10, "1")}
+    text = to_sharpen(planner, None, ["delta_pos"], law)
+    assert text.endswith("the standard error of delta from more than its value to 0.5.")
+    planner.sharpening = lambda *_: None
+    assert to_sharpen(planner, None, ["delta_pos"], law).startswith("No motion tried")

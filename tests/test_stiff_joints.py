@@ -6,6 +6,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.check import check_model
 from frictionjoint.simulate.row import evaluate, row_size
 
 INERTIA, STEP, FS, FC = 0.01, 1e-3, 1.5, 1.0
@@ -171,3 +172,16 @@ def test_a_joint_without_inertia_gets_its_torque_here_and_now():
         F = evaluate(P, 0, len(P) - 1, ahead, 0, t, q, v, STEP, 0.0)
         assert evaluate(P, 0, len(P) - 1, now, 0, t, q, v, 0.0, INERTIA) == F
     assert F > 0.0
+
+
+@pytest.mark.parametrize(
+    ("ratio", "remark"),
+    [
+        (0.9, "suits the time step"),
+        (7.9, "stiff: held, and presliding resolved at timestep <= 0.00013 s"),
+        (26.0, "stiffer than arms were measured to hold, 8: take a timestep <= 0.00031 s, or <="),
+    ],
+)
+def test_check_says_held_as_far_as_that_was_measured(ratio, remark):
+    (row,) = check_model(joint(ratio))
+    assert row["remark"].startswith(remark)

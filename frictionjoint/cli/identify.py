@@ -66,6 +66,7 @@ def identify(
     from frictionjoint.control.controller_file import controller_of
     from frictionjoint.control.reconstruct import check_drive
     from frictionjoint.diagnose.intervals import stated_covariance
+    from frictionjoint.diagnose.notes import inertia_note
     from frictionjoint.files import toml_text, toml_text_without_scale
     from frictionjoint.identify.bodies import Bodies
     from frictionjoint.identify.damping import with_damping
@@ -118,6 +119,7 @@ def identify(
         typer.echo(json.dumps(result, indent=2))
         return
     show_estimates(list(estimates.items()))
-    for text in (*said, *scale_note(fitted, body.slide)):
+    notes = (*said, *scale_note(fitted, body.slide), *inertia_note(prepared, fitted))
+    for text in notes:
         console().print(f"* {text}", soft_wrap=True, markup=False)
     typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,6 +13,9 @@ def sample(
     ],
     n: Annotated[int, typer.Option("--n", min=1, help="How many.")],
     out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
+    joint: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which one of a whole robot's report.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds, equal samples.")] = 0,
 ) -> None:
     """Draw parameter sets of a report, for domain randomisation.
@@ -20,7 +23,11 @@ def sample(
     Writes a list of tables, each as a parameter file holds it:
     `frictionjoint.files.joint_friction(table)` makes what `install` takes.
 
-    Example: `frictionjoint sample out --n 1024 --out samples.json`
+    Examples:
+
+    `frictionjoint sample out --n 1024 --out samples.json`
+
+    `frictionjoint sample robot_report --joint elbow --n 1024 --out elbow.json`
     """
     from frictionjoint.errors import ParameterError
     from frictionjoint.files import toml_document
@@ -34,15 +41,38 @@ def sample(
         raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
     except (ValueError, RecursionError):
         raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
-    if not isinstance(content, dict) or "posterior" not in content:
+    own = _of_joint(content, joint, file)
+    if "posterior" not in own:
         raise ParameterError(
             f"{file}: it holds no posterior: make the report again, of logs that determine the "
             "friction's scale"
         )
     try:
-        drawn = Posterior.from_dict(content["posterior"]).sample(n, seed)
+        drawn = Posterior.from_dict(own["posterior"]).sample(n, seed)
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}") from None
     tables = [toml_document(x.parameters, x.effects).unwrap() for x in drawn]
     write_files(out.parent, {out.name: json.dumps(tables, indent=1) + "\n"})
     typer.echo(f"Wrote {n} parameter sets to {out}")
+
+
+def _of_joint(content: Any, joint: str | None, file: Path) -> dict[str, Any]:
+    """What a report says of one joint.
+
+    Raises:
+        ParameterError: not a report, or it is not plain which joint is meant.
+    """
+    from frictionjoint.errors import ParameterError
+
+    if not isinstance(content, dict):
+        raise ParameterError(f"{file}: no report: give report.json of close-loop")
+    if "spread" in content:
+        raise ParameterError(f"{file}: a report of several robots: give the folder of one of them")
+    joints = content.get("joints", {content.get("joint"): content})
+    names = ", ".join(map(str, joints))
+    if joint is None and "joints" in content:
+        raise ParameterError(f"{file}: a whole robot's report: say which with --joint, of {names}")
+    if joint is not None and joint not in joints:
+        raise ParameterError(f"{file}: no joint {joint!r} in it, it has {names}")
+    found: dict[str, Any] = content if joint is None else joints[joint]
+    return found

@@ -51,7 +51,7 @@ def what_to_record(
         found.append(f"To determine {symbols}: {motion}.")
     if not held_out:
         found.append("To know the error on unseen data: one more log, given with --held-out.")
-    return tuple(found)
+    return tuple(dict.fromkeys(found))
 
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:

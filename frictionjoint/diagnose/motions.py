@@ -1,6 +1,7 @@
 """Motions one could record next, inside what the logs and the MJCF show the joint to do."""
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -39,7 +40,9 @@ _SPEEDS = (1.0, 0.3, 0.05)
 _RESTS = (0.1, 1.0, 10.0)
 _EASE = 1.0
 _GRID = 257
-_SLOW, _GROWTH = 0.25, 20.0
+_SLOW, _GROWTH, _FIRST = 0.25, 20.0, 3.0
+# least travel of a motion over the rms error of a position: six counts of an encoder
+_SEEN = 20.0
 # fraction of the inertia from the centre of mass's distance below which a body counts as balanced
 _BALANCED = 0.05
 
@@ -113,6 +116,19 @@ def seen(prepared: Prepared, body: RigidBody) -> Limits:
     )
 
 
+def least_travel(prepared: Prepared) -> float:
+    """Below this a motion cannot be told from the noise of the logs' positions, rad (m)."""
+    return _SEEN * max(s.noise.resolution for s in prepared.segments)
+
+
+def between(low: float, high: float, unit: str) -> str:
+    """A range for people, to a hundredth of its width or finer wherever it lies."""
+    decimals = max(0, 2 - math.floor(math.log10(high - low))) if high > low else 3
+    # a rounded -0.001 is 0, not -0
+    first, last = (f"{round(x, decimals) + 0.0:.{decimals}f}" for x in (low, high))
+    return f"{first} to {last} {unit}"
+
+
 def wider(limits: Limits, body: RigidBody) -> Limits:
     """The MJCF's range, else twice the logs'; twice the speed, four times the acceleration."""
     low, high = _model_range(body)
@@ -125,7 +141,7 @@ def wider(limits: Limits, body: RigidBody) -> Limits:
         high,
         2.0 * limits.speed,
         4.0 * limits.acceleration,
-        f"the logs went from {limits.low:.3g} to {limits.high:.3g} {unit} and up to "
+        f"the logs went from {between(limits.low, limits.high, unit)} and up to "
         f"{limits.speed:.3g} {unit}/s, {limits.acceleration:.3g} {unit}/s^2",
     )
 
@@ -140,11 +156,23 @@ def _model_range(body: RigidBody) -> tuple[float, float]:
 def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Motion]:
     """The motions tried, each as long as may be asked for.
 
+    None that the noise of the positions hides, nor one that lasts too long to be made once.
+
     Args:
         presliding: displacement over which friction builds up, rad (m); 0 for a law of none.
     """
     if min(limits.reach, limits.speed, limits.acceleration) <= 0.0:
         return
+    least = least_travel(prepared)
+    for motion in _any_motion(limits, prepared, presliding, least):
+        if motion.once <= motion.duration and np.ptp(motion.position) > least:
+            yield motion
+
+
+def _any_motion(
+    limits: Limits, prepared: Prepared, presliding: float, least: float
+) -> Iterator[Motion]:
+    """The family, with motions that cannot be made among them."""
     unit = "m" if prepared.slide else "rad"
     dt = sampling(limits, prepared) * kept_period(prepared)
     bandwidth = prepared.segments[0].bandwidth_hz
@@ -160,7 +188,9 @@ def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Mo
     top = _top(limits)
     for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), _FREQUENCIES):
         yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), 1.0 / f)
-    speeds = [part * limits.speed for part in _SPEEDS]
+    # half of the way, the joint has the speed that the motion is named by
+    top_speed = min(limits.speed, math.sqrt(0.5 * limits.reach * limits.acceleration))
+    speeds = [part * top_speed for part in _SPEEDS]
     for speed in speeds:
         name = f"in both directions at a constant {speed:.2g} {unit}/s"
         yield motion(name, _sweeps(t, [speed], limits), 4.0 * limits.reach / speed)
@@ -178,7 +208,8 @@ def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Mo
         f"a multisine up to {highest:.2g} Hz", _multisine(t, highest, limits), 10.0 / highest
     )
     yield fast
-    if presliding > 0.0:
+    # the first wave must show, or what happens before sliding does not
+    if presliding > 0.0 and 2.0 * _FIRST * presliding > least:
         name = "slow reversals that grow from presliding to sliding"
         yield motion(name, _reversals(t, presliding, limits), _GROWTH)
     for payload in _PAYLOADS:
@@ -272,7 +303,7 @@ def _multisine(t: Array, highest: float, limits: Limits) -> Array:
 
 def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
     """Slow waves whose amplitude goes from 3 times the presliding displacement to 30 times."""
-    growth = 3.0 * 10.0 ** (t % _GROWTH / _GROWTH)
+    growth = _FIRST * 10.0 ** (t % _GROWTH / _GROWTH)
     amplitude = np.minimum(growth * presliding, limits.reach)
     return np.asarray(_middle(limits) + amplitude * np.sin(2.0 * np.pi * _SLOW * t))
 

@@ -4,10 +4,12 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
+from frictionjoint.effects.signals import GX, GY, LOAD, A
 from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.terms import Timing
 
@@ -42,6 +44,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
     """
     return (
         *scale_note(found.final, found.prepared.slide),
+        *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
         *_rest_note(found),
         *_hold_note(found),
@@ -50,6 +53,25 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_law_note(found),
         *_constraint_note(found.final),
         *_sight_note(found),
+    )
+
+
+def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
+    """That a drive's scale rests on the inertia of the MJCF, where gravity does not show."""
+    if "load" not in fitted.names or fitted.in_drive_units:
+        return ()
+    signals = np.concatenate([s.signals[:: s.step][s.kept] for s in prepared.segments])
+    # of a slide gravity is one force, of a hinge it turns with the link
+    pull = np.ones((len(signals), 1)) if prepared.slide else signals[:, [GX, GY]]
+    both = np.column_stack([signals[:, A], pull])
+    gravity = pull @ np.linalg.lstsq(both, signals[:, LOAD], rcond=1e-6)[0][1:]
+    per_torque = float(fitted.beta[fitted.names.index("load")])
+    if per_torque * np.sqrt(np.mean(gravity**2)) > fitted.rms:
+        return ()
+    return (
+        "What torque the drive makes follows from the MJCF's inertia alone, for gravity hardly "
+        "loads this joint: where that inertia is wrong by a factor, so are all torques. --gain, or "
+        "motion with a payload of known mass that gravity pulls at, would tell.",
     )
 
 

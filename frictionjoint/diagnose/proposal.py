@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,9 @@ from frictionjoint.diagnose.motions import (
     Carried,
     Limits,
     Motion,
+    between,
     family,
+    least_travel,
     payload_of,
     prepared_motion,
     sampling,
@@ -74,6 +77,13 @@ class Proposal:
         return first.share < _NOTHING <= second.share
 
 
+class Sharpened(NamedTuple):
+    """A record that determines parameters: the motion, and their estimates expected with it."""
+
+    motion: Motion
+    expected: dict[str, Estimate]
+
+
 class Planner:
     """The logs and what was fitted to them, for deciding what to record next.
 
@@ -93,11 +103,16 @@ class Planner:
         self.presliding = fitted.coefficient("Fc") / law.stiffness if law.stiffness else 0.0
         self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether the logs hold no motion: speeds taken from them would be those of noise."""
+        return 2.0 * self.limits.reach <= least_travel(self.prepared)
+
     def distinguishing(self, i: int, other: Term) -> Proposal | None:
         """The shortest record expected to distinguish term i of the fit from another term.
 
         Inside what the logs show where that is enough. Where nothing is, the one that comes
-        nearest (see `Proposal.distinguishes`); None where the joint never moved.
+        nearest (see `Proposal.distinguishes`); None where no motion can be tried.
         """
         J, own = self.fitted.jacobian, self._own(i)
         term = self.fitted.terms[i]
@@ -134,16 +149,16 @@ class Planner:
 
     def sharpening(
         self, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
-    ) -> tuple[Motion, dict[str, Estimate]] | None:
-        """The record that most lowers the standard errors of some parameters.
+    ) -> Sharpened | None:
+        """The record that determines most of some parameters, and those the best.
 
         Args:
             cov: of all parameters of the fit. names: of the law's numbers to determine.
             law: their estimates now.
         Returns:
-            the motion, and the law's estimates expected with it; None where none lowers all.
+            None where no record determines any of them.
         """
-        best, least = None, _SHARPER
+        best, most = None, (0, 0.0)
         noise = self._noise(self.limits)
         for motion, _, sensitive in self._motions(self.limits):
             enough = [x for x in _durations(motion) if x >= _FOR_PARAMETERS]
@@ -152,9 +167,11 @@ class Planner:
             further = moments(sensitive[:rows], noise)
             expected = with_further(cov, self.fitted.jacobian, further)
             found = law_estimates(self.fitted, expected, self.body.slide)
-            ratio = max(_ratio(found[name], law[name]) for name in names)
-            if ratio < least:
-                best, least = (part, found), ratio
+            ratios = {name: _ratio(found[name], law[name]) for name in names}
+            gained = [n for n, ratio in ratios.items() if ratio < _SHARPER and is_known(found[n])]
+            worth = (len(gained), -max((ratios[n] for n in gained), default=0.0))
+            if worth > most:
+                best, most = Sharpened(part, {n: found[n] for n in gained}), worth
         return best
 
     def _own(self, i: int) -> NDArray[np.int64]:
@@ -211,6 +228,11 @@ def _worth(x: Proposal) -> tuple[bool, float, float, float]:
     return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, near, either
 
 
+def is_known(x: Estimate) -> bool:
+    """Whether a standard error says anything: at most the value itself."""
+    return x.stderr is not None and x.stderr <= abs(x.value)
+
+
 def _ratio(new: Estimate, old: Estimate) -> float:
     """Of two standard errors; 0 where only the old one is unknown."""
     if new.stderr is None:
@@ -231,10 +253,16 @@ def computed_proposals(
             from it.
         cov: of all parameters of the fit. law: its numbers.
     """
-    sentences = [to_distinguish(planner, i, other) for i, other in ties]
+    if planner.at_rest:
+        return ("In these logs the joint moves no more than its position is noisy: record motion.",)
+    # the first of several terms of one name is the nearest
+    rivals: dict[tuple[int, str], EffectTerm] = {}
+    for i, other in ties:
+        rivals.setdefault((i, other.name), other)
+    sentences = [to_distinguish(planner, i, other) for (i, _), other in rivals.items()]
     loose = loose_parameters(law)
     sentences += [to_sharpen(planner, cov, names, law) for _, names in loose]
-    return tuple(text for text in sentences if text)
+    return tuple(dict.fromkeys(text for text in sentences if text))
 
 
 def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
@@ -262,19 +290,20 @@ def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
 
 def to_sharpen(
     planner: Planner, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
-) -> str | None:
-    """What to record to determine some of the law's parameters; None where no motion helps."""
+) -> str:
+    """What to record to determine some of the law's parameters, in one sentence."""
     found = planner.sharpening(cov, names, law)
     if found is None:
-        return None
-    motion, expected = found
+        symbols = ", ".join(name.removesuffix("_pos") for name in names)
+        return f"No motion tried, inside what these logs show, should determine {symbols}."
     errors = []
-    for name in names:
-        before, after = law[name].stderr, expected[name].stderr
-        was = "unknown" if before is None else f"{before:.2g}"
-        errors.append(f"{name.removesuffix('_pos')} {was} to {after:.2g} {law[name].unit}")
+    for name, x in found.expected.items():
+        was = f"{law[name].stderr:.2g}" if is_known(law[name]) else "more than its value"
+        unit = "" if x.unit == "1" else f" {x.unit}"
+        errors.append(f"{name.removesuffix('_pos')} from {was} to {x.stderr:.2g}{unit}")
     return (
-        f"Computed: {described(motion, planner)} takes the standard error of {', '.join(errors)}."
+        f"Computed: {described(found.motion, planner)} takes the standard error of "
+        f"{', '.join(errors)}."
     )
 
 
@@ -283,7 +312,7 @@ def described(motion: Motion, planner: Planner) -> str:
     unit = "m" if planner.body.slide else "rad"
     q = motion.position
     text = (
-        f"joint {planner.body.joint!r}, {motion.name}, {q.min():.3g} to {q.max():.3g} {unit}, "
+        f"joint {planner.body.joint!r}, {motion.name}, {between(q.min(), q.max(), unit)}, "
         f"up to {motion.speed:.2g} {unit}/s, "
     )
     load = "loaded as in the logs"

@@ -61,9 +61,14 @@ class Bodies:
         raise ModelError(f"no model for log {log.name!r}: its name fits none of {listed}")
 
     def check(self, logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> tuple[str, ...]:
-        """`check_logs` of each body with its logs."""
+        """`check_logs` of each body with its logs, and what of the MJCF is left out."""
         said: list[str] = []
         for body in self._bodies.values():
             mine, theirs = ([x for x in some if self._of(x) is body] for some in (logs, held_out))
             said += check_logs(mine, body, theirs)
+            if body.native:
+                said.append(
+                    f"Joint {body.joint!r} has {body.native} of its own in the MJCF, left out "
+                    "here and in a model that gets the friction found: it would count twice."
+                )
         return tuple(dict.fromkeys(said))

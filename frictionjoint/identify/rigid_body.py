@@ -16,6 +16,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
+from frictionjoint.simulate.native_friction import native_friction
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class RigidBody:
         fixed: assumed poses of other joints by name, see `held.Pose`; a joint given by neither a
             log nor this stays at its initial position, qpos0.
     Attributes:
+        native: friction that the MJCF itself declares at the joint, in words; empty for none.
         joint_names: of the other hinges and slides. poses: of the fixed joints, by their number.
     Raises:
         ModelError: the file does not compile, or has no such hinge or slide joint; a pose is none.
@@ -77,6 +79,7 @@ class RigidBody:
             | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
         )
         self.model.opt.disableflags |= int(off)
+        self.native = native_friction(self.model, [joint]).get(joint, "")
         dof = self.model.jnt_dofadr[self.joint_id]
         self.model.dof_damping[dof] = 0.0
         if hasattr(self.model, "dof_dampingpoly"):  # damping="0 0.5", in newer versions

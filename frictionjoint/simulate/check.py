@@ -11,8 +11,9 @@ from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
 from frictionjoint.simulate.mechanism import DEFLECTION
 from frictionjoint.simulate.native_friction import native_friction
 
-# Above this the presliding spring turns over within a step; see docs on time steps.
-_LARGEST_STEP_RATIO = 1.0
+# Above the first the presliding spring turns over within a step; up to the second the joints of an
+# arm were measured to hold their loads; see docs/stiff_joints.md.
+_LARGEST_STEP_RATIO, _LARGEST_MEASURED = 1.0, 8.0
 
 
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
@@ -35,10 +36,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
         slide = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
         stiffness = carried.parameters.stiffness
         ratio = model.opt.timestep * float(np.sqrt(stiffness * inverse[dof, dof]))
-        remark = "suits the time step"
-        if ratio > _LARGEST_STEP_RATIO:
-            longest = model.opt.timestep * _LARGEST_STEP_RATIO / ratio
-            remark = f"stiff: held, and presliding resolved at timestep <= {longest:.2g} s"
+        remark = _remark(ratio, model.opt.timestep)
         if name in native:
             remark += f"; friction counts twice, with MuJoCo's own {native[name]}"
         rows.append(
@@ -55,6 +53,19 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def _remark(ratio: float, timestep: float) -> str:
+    """How a time step suits a joint whose h sqrt(K/J) is `ratio`."""
+    if ratio <= _LARGEST_STEP_RATIO:
+        return "suits the time step"
+    resolved = f"{timestep * _LARGEST_STEP_RATIO / ratio:.2g} s"
+    if ratio <= _LARGEST_MEASURED:
+        return f"stiff: held, and presliding resolved at timestep <= {resolved}"
+    return (
+        f"stiffer than arms were measured to hold, {_LARGEST_MEASURED:g}: take a timestep <= "
+        f"{timestep * _LARGEST_MEASURED / ratio:.2g} s, or <= {resolved} to resolve presliding"
+    )
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
