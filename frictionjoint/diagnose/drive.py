@@ -48,6 +48,11 @@ def of_drive(score: Scored, now: Scored) -> float:
     return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
 
 
+def part_left(fitted: Fit) -> float:
+    """rms of what a model leaves, over that of the drive as it then acts."""
+    return fitted.drive_rms * fitted.error_unit / fitted.target_rms
+
+
 def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:
     """Every effect of the drive added to a fit; None where the drive is measured, or none can be.
 

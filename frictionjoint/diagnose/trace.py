@@ -23,7 +23,7 @@ from frictionjoint.diagnose.decisions import (
     SMALLEST_GAIN,
     TIE,
 )
-from frictionjoint.diagnose.drive import look_at_drive, of_drive
+from frictionjoint.diagnose.drive import look_at_drive, of_drive, part_left
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
@@ -193,7 +193,9 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     gain = score.gain(found.now)
     row = found.look.rows[0]
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
-    if not enough or of_drive(score, found.now) < DRIVE_DISCREPANCY:
+    # less of a drive that hardly acts is left, and as much of it
+    lesser = part_left(score.fit) ** 2 <= (1.0 - SMALLEST_GAIN) * part_left(found.now.fit) ** 2
+    if not (enough and lesser) or of_drive(score, found.now) < DRIVE_DISCREPANCY:
         return []
     near = [
         other.name
