@@ -23,7 +23,7 @@ from matplotlib import pyplot as plt
 def draw(report: Report, path: Path, narrow: bool = False) -> None:
     """Torque and residual over time, with the error in per cent of the measured torque."""
     c = next(c for c in report.curves if c.role == "held-out")
-    whole = wording.measured_rms(report, "held-out")
+    whole = wording.drive_rms(report, "held-out", "after")
     size = (4.4, 5.0) if narrow else (9, 4.4)
     figure, (above, below) = plt.subplots(2, 1, figsize=size, sharex=True, layout="constrained")
     above.plot(c.time, c.measured, color=MEASURED, lw=2.6, label="measured")

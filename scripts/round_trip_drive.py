@@ -112,7 +112,7 @@ def drive_trip(name: str, folder: Path, seed: int = 0) -> Trip:
     spec.compile()
     path = folder / "model.xml"
     path.write_text(spec.to_xml())
-    controller = found_controller(believed, found)
+    controller = found_controller(believed, found, scaled=True)
     volts = 1.0 if believed.output == "torque_nm" else 0.0
     again = [_model_log(path, controller, volts, x) for x in made]
     second_logs = prepare(again, body, controller=believed)

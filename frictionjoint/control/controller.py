@@ -41,8 +41,9 @@ class Controller:
     Attributes:
         output: what u is. A duty drives the motor with supply_v u.
         kp, kd, ki: per rad, per rad/s, per rad s, in `gain_unit`; ``"log:NAME"`` is a figure of
-            each log; ``"unknown"`` kp: estimated from the load (`reconstruct`); unknown kd: none,
-            and what is found of viscous friction and back-EMF holds it too.
+            each log; ``"unknown"`` kp: estimated from the load (`reconstruct`), and no kd, ki or
+            feed_forward may be known beside it; unknown kd: none, and what is found of viscous
+            friction and back-EMF holds it too.
         gain_unit: u per unit of kp, kd and ki, for gains in units of the firmware.
         supply_v: V at full duty, of a duty. A log's own ``supply_v`` column goes before it.
         limit: of abs(u).

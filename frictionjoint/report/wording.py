@@ -108,7 +108,7 @@ def sentence(report: Report) -> str:
     (least_before, most_before), (least_after, most_after) = report.torque_interval
     rises = least_after > most_before
     if rises:
-        change = f"the error rises {change}, which is no gain"
+        change = f"the error rises {change}" + (", which is no gain" if role == "held-out" else "")
     elif most_after < least_before:
         change = f"the error falls by {1.0 - after / before:.0%}, {change}"
     else:
