@@ -117,3 +117,17 @@ def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_rob
     assert drawn_of(robot, "--joint", "hip").exit_code == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(3))
+
+
+def test_a_set_that_no_joint_can_have_is_drawn_anew(posterior, monkeypatch):
+    # the exponent ends at 10
+    content = {**posterior.content, "delta_pos": 8.0, "delta_neg": 8.0}
+    factor = np.zeros((len(posterior.factor), 1))
+    factor[6:8] = 8.0
+    wide = Posterior(content, factor)
+    drawn = [x.parameters.delta_pos for x in wide.sample(50)]
+    assert max(drawn) <= 10.0
+    assert min(drawn) < 4.0
+    monkeypatch.setattr("frictionjoint.refine.posterior._TRIES", 1)
+    with pytest.raises(ParameterError, match="are possible: the logs determine too little"):
+        wide.sample(50)

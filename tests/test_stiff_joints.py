@@ -179,7 +179,7 @@ def test_a_joint_without_inertia_gets_its_torque_here_and_now():
     [
         (0.9, "suits the time step"),
         (7.9, "stiff: held, and presliding resolved at timestep <= 0.00013 s"),
-        (26.0, "stiffer than arms were measured to hold, 8: take a timestep <= 0.00031 s, or <="),
+        (26.0, "stiffer than arms were measured to hold, 8: take a timestep <= 0.000308 s, or <="),
     ],
 )
 def test_check_says_held_as_far_as_that_was_measured(ratio, remark):

@@ -2,7 +2,7 @@
 
 The posterior is that of the numbers of a parameter file, not of those that a fit varies: a report
 alone is enough to draw from it. Numbers that are never negative are drawn with lognormal spread, a
-curve by its increments, so that every set drawn is a valid one.
+curve by its increments; a set that no joint can have is drawn anew.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,6 +20,8 @@ from frictionjoint.simulate.carrier import JointFriction
 _STEP = 0.1
 # standard errors beyond which nothing is drawn, and the largest relative error that is
 _FURTHEST, _LARGEST = 3.0, 0.7
+# draws for each set wanted before a posterior is given up
+_TRIES = 100
 _PAIRS = ("pos", "neg")
 
 
@@ -66,22 +68,29 @@ class Posterior:
         """Draw parameter sets, for `install`.
 
         Raises:
-            ParameterError: not at least one; a negative seed.
+            ParameterError: not at least one; a negative seed; hardly any set drawn is possible.
         """
         if n < 1 or seed < 0:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
         rng = np.random.default_rng(seed)
         mean = _numbers(self.content)
         positive = _positive(self.content)
-        found = []
-        for _ in range(n):
+        found: list[JointFriction] = []
+        for _ in range(_TRIES * n):
             z = np.clip(rng.standard_normal(self.factor.shape[1]), -_FURTHEST, _FURTHEST)
             step = self.factor @ z
             safe = np.where(mean != 0.0, mean, 1.0)
             relative = np.clip(step / safe, -_FURTHEST * _LARGEST, _FURTHEST * _LARGEST)
             drawn = np.where(positive, mean * np.exp(relative), mean + step)
-            found.append(joint_friction(_with(self.content, drawn)))
-        return tuple(found)
+            try:
+                found.append(joint_friction(_with(self.content, drawn)))
+            except ParameterError:
+                continue
+            if len(found) == n:
+                return tuple(found)
+        raise ParameterError(
+            f"of {_TRIES * n} sets drawn {len(found)} are possible: the logs determine too little"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""

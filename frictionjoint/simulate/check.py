@@ -64,7 +64,7 @@ def _remark(ratio: float, timestep: float) -> str:
         return f"stiff: held, and presliding resolved at timestep <= {resolved}"
     return (
         f"stiffer than arms were measured to hold, {_LARGEST_MEASURED:g}: take a timestep <= "
-        f"{timestep * _LARGEST_MEASURED / ratio:.2g} s, or <= {resolved} to resolve presliding"
+        f"{timestep * _LARGEST_MEASURED / ratio:.3g} s, or <= {resolved} to resolve presliding"
     )
 
 
