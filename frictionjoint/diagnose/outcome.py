@@ -45,10 +45,7 @@ def told(
         hints += _without_unnamed(state, replayed)
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    prepared, found = state.laws.first(state.prepared, state.fit)
-    if found is not state.fit:
-        state.prepared, state.fit = prepared, found
-        drop_idle(state)
+    state.prepared, state.fit = state.laws.first(state.prepared, state.fit)
     found = with_damping(state.prepared, state.fit)
     if found is not state.fit:
         state.fit = found
