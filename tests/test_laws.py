@@ -52,3 +52,16 @@ def test_a_law_that_is_asked_for_is_kept(prepared):
     base = fit(prepared, forms=forms_of("static"))
     _, chosen = Laws(prepared, base, asked=True).better(prepared, base)
     assert chosen.shape.variables == base.shape.variables
+
+
+def test_a_law_that_is_no_longer_clearly_better_gives_way_to_the_first(prepared):
+    base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
+    laws = Laws(prepared, base, asked=False)
+    rival = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
+    nearer = replace(rival, residual=0.5 * rival.residual)
+    assert laws.first(prepared, nearer) == (prepared, nearer)
+    further = replace(rival, residual=1.5 * rival.residual)
+    _, found = laws.first(prepared, further)
+    assert found.shape.variables == base.shape.variables
+    assert found.drive_rms < further.drive_rms
+    assert laws.first(prepared, base) == (prepared, base)

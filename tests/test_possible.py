@@ -1,17 +1,20 @@
 """An effect whose number the logs take beyond what is possible is another thing."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.possible import impossible
+from frictionjoint.diagnose.possible import LEAST_ACTING, impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
+from frictionjoint.effects.drive_limit import EFFECT as LIMITED
 from frictionjoint.effects.nonlinear_viscous import EFFECT
 from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from tests.three_sines import INERTIA, A, T, V, logged
 
 LIMIT = EFFECT.shape_bounds[0][1]
@@ -58,3 +61,9 @@ def test_a_friction_that_drives_the_joint_is_impossible(change, turned, tmp_path
     found = refit(prepared, (EffectTerm(WARM_UP, (tau,)),), fit(prepared).shape)
     assert found.term_coefficients(0)[0] == pytest.approx(change, rel=0.2)
     assert (WARM_UP.name in impossible(found, make_blocks(prepared, found))) == turned
+
+
+def test_a_drive_of_which_nothing_acts_has_moved_nothing():
+    terms = (DriveTerm(LIMITED, (1e-9,)), EffectTerm(EFFECT, (2.0,)))
+    nothing = SimpleNamespace(acting=0.1 * LEAST_ACTING, terms=terms)
+    assert impossible(nothing, None) == {LIMITED.name}

@@ -112,6 +112,13 @@ def test_the_sentence_says_what_fell_and_what_did_not(robot):
     )
 
 
+def test_joints_that_move_farther_together_on_fitted_data_are_told(robot):
+    before = RobotErrors(Rms(10.0, 12.0), Rms(0.046, 0.05))
+    after = RobotErrors(Rms(2.0, 3.0), Rms(1.15, 0.04))
+    text = whole(replace(robot, before=before, after=after))
+    assert "On the fitted data it rises from 0.046 to 1.15 rad" in text
+
+
 def test_position_errors_have_their_unit_and_a_dash_its_reason(robot, page, capsys):
     dash = "–: no position error is stated, since the simulation leaves the logged motion"
     show_robot(robot)

@@ -383,6 +383,14 @@ def test_a_log_made_in_python_is_in_seconds_too() -> None:
         fj.close_loop([replace(LOG, time=1e3 * LOG.time)], PENDULUM, "elbow")
 
 
+def test_a_joint_seen_in_few_positions_stands_still() -> None:
+    time = np.arange(4000) * 1e-3
+    position = np.round(6.0 * np.sin(7.0 * time)) * 5e-7
+    log = JointLog(name="a", joint="elbow", time=time, position=position, torque=np.sin(5.0 * time))
+    with pytest.raises(FrictionJointError, match="a, elbow: 13 different positions in all"):
+        fj.close_loop([log], PENDULUM, "elbow")
+
+
 def test_no_log_is_not_enough() -> None:
     with pytest.raises(FrictionJointError, match="no log to fit"):
         fj.close_loop([], PENDULUM, "elbow")
