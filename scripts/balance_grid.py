@@ -30,7 +30,6 @@ from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import A
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.measured.lowpass import LowPass, gentle
 from tests.balance_grid import Case, Spec, make, specs
 from tests.balance_grid.prepared import prepared
@@ -61,7 +60,7 @@ def _trace(case: Case) -> Trace:
 
 def measures(case: Case, prepared: Prepared, base: Fit) -> dict[str, Any]:
     """Residual over the noise, and coefficients of what is not there over their errors."""
-    moving = base.weight**2 > IN_MOTION
+    moving = base.in_motion
     f = np.linspace(0.0, 0.5 * case.rate, 8192)
     passed = gentle(f / prepared.band.balance) ** 2
     corner = prepared.band.balance

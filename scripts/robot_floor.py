@@ -21,8 +21,8 @@ from real_robots import HELD_OUT, ROBOTS, ROOT
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import kept
+from frictionjoint.identify.fit import IN_MOTION
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.robot.along import Along
 from frictionjoint.robot.corrections import Corrections, Shaft, direction

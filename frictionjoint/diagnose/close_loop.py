@@ -119,6 +119,8 @@ def close_loop(
     bodies = Bodies(model, joint, fixed)
     known = controller_of(controller, joint, bodies.joints)
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
+    for log in logs:
+        require_motion(f"{log.name}, {joint}", log.position)
     return explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
 
 
@@ -151,8 +153,6 @@ def explain(
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
         said += unknown_notes(controller)
     progress("rigid-body torque")
-    for log in logs:
-        require_motion(f"{log.name}, {joint}", log.position)
     fitted_on = prepare(list(logs), mine, controller=controller)
     check(fitted_on)
     kept_back = None

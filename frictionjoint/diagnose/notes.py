@@ -10,7 +10,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.start import IN_MOTION
 from frictionjoint.identify.terms import Timing
 
 # standard errors beyond which an offset of the clocks is more than chance
@@ -108,7 +107,7 @@ def _law_note(found: Trace) -> tuple[str, ...]:
         return ()
     own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
     unit, _ = units_of(found.final, found.prepared.slide)
-    mine, its = _in_motion(found.final), _in_motion(found.other)
+    mine, its = found.final.rms_in_motion, found.other.rms_in_motion
     left = f"{mine:.3g} {unit} on fitted logs, {other} {its:.3g} {unit}"
     if own != final:
         return (
@@ -119,11 +118,6 @@ def _law_note(found: Trace) -> tuple[str, ...]:
         f"The effects were found with the law {other} and then added to {final}, which leaves "
         f"{left}. --law {other} reports and simulates that law.",
     )
-
-
-def _in_motion(fitted: Fit) -> float:
-    """rms of what is left where the position determines the torque, by which laws are chosen."""
-    return float(np.sqrt(np.mean(fitted.residual[fitted.weight**2 > IN_MOTION] ** 2)))
 
 
 def _constraint_note(fitted: Fit) -> tuple[str, ...]:
@@ -139,7 +133,7 @@ def _constraint_note(fitted: Fit) -> tuple[str, ...]:
 
 def _rest_note(found: Trace) -> tuple[str, ...]:
     """Error of the samples whose torque the position does not determine."""
-    rest = found.final.weight**2 <= IN_MOTION
+    rest = ~found.final.in_motion
     if not rest.any():
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)

@@ -9,7 +9,6 @@ from frictionjoint.diagnose.report_data import Verdict
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.start import IN_MOTION
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
@@ -37,9 +36,9 @@ def verdict(
     contradicted = worse or after[0].only_fitted
     if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):
         return "partly-explained"
-    moving = found.final.weight**2 > IN_MOTION
-    left = float(np.sqrt(np.mean(found.final.residual[moving] ** 2)))
-    at_floor = left <= AT_THE_FLOOR * noise_floor(found.prepared, found.final.gain)
+    at_floor = found.final.rms_in_motion <= AT_THE_FLOOR * noise_floor(
+        found.prepared, found.final.gain
+    )
     white = at_floor or _is_white(found.final, found.prepared)
     return "explained" if white else "partly-explained"
 

@@ -12,6 +12,9 @@ from frictionjoint.identify.segment import Drive
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term, Timing
 
+# squared weight from which on a sample counts as in motion
+IN_MOTION = 0.5
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -82,6 +85,16 @@ class Fit:
     def rms(self) -> float:
         """rms of the residual, N m."""
         return float(np.sqrt(np.mean(self.residual**2)))
+
+    @property
+    def in_motion(self) -> NDArray[np.bool_]:
+        """Samples whose torque the position determines, shape (n,)."""
+        return np.asarray(self.weight**2 > IN_MOTION)
+
+    @property
+    def rms_in_motion(self) -> float:
+        """rms of the residual of these samples, N m, by which laws are compared."""
+        return float(np.sqrt(np.mean(self.residual[self.in_motion] ** 2)))
 
     @property
     def scale(self) -> float:

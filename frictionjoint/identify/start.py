@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.identify.design import Balance, lengths
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import IN_MOTION, Fit
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared, Segment
@@ -25,8 +25,6 @@ from frictionjoint.identify.swing import swing_columns, swings
 from frictionjoint.identify.terms import Term
 from frictionjoint.threads import side_by_side
 
-# squared weight from which on a sample counts as in motion
-IN_MOTION = 0.5
 # trial torques at the first sample over Fc, and how near to the best one is near enough
 _TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
 # fraction of a log's squares that another start must take away
