@@ -10,7 +10,7 @@ import pytest
 from frictionjoint.cli.terminal import show_estimates, show_report
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.report_data import Rms
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.report import presliding, wording
@@ -301,7 +301,7 @@ def test_advice_names_what_these_logs_leave_open():
         "stiffness": Estimate(1e4, None, "N m/rad"),
     }
     tie, unexplained, velocity, presliding_motion, held = what_to_record(
-        [(effect, "gravity-error")], [("load", 0.3)], law, held_out=False
+        [(effect, "gravity-error")], [], [("load", 0.3)], law, held_out=False
     )
     assert "spring from gravity-error" in tie
     assert effect.separating_motion in tie
@@ -310,7 +310,12 @@ def test_advice_names_what_these_logs_leave_open():
     assert presliding_motion.startswith("To determine stiffness:")
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
-    assert what_to_record([], [], sure, held_out=True) == ()
+    assert what_to_record([], [], [], sure, held_out=True) == ()
+    of_error, of_output = (e for e in DRIVE_EFFECTS if e.name == "duty-drop")
+    (form,) = what_to_record([], [(of_error, of_output)], [], sure, held_out=True)
+    assert of_error.form in form
+    assert of_output.form in form
+    assert "two gains" in form
 
 
 @pytest.mark.parametrize(

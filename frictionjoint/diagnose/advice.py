@@ -27,6 +27,7 @@ _SHOWN_BY = {
 
 def what_to_record(
     ties: Iterable[tuple[Effect, str]],
+    forms: Iterable[tuple[Effect, Effect]],
     unexplained: Iterable[tuple[str, float]],
     law: Mapping[str, Estimate],
     held_out: bool,
@@ -35,6 +36,7 @@ def what_to_record(
 
     Args:
         ties: an added effect and the name of another that explains as much.
+        forms: an added effect and a form of it that explains as much.
         unexplained: quantities the residual still depends on, with the fractions they explain.
         law: the final estimates by name.
         held_out: whether a log was kept from fit and choice.
@@ -42,6 +44,11 @@ def what_to_record(
     found = [
         f"To distinguish {effect.name} from {other}: {effect.separating_motion}."
         for effect, other in ties
+    ]
+    found += [
+        f"To know which form of {own.name} acts, '{own.form}' or '{other.form}', "
+        f"which explain as much: {own.separating_motion}."
+        for own, other in forms
     ]
     for variable, _ in unexplained:
         motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")

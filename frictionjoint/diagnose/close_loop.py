@@ -32,6 +32,7 @@ from frictionjoint.diagnose.report_data import LogEntry, Report
 from frictionjoint.diagnose.report_parts import (
     added,
     curves,
+    forms,
     intervals,
     rankings,
     replay_intervals,
@@ -217,7 +218,7 @@ def explain(
     unexplained = found.unexplained
     floor = noise_floor(moving, found.final.gain)
     final = law_estimates(found.final, cov, body.slide)
-    open_questions = what_to_record(ties(found), unexplained, final, bool(held_out))
+    open_questions = what_to_record(ties(found), forms(found), unexplained, final, bool(held_out))
     progress("what to record next")
     computed: Sequence[str] = ()
     if scaled:  # else no motion says which torque it asks of the drive

@@ -16,15 +16,17 @@ from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import ROUGH, Place, Search, refit, timed
+from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
 # samples of the coarse fits, starts of each form of an effect that ripen there and for how many
 # steps; effects that are fitted to all samples
-_COARSE, _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 1500, 2, 6, 3, 8
+COARSE = 1500
+_RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 2, 6, 3, 8
 _FLIPS = 999
 
 
@@ -62,9 +64,10 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     terms = drive_terms(prepared, fitted.terms)
     if not terms:
         return None
-    coarse = prepared.thinned(_COARSE)
+    coarse = prepared.thinned(COARSE)
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
-    order = _best_of_each(coarse, start, start.effects, terms)
+    forms = _best_of_each_form(coarse, start, start.effects, terms)
+    order = [pair for k, pair in enumerate(forms) if _is_first_of_its_name(k, forms)]
     blocks = make_blocks(prepared, fitted)
     now = scored(fitted, blocks)
     tried = []
@@ -96,26 +99,38 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
 
 
 def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
-    """Models with another effect of the drive, or this one anew, in the place of the i-th effect.
+    """Models with another effect of the drive, or a form of this one, in the place of the i-th.
 
-    Best first. The rest of the model is as it is beside that effect, not as it would bend for want
-    of it.
+    Forms of this one first, then the best others. The rest of the model is as it is beside that
+    effect, not as it would bend for want of it.
     """
     own = fitted.effects
     terms = drive_terms(prepared, all_but(own, own[i]))
-    coarse = prepared.thinned(_COARSE)
+    coarse = prepared.thinned(COARSE)
     start = refit(coarse, own, fitted.shape, ROUGH, _STEPS)
-    order = _best_of_each(coarse, start, all_but(start.effects, start.effects[i]), terms)
+    best = _best_of_each_form(coarse, start, all_but(start.effects, start.effects[i]), terms)
+    forms = [term for _, term in best if term.name == own[i].name]
+    others = [term for _, term in best if term.name != own[i].name]
+    # forms are told apart by less than effects are: by all that each can explain
+    found = [(term, CLOSE) for term in forms]
+    found += [(term, ROUGH) for term in others[: _LEADERS - 1]]
     return [
-        refit(prepared, in_place(own, i, term), fitted.shape, ROUGH, _FINE_STEPS)
-        for _, term in order[:_LEADERS]
+        refit(prepared, in_place(own, i, term), fitted.shape, closeness, _FINE_STEPS)
+        for term, closeness in found
     ]
 
 
-def _best_of_each(
+_Ranked = tuple[float, DriveTerm]
+
+
+def _is_first_of_its_name(k: int, ranked: Sequence[_Ranked]) -> bool:
+    return all(term.name != ranked[k][1].name for _, term in ranked[:k])
+
+
+def _best_of_each_form(
     coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm]
-) -> list[tuple[float, DriveTerm]]:
-    """Of each effect the form and size that leaves least on thinned logs, best first.
+) -> list[_Ranked]:
+    """Of each form of an effect the size that leaves least on thinned logs, best first.
 
     With the fraction of the drive's squares by which it leaves less than the fit that it starts
     from.
@@ -138,15 +153,15 @@ def _best_of_each(
             if sum(other.effect == term.effect for other, _ in places[:i]) < _RIPENING
         ]
         fits = list(each(attempt, starts))
-    best: dict[str, tuple[float, DriveTerm]] = {}
+    best: dict[Effect, _Ranked] = {}
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)
         if found.acting < LEAST_ACTING:  # a drive of nothing explains nothing
             continue
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
-        if gain > best.get(term.name, (-np.inf, term))[0]:
-            best[term.name] = gain, term
+        if gain > best.get(term.effect, (-np.inf, term))[0]:
+            best[term.effect] = gain, term
     return sorted(best.values(), key=lambda pair: -pair[0])
 
 

@@ -12,7 +12,7 @@ from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms, without_columns
 from frictionjoint.diagnose.moves import Look, look
-from frictionjoint.diagnose.score import scored
+from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
     apart,
@@ -23,6 +23,7 @@ from frictionjoint.diagnose.state import (
     without,
 )
 from frictionjoint.diagnose.unbent import bends, unbent
+from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import DriveTerm, Term, in_place
@@ -112,7 +113,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
 
     The drive comes first, with a law that bends for want of the rest: of two forms of one effect,
     or of an effect of the drive and one of the joint, the wrong one may then be nearer. One that
-    explains nearly as much is a tie.
+    explains nearly as much is a tie; of forms that do, the catalogue's first is taken.
 
     Returns:
         whether one predicts so much more, another form of the same effect more, or a simpler one as
@@ -128,23 +129,39 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             simpler = numbers_of(instead.term) < numbers_of(term)
             alike = instead.term.name == term.name
             before = scored(other, state.blocks)
-            if not simpler and now.better(before):
-                if not (alike or apart(now, before)):
-                    state.findings = [_tied(f, term, instead) for f in state.findings]
+            if apart(now, before) and not simpler:
+                continue
+            if now.better(before) and not (simpler or alike):
+                state.findings = [_tied(f, term, instead) for f in state.findings]
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             score = scored(other, after)
             if alike:
-                taken = score.better(same)
+                taken = _form_preferred(instead.term, score, term, same)
             else:
                 taken = as_much(score, same) if simpler else needed(score, same)
             if taken:
                 state.findings = [_instead(f, term, instead, seen) for f in state.findings]
                 state.prepared, state.fit = prepared, other
                 return True
+            if alike and not apart(same, score):
+                state.findings = [_with_form(f, term, instead.term) for f in state.findings]
     return False
+
+
+def _form_preferred(one: Term, score: Scored, other: Term, its: Scored) -> bool:
+    """Whether a form of an effect of the drive is taken before another, or as it was fitted anew.
+
+    Forms that the logs do not tell apart go in the order of the catalogue.
+    """
+    assert isinstance(one, DriveTerm)
+    assert isinstance(other, DriveTerm)
+    order = DRIVE_EFFECTS.index(one.effect) - DRIVE_EFFECTS.index(other.effect)
+    if order == 0:
+        return score.better(its)
+    return apart(score, its) if order > 0 else not apart(its, score)
 
 
 def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
@@ -176,13 +193,23 @@ def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
     return replace(finding, ties=(*finding.ties, candidate.term.name))
 
 
+def _with_form(finding: Finding, term: Term, other: Term) -> Finding:
+    """A finding of an effect of the drive, with a form of it that explains as much."""
+    assert isinstance(term, DriveTerm)
+    assert isinstance(other, DriveTerm)
+    known = (term.effect, *finding.forms)
+    if finding.term.name != term.name or other.effect in known:
+        return finding
+    return replace(finding, forms=(*finding.forms, other.effect))
+
+
 def _instead(finding: Finding, term: Term, candidate: Candidate, seen: Look) -> Finding:
     """A finding of one effect as that of another one, which a look has seen."""
     if finding.term.name != term.name:
         return finding
     row = seen.find(candidate)
     ties = tuple(name for name in finding.ties if name != row.name)
-    return replace(finding, term=candidate.term, look=seen, row=row, ties=ties)
+    return replace(finding, term=candidate.term, look=seen, row=row, ties=ties, forms=())
 
 
 def _in_place_of(

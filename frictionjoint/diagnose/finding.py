@@ -8,6 +8,7 @@ from scipy.special import chdtri
 from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
@@ -22,7 +23,7 @@ class Finding:
         gain: fraction of the squares left that it takes from motion unlike that it was fitted to,
             its shape numbers chosen without that motion too.
         ties: effects that the logs cannot distinguish from it. rivals: effects nearly as good.
-        fit: the model right after it joined.
+        fit: the model right after it joined. forms: its other forms that leave as much.
     """
 
     term: Term
@@ -32,6 +33,7 @@ class Finding:
     ties: tuple[str, ...]
     rivals: tuple[Term, ...]
     fit: Fit = field(repr=False)
+    forms: tuple[Effect, ...] = ()
 
     @property
     def runner_up(self) -> Looked | None:

@@ -172,6 +172,11 @@ def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
     return tuple((_effect(f), other) for f in found.findings for other in f.ties)
 
 
+def forms(found: Trace) -> tuple[tuple[Effect, Effect], ...]:
+    """Each addition with a form of it that explains as much."""
+    return tuple((_effect(f), other) for f in found.findings for other in f.forms)
+
+
 def _effect(finding: Finding) -> Effect:
     term = finding.term
     if isinstance(term, EffectTerm):

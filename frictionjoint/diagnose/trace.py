@@ -24,6 +24,7 @@ from frictionjoint.diagnose.decisions import (
     TIE,
 )
 from frictionjoint.diagnose.drive import look_at_drive, of_drive, part_left
+from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
@@ -112,6 +113,8 @@ def trace(
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
         if _other_law(state) or taken or exchange_bent(state) or exchange_drive(state, rng):
+            continue
+        if exchange_for_drive(state, rng):
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False

@@ -15,9 +15,11 @@ from frictionjoint.control.kernel import DROP_ERROR, DROP_LEFT, DROP_OUTPUT, KP
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# quantiles of the error's size, and what is left, at which a search starts: a torque that leaps
-# tells nothing of a threshold further away than a few hundredths of the samples
-_QUANTILES = np.linspace(0.4, 0.98, 30)
+# Quantiles of the size of what is watched, among samples and among their squares, and what is left,
+# at which a search starts: a torque that leaps tells nothing of a threshold further away than a few
+# hundredths of the samples or of the drive. A leg that follows slowly and leaps now and then has
+# most of its samples at small errors and most of its drive at large ones.
+_OF_SAMPLES, _OF_SQUARES = np.linspace(0.02, 0.98, 30), np.linspace(0.02, 0.98, 20)
 _LEFT = 0.4
 
 
@@ -44,13 +46,20 @@ def output_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
 
 
 def _errors(logs: Sequence[Commands]) -> list[Shape]:
-    errors = np.concatenate([np.abs(x.target - x.position)[x.on] for x in logs])
-    return [(float(x), _LEFT) for x in np.unique(np.quantile(errors, _QUANTILES)) if x > 0.0]
+    return _starts([np.abs(x.target - x.position)[x.on] for x in logs])
 
 
 def _outputs(logs: Sequence[Commands]) -> list[Shape]:
-    u = np.concatenate([x.block[KP] * np.abs(x.target - x.position)[x.on] for x in logs])
-    return [(float(x), _LEFT) for x in np.unique(np.quantile(u, _QUANTILES)) if x > 0.0]
+    return _starts([x.block[KP] * np.abs(x.target - x.position)[x.on] for x in logs])
+
+
+def _starts(watched: Sequence[Array]) -> list[Shape]:
+    """Thresholds of what is watched, with what is left above each."""
+    size = np.sort(np.concatenate(watched))
+    squares = np.cumsum(size**2)
+    at = np.minimum(np.searchsorted(squares, _OF_SQUARES * squares[-1]), len(size) - 1)
+    thresholds = np.unique(np.concatenate([np.quantile(size, _OF_SAMPLES), size[at]]))
+    return [(float(x), _LEFT) for x in thresholds if x > 0.0]
 
 
 EFFECT = Effect(
@@ -63,7 +72,7 @@ EFFECT = Effect(
     source="protective torque and overload registers of Feetech STS servos; scope measurements of "
     "K-Scale Labs (2025)",
     signature="less drive at large errors than at smaller ones",
-    separating_motion="hold the joint away from its target by several distances",
+    separating_motion="hold the joint away from its target by several distances, at two gains",
     entry="acts on the drive",
     shape=("threshold", "left"),
     shape_units=("x", "1"),

@@ -1,0 +1,90 @@
+"""Effects of the drive that would explain as much as an effect of the joint does.
+
+What a controller does comes before what its joint does (see `trace`), but an effect of the drive
+may show only beside effects that were named after something had taken its place: a late target
+looks like a late encoder until the spring beside it is known.
+"""
+
+import numpy as np
+
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.decisions import APART
+from frictionjoint.diagnose.drive import COARSE, look_at_drive
+from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.gram import screen
+from frictionjoint.diagnose.library import Candidate, drive_terms
+from frictionjoint.diagnose.score import scored
+from frictionjoint.diagnose.state import State, as_much, compared, numbers_of, without
+from frictionjoint.identify.design import Balance
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, all_but
+from frictionjoint.identify.weights import reweighed
+
+
+def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
+    """Put an effect of the drive in the place of one of the joint that explains hardly more.
+
+    Of no more numbers; the one that had the place is its tie.
+
+    Returns:
+        whether one was put there.
+    """
+    own = state.fit.effects
+    for replaced in _replaceable(state):
+        found = look_at_drive(state.prepared, without(state, replaced), rng)
+        if found is None or not found.tried:
+            continue
+        term, score = found.tried[0]
+        if numbers_of(term) > numbers_of(replaced):
+            continue
+        prepared, other = reweighed(state.prepared, score.fit)
+        after = state.blocks_of(prepared, other)
+        now = scored(compared(prepared, own, state.fit.shape), after)
+        instead = scored(other, after)
+        if not as_much(instead, now):
+            continue
+        ties = (replaced.name,) if as_much(now, instead) else ()
+        gain = score.gain(found.now)
+        finding = Finding(term, found.look, found.look.rows[0], gain, ties, (), other)
+        state.findings = [finding if f.term.name == replaced.name else f for f in state.findings]
+        state.prepared, state.fit = prepared, other
+        return True
+    return False
+
+
+def _replaceable(state: State) -> list[Term]:
+    """Effects of the joint that are to be tried, those that the drive promises to replace."""
+    own = state.fit.effects
+    of_joint = [t for t in own if isinstance(t, EffectTerm) and not isinstance(t, DriveTerm)]
+    named = [t for t in of_joint if not t.effect.first]
+    if not (named and state.prepared.commanded):
+        return []
+    coarse = state.prepared.thinned(COARSE)
+    start = refit(coarse, own, state.fit.shape, ROUGH)
+    return [
+        t
+        for t, now in zip(own, start.effects, strict=True)
+        if t in named and _promised(coarse, start, now)
+    ]
+
+
+def _promised(coarse: Prepared, start: Fit, term: Term) -> bool:
+    """Whether an effect of the drive explains, to first order, a good part of what another does.
+
+    What it does to the balance is taken for a column.
+    """
+    rest = refit(coarse, all_but(start.effects, term), start.shape, ROUGH)
+    balance = Balance(coarse, rest.shape, rest.terms)
+    _, plain = balance.columns(rest.shape, rest.terms)
+    candidates = []
+    for other in drive_terms(coarse, rest.terms):
+        _, driven = balance.columns(rest.shape, (*rest.terms, other))
+        if np.any(driven != plain):
+            candidates.append(Candidate(other, (plain - driven)[:, None] * rest.gain))
+    blocks = make_blocks(coarse, rest)
+    seen = screen(rest, blocks, candidates)
+    before, now = scored(rest, blocks).total, scored(start, blocks).total
+    left = [float(seen.held_out([*seen.terms, at])[0].sum()) for at in seen.candidates]
+    return before - min(left, default=before) >= APART * (before - now)
