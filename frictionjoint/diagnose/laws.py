@@ -118,10 +118,13 @@ class Laws:
         best = next(sure, None)
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
-    def first(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    def first(
+        self, prepared: Prepared, fitted: Fit, too_short: bool = False
+    ) -> tuple[Prepared, Fit]:
         """The law fitted first, where another was taken that is no longer clearly better.
 
-        It was when effects were missing that have been found since.
+        It was when effects were missing that have been found since. Of logs that are too short to
+        tell of an effect none is clearly better: a swing that never turns has any level of any law.
         """
         if fitted.shape.variables == self.own:
             return prepared, fitted
@@ -129,7 +132,7 @@ class Laws:
             refit(prepared, fitted.effects, s, ROUGH) for s in self.starts(self.shapes[self.own])
         ]
         own = min(fits, key=lambda f: f.drive_rms)
-        if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms:
+        if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms and not too_short:
             return prepared, fitted
         return reweighed(prepared, own)
 

@@ -54,6 +54,8 @@ def told(
         drop_idle(state)
     drop_what_moves_worse(state, replayed)
     findings = restated(state, rng)
+    if not findings and sight(state.prepared, state.fit, state.look).too_short:
+        state.prepared, state.fit = state.laws.first(state.prepared, state.fit, too_short=True)
     other = state.laws.unchosen(state.prepared, state.fit, base)
     if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
         base = state.fit

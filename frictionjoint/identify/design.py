@@ -227,8 +227,9 @@ class Balance:
                 level = signals[:, H].copy()
                 here = term.columns(s, signals) @ weights
                 for j, tangent in enumerate(dH[:, own]):
-                    # these columns are linear in H, but for a bound on it
-                    h = _SMALL / (float(np.abs(tangent).max()) or 1.0)
+                    # these columns are linear in H, but for a bound on it; a tangent of next to
+                    # nothing needs no step without end
+                    h = _SMALL / max(float(np.abs(tangent).max()), _SMALL)
                     signals[:, H] = level + h * tangent
                     torque[j, own] += (term.columns(s, signals) @ weights - here) / h
         return part.kept(torque)
