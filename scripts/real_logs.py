@@ -90,17 +90,20 @@ def row(case: Case) -> str:
     except FrictionJointError as error:
         return f"| {case.machine} | {case.joint} | {error} | | | | | |"
 
-    def part(value: float | None, interval: tuple[float, float]) -> str:
-        low, high = (x / r.measured_rms for x in interval)
-        return f"{(value or 0.0) / r.measured_rms:.1%} ({low:.1%} to {high:.1%})"
+    def part(value: float | None, stage: int) -> str:
+        error = f"{(value or 0.0) / r.measured_rms:.1%}"
+        if not r.torque_interval:
+            return error
+        low, high = (x / r.measured_rms for x in r.torque_interval[stage])
+        return f"{error} ({low:.1%} to {high:.1%})"
 
     def run(value: float | None, interval: tuple[float, ...]) -> str:
         if value is None:
             return "none"
         return f"{value:.2g} ({' to '.join(f'{x:.2g}' for x in interval)})"
 
-    before = part(r.before_torque.held_out, r.torque_interval[0])
-    after = part(r.after_torque.held_out, r.torque_interval[1])
+    before = part(r.before_torque.held_out, 0)
+    after = part(r.after_torque.held_out, 1)
     ends = (r.before_replay.held_out, r.after_replay.held_out)
     replay = ", ".join(map(run, ends, r.replay_interval or ((), ())))
     effects = ", ".join(a.effect for a in r.added) or "none"

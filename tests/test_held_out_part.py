@@ -7,6 +7,7 @@ from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.effects.signals import TIME
 from frictionjoint.effects.warm_up_drift import BY_LOSS
 from frictionjoint.effects.warm_up_drift import EFFECT as BY_TIME
+from frictionjoint.errors import LogError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.start import predict
@@ -45,6 +46,13 @@ def test_what_warmed_up_stays_warm_in_the_part_held_out(effect):
     left = predict(kept_back, fitted).error
     # taken as cold it is half of the level
     assert np.sqrt(np.mean(left**2)) < 0.1 * LEVEL
+
+
+def test_a_part_of_next_to_no_samples_tests_nothing():
+    first, last = split_in_time(warming(), 0.004)
+    band = prepare([first], BODY).band
+    with pytest.raises(LogError, match=r"samples are left of it .*: hold out a longer part or log"):
+        prepare_kept_back([last], BODY, band)
 
 
 def test_it_keeps_its_clock_and_counts_none_of_what_was_fitted():

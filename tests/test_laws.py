@@ -60,6 +60,9 @@ def test_a_law_that_is_no_longer_clearly_better_gives_way_to_the_first(prepared)
     rival = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
     nearer = replace(rival, residual=0.5 * rival.residual)
     assert laws.first(prepared, nearer) == (prepared, nearer)
+    # of logs too short to tell of an effect, none is clearly better
+    _, kept = laws.first(prepared, nearer, too_short=True)
+    assert kept.shape.variables == base.shape.variables
     further = replace(rival, residual=1.5 * rival.residual)
     _, found = laws.first(prepared, further)
     assert found.shape.variables == base.shape.variables

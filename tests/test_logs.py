@@ -151,6 +151,17 @@ def test_wrong_units_show_by_magnitude(
     assert hint in error_of(write(tmp_path / "log.csv", table))
 
 
+def test_an_angle_of_whole_numbers_is_one_of_counts_or_degrees(tmp_path: Path) -> None:
+    table = columns() | {"position_rad": np.round(columns()["position_rad"] * 652.0)}
+    del table["velocity_rad_s"]
+    assert "whole numbers: give radians (degrees, counts" in error_of(
+        write(tmp_path / "log.csv", table)
+    )
+    # a joint on the edge of one count has whole numbers too, and is refused for standing still
+    still = table | {"position_rad": np.resize([0.0, 1.0], len(table["time_s"]))}
+    assert read_log(write(tmp_path / "still.csv", still)).position.max() == 1.0
+
+
 @pytest.mark.parametrize("turns", [3.0, 100.0])
 def test_many_turns_are_fine(tmp_path: Path, turns: float) -> None:
     table = columns()

@@ -14,7 +14,7 @@ from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.report import presliding, wording
-from frictionjoint.report.page import render
+from frictionjoint.report.page import errors, render
 
 sentence = wording.sentence
 COMMAND = "frictionjoint close-loop 'my log.csv' --out out"
@@ -260,6 +260,12 @@ def test_intervals_hold_their_rms(found):
     ):
         for (low, high), rms in zip(pair, stages, strict=True):
             assert low < rms.held_out < high
+
+
+def test_an_interval_of_next_to_no_samples_is_not_stated(found):
+    none = replace(found, torque_interval=None)
+    assert "not stated" in {row[3] for row in errors(none)}
+    assert "may be chance" in sentence(none)
 
 
 def test_law_and_rest_of_the_model_make_up_what_is_measured_behind_a_turn(found):

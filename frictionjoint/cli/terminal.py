@@ -60,7 +60,7 @@ def show_report(report: "Report") -> None:
     unit, position = report.units
     table = Table(f"{drive(report)} rms", "fitted logs", "held out", "95% interval")
     stages = (("before", report.before_torque), ("after", report.after_torque))
-    for (name, rms), pair in zip(stages, report.torque_interval, strict=True):
+    for (name, rms), pair in zip(stages, report.torque_interval or (None, None), strict=True):
         table.add_row(name, *_errors(rms, unit), interval(pair))
     out = console()
     out.print(table)

@@ -8,10 +8,14 @@ import numpy as np
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import measures_drive
 from frictionjoint.effects.signals import TIME
+from frictionjoint.errors import LogError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Band, Prepared, Segment
 from frictionjoint.measured.log import JointLog
+
+# samples behind the balance's filter
+_FEWEST = 20
 
 
 def prepare_kept_back(
@@ -27,12 +31,22 @@ def prepare_kept_back(
 
     Args:
         body, band, controller: see `prepare`; the band is of the logs that were fitted.
+    Raises:
+        LogError: so few samples are left that an error of them says nothing.
     """
     warm = [log.with_before() if measures_drive(log) else log for log in logs]
     prepared = prepare(warm, body, band, controller)
     since = [own.time[0] - log.time[0] for own, log in zip(logs, warm, strict=True)]
     pairs = zip(prepared.segments, since, strict=True)
-    return replace(prepared, segments=tuple(_from(s, t) for s, t in pairs))
+    kept = replace(prepared, segments=tuple(_from(s, t) for s, t in pairs))
+    left = sum(int(s.kept.sum()) for s in kept.segments)
+    if left < _FEWEST:
+        names = ", ".join(log.name for log in logs)
+        raise LogError(
+            f"{names}: held out, but {left} samples are left of it in the balance's band of "
+            f"{band.balance:.3g} Hz: hold out a longer part or log"
+        )
+    return kept
 
 
 def _from(segment: Segment, since: float) -> Segment:

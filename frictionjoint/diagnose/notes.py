@@ -125,9 +125,9 @@ def _constraint_note(fitted: Fit) -> tuple[str, ...]:
     if not isinstance(fitted.shape, ConstraintShape):
         return ()
     return (
-        f"Friction changes direction {1e3 * LEAD:.2g} ms ahead of the velocity, as MuJoCo's own "
-        "frictionloss does: are these the logs of a simulation? In a simulation the law named "
-        "here follows the velocity.",
+        f"Friction changes direction {1e3 * LEAD:.2g} ms ahead of the velocity. MuJoCo's own "
+        "frictionloss does so, and the law named here then follows the velocity. In the log of a "
+        "robot it says that the drive was read that much before the position.",
     )
 
 

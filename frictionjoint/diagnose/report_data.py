@@ -138,8 +138,8 @@ class Report:
     page. `closed_loops`, before and after by the balance, and the controller as it was found are
     None where none was given, `refined` where it was not asked for; `posterior` is None where the
     logs determine no scale. Intervals are of the rms before and after, at 95%, on held-out logs
-    where there are any. `reconstructed`: whether the drive was not measured, but made from the
-    controller.
+    where there are any; None where these are too short for one. `reconstructed`: whether the drive
+    was not measured, but made from the controller.
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, or over a
     controller's unknown kp in rad or m; there is no replay and the model carries no friction.
@@ -156,7 +156,7 @@ class Report:
     added: tuple[Added, ...]
     after_torque: Rms
     after_replay: Rms
-    torque_interval: Intervals
+    torque_interval: Intervals | None
     replay_interval: Intervals | None
     measured_rms: float
     bandwidth_hz: float

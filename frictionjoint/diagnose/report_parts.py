@@ -31,6 +31,8 @@ from frictionjoint.identify.terms import DriveTerm, EffectTerm
 
 # length of the blocks of an rms's interval, s
 _BLOCK_S = 0.5
+# blocks whose spread tells something
+_FEWEST_BLOCKS = 5
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
@@ -53,14 +55,17 @@ def _root_mean_square(e: Array) -> float:
     return float(np.sqrt(np.mean(e**2)))
 
 
-def intervals(prepared: Prepared, found: Trace) -> Intervals:
-    """Of the torque's rms before and after."""
+def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
+    """Of the torque's rms before and after; None of so few blocks that their spread is unknown."""
     pair = []
     first = prepared.segments[0]
     length = max(1, round(_BLOCK_S / (first.dt * first.step)))
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted, found.final.scale)
-        pair.append(rms_interval(e, np.arange(len(e)) // length))
+        block = np.arange(len(e)) // length
+        if len(e) < _FEWEST_BLOCKS * length:
+            return None
+        pair.append(rms_interval(e, block))
     return pair[0], pair[1]
 
 

@@ -78,6 +78,7 @@ def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int = 
     with np.errstate(over="ignore", invalid="ignore"):
         for name, x in columns.items():
             _check_magnitude(source, name, x, row_of)
+            _check_fractions(source, name, x)
         for name in columns:
             if name.rpartition(".")[2] in _SPEED_OF:
                 _check_speed(source, name, columns)
@@ -200,6 +201,19 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
     size = abs(float(x[i]))
     if size > largest:
         raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is beyond any joint: give {mend}")
+
+
+def _check_fractions(source: str, name: str, x: Array) -> None:
+    """Whole numbers are counts or degrees: no encoder reads an angle in steps of a radian."""
+    if name.rpartition(".")[2] not in _SPEED_OF or np.any(x != np.round(x)):
+        return
+    n = len(np.unique(x))
+    if n >= _FEWEST_READINGS:
+        unit = "radians" if name.endswith("rad") else "metres"
+        raise LogError(
+            f"{source}, {name}: all of its {n} readings are whole numbers: "
+            f"give {unit} (degrees, counts, millimetres?)"
+        )
 
 
 def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:

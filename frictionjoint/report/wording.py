@@ -105,7 +105,11 @@ def sentence(report: Report) -> str:
     names = _listed([_with_ties(report, i) for i in range(len(report.added))])
     change = f"from {before:.3g} to {after:.3g} {unit} ({first} to {last} {of_drive})"
     change += f" on {where} data"
-    (least_before, most_before), (least_after, most_after) = report.torque_interval
+    unknown = (-math.inf, math.inf)
+    (least_before, most_before), (least_after, most_after) = report.torque_interval or (
+        unknown,
+        unknown,
+    )
     rises = least_after > most_before
     if rises:
         change = f"the error rises {change}" + (", which is no gain" if role == "held-out" else "")
@@ -114,7 +118,9 @@ def sentence(report: Report) -> str:
     else:
         change = f"the error goes {change}, a change that may be chance"
     if report.verdict == "partly-explained" and not rest:
-        rest = f" The rest is more than noise{_times_noise(report, after)}."
+        rest = " The rest is not noise: it keeps its sign for longer than noise does."
+        if _ratio(report, after) > _NOISE_ALONE:
+            rest = f" The rest is more than noise{_times_noise(report, after)}."
     if report.after_torque.only_fitted:
         rest += " It is more than twice what the fitted logs have."
     it = "it" if len(report.added) == 1 else "them"
