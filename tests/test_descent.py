@@ -8,9 +8,13 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.score import scored
-from frictionjoint.identify.search import CLOSE, ROUGH, Search, refit
+from frictionjoint.effects import direction_asymmetry, position_periodic
+from frictionjoint.identify.design import Balance
+from frictionjoint.identify.search import CLOSE, FEWEST_WAVES, ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.tracks import Tracks
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +54,32 @@ def test_a_fit_that_stops_short_is_not_scored_by_where_it_might_have_come_to(log
     for fitted in (short, long):
         left = float(np.sum((fitted.residual * fitted.weight) ** 2)) / fitted.error_unit**2
         assert scored(fitted, make_blocks(logs, fitted)).total == pytest.approx(left, rel=1e-6)
+
+
+def test_a_wave_in_position_stays_one(logs):
+    """From search to search it could else grow longer, until it is an offset and a spring."""
+    fewest = 2.0 * np.pi * FEWEST_WAVES / logs.usual_travel
+    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    for waves in (1.05 * fewest, fewest):
+        search = Search(logs, (EffectTerm(position_periodic.EFFECT, (waves,)),), law)
+        place = list(search.start).index(pytest.approx(waves, rel=1e-5))
+        assert search.bounds[0][place] == pytest.approx(fewest)
+    # one that was longer already, as in a file of parameters, is not lengthened either
+    longer = Search(logs, (EffectTerm(position_periodic.EFFECT, (0.5 * fewest,)),), law)
+    assert min(longer.bounds[0]) <= longer.start[-1]
+    assert longer.bounds[0][-1] == pytest.approx(0.5 * fewest)
+
+
+def test_a_law_that_hardly_moves_the_torque_moves_nothing_that_follows_it(logs, monkeypatch):
+    """A direction of 1e-320 asks for a step without end, and no torque is that times nothing."""
+    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    terms = (EffectTerm(direction_asymmetry.EFFECT, (0.003,)),)
+    fitted = refit(logs, terms, law, ROUGH)
+
+    def hardly(self, shape):
+        n = len(self.along(shape)[0])
+        return 1e-320 * np.ones((len(shape.variables), n)), np.zeros((len(shape.variables), n))
+
+    monkeypatch.setattr(Tracks, "tangents", hardly)
+    moves = Balance(logs, fitted.shape, fitted.terms).moves(fitted.shape, fitted.terms, fitted.beta)
+    assert np.isfinite(moves).all()

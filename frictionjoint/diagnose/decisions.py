@@ -2,7 +2,7 @@
 
 All other numbers of a search say how finely it looks or when it stops. The error of a friction law,
 by which samples at rest are weighted, stands in `identify/weights.py`; what counts as clearly less,
-in `identify/clearly.py`.
+in `identify/clearly.py`; the waves and frequencies that logs can show, in `identify/search.py`.
 """
 
 # rate of false alarms over the whole family of candidates
@@ -30,8 +30,6 @@ CONCENTRATED = 0.9
 SURELY = 2.0
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0
-# waves that the usual range of positions, or the longest log, must hold: fewer are any curve
-FEWEST_WAVES = 1.5
 # what counts as explained: a residual up to this multiple of the instruments' noise, or one that is
 # correlated for no longer than this multiple of filtered white noise
 AT_THE_FLOOR, AS_WHITE = 1.5, 3.0

@@ -187,10 +187,11 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
 
 
 def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
-    """A finding of an effect, with one that explains as much."""
-    if finding.term.name != term.name or candidate.term.name in finding.ties:
+    """A finding of an effect, with one that explains as much; another wave of it is no other."""
+    name = candidate.term.name
+    if finding.term.name != term.name or name in (term.name, *finding.ties):
         return finding
-    return replace(finding, ties=(*finding.ties, candidate.term.name))
+    return replace(finding, ties=(*finding.ties, name))
 
 
 def _with_form(finding: Finding, term: Term, other: Term) -> Finding:

@@ -8,12 +8,13 @@ from scipy.optimize import minimize_scalar
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of
-from frictionjoint.diagnose.decisions import APART, FEWEST_WAVES
+from frictionjoint.diagnose.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TIME, H, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -107,8 +108,7 @@ def periodic_terms(
     bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
     # wave out of a smooth curve
-    usual = float(np.subtract(*np.quantile(q, (0.95, 0.05))))
-    first, last = int(2 * FEWEST_WAVES * span / usual), _POSITION_BINS // 4
+    first, last = int(2 * FEWEST_WAVES * span / prepared.usual_travel), _POSITION_BINS // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
     for effect in harmonics:

@@ -40,6 +40,8 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
+# waves that the usual range of positions, or the longest log, must hold: fewer are any curve
+FEWEST_WAVES = 1.5
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -161,9 +163,15 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges; a frequency in time no higher than the band of the balance shows."""
+        """Physical ranges; a frequency in time no higher than the band of the balance shows.
+
+        And of waves in position no fewer than make a wave.
+        """
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
+            if term.effect.proposed_by == "spectrum":
+                fewest = 2.0 * math.pi * FEWEST_WAVES / self.prepared.usual_travel
+                limits[0] = min(fewest, term.free_shape[0]), limits[0][1]
             top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
                 if unit == "Hz":

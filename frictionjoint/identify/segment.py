@@ -226,6 +226,12 @@ class Prepared:
         return max(s.start.travel for s in self.segments)
 
     @cached_property
+    def usual_travel(self) -> float:
+        """Of all logs without the outermost tenth of the samples, rad (m)."""
+        q = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in self.segments])
+        return float(np.subtract(*np.quantile(q, (0.95, 0.05)))) or self.span
+
+    @cached_property
     def top_speed(self) -> float:
         """Of all logs without the fastest hundredth of the samples, rad/s (m/s); 1 if none move."""
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in self.segments])

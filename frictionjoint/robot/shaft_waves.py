@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.decisions import FEWEST_WAVES
 from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import kept, lengths
+from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
 from frictionjoint.robot.columns import law_columns
