@@ -26,7 +26,7 @@ PARTS = {
     "not determined": "inertia 0.001\u00a0kg m²",
     "link to a joint": '<a href="joint_elbow.html">elbow</a>',
     "effect": "cogging (position-periodic)",
-    "verdict of a joint": "partly explained, worse on held-out data",
+    "verdict of a joint": "partly explained, worse on held-out data (torque)",
     "joint that failed": "the torque is zero",
     "role": 'data-label="role">held out<',
     "command": "frictionjoint close-loop a.csv",

@@ -191,7 +191,8 @@ def show_robot(report: "RobotReport") -> None:
         out.print(f"shared: {row.cause}{row.place}: {row.values}", soft_wrap=True, markup=False)
         ties = f", or {', '.join(row.ties)}" if row.ties else ""
         out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}{ties}", markup=False)
-    table = Table("joint", "effects added", "torque before", "after", "replay before", "after", "")
+    errors = ("torque before", "after", "replay before", "after")
+    table = Table("joint", "effects added", *errors, "verdict")
     joints = joint_rows(report)
     for line in joints:
         cells = (line.before, line.after, line.replay_before, line.replay_after)

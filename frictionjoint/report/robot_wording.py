@@ -14,7 +14,7 @@ from frictionjoint.report.wording import (
     unit,
     value,
 )
-from frictionjoint.robot.report_data import RobotReport, SharedCause
+from frictionjoint.robot.report_data import JointResult, RobotReport, SharedCause
 
 # a rise of the position error that is more than another run's
 _WORSE = 1.1
@@ -97,13 +97,20 @@ def joint_rows(report: RobotReport) -> list[JointRow]:
                 _percent(r.after_torque, r.measured_rms),
                 _position(result.before_replay, r.units[1]),
                 _position(r.after_replay, r.units[1]),
-                r.verdict.replace("-", " ") + (", worse on held-out data" if result.worse else ""),
+                r.verdict.replace("-", " ") + _worse(result),
                 True,
             )
         )
     none = (_NONE,) * 5
     rows += [JointRow(n, *none, text, False) for n, text in report.failed.items()]
     return rows
+
+
+def _worse(result: JointResult) -> str:
+    """In which of its errors a joint is worse than before."""
+    names = {"torque_rms": "torque", "replay_rms": "replay"}
+    listed = " and ".join(names[name] for name in result.worse)
+    return f", worse on held-out data ({listed})" if listed else ""
 
 
 def unstated(rows: Sequence[JointRow]) -> str:
