@@ -1,11 +1,12 @@
 """Which effects take each other's place in a model."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
 
 from frictionjoint.diagnose import exchange
-from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.terms import EffectTerm
 from tests.leaving import leaving, model
@@ -52,3 +53,17 @@ def test_one_that_explains_less_is_a_tie_unless_the_logs_tell_them_apart(after):
 def test_one_that_the_model_does_as_well_without_takes_no_place(after):
     """Or an effect that is needed would give way to one that is dropped next, and both be gone."""
     assert after(rich=0.65, simple=0.7, none=1.0) == ("spring", ("inertia-error",))
+
+
+def test_of_two_waves_one_is_changed():
+    wave = next(e for e in CATALOGUE if e.name == "position-periodic")
+    waves = [EffectTerm(wave, (n,)) for n in (3.0, 7.0)]
+    findings = [Finding(t, None, None, 0.5, (), (), None) for t in (RICH, *waves)]
+    # the search has moved them since they came in
+    now = (EffectTerm(wave, (3.1,)), RICH, EffectTerm(wave, (7.2,)))
+    tied = partial(exchange._tied, candidate=SimpleNamespace(term=SIMPLE))
+    for k, ties in ((0, [(), (SIMPLE.name,), ()]), (2, [(), (), (SIMPLE.name,)])):
+        changed = with_changed(findings, now, now[k], tied)
+        assert [f.ties for f in changed] == ties
+    same = partial(exchange._tied, candidate=SimpleNamespace(term=waves[0]))
+    assert with_changed(findings, now, now[2], same) == findings

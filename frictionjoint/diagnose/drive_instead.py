@@ -5,12 +5,14 @@ may show only beside effects that were named after something had taken its place
 looks like a late encoder until the spring beside it is known.
 """
 
+from functools import partial
+
 import numpy as np
 
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.drive import COARSE, look_at_drive
-from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.score import scored
@@ -46,12 +48,16 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if not as_much(instead, now):
             continue
         ties = (replaced.name,) if as_much(now, instead) else ()
-        gain = score.gain(found.now)
-        finding = Finding(term, found.look, found.look.rows[0], gain, ties, (), other)
-        state.findings = [finding if f.term.name == replaced.name else f for f in state.findings]
+        look, gain = found.look, score.gain(found.now)
+        finding = Finding(term, look, look.rows[0], gain, ties, (), other)
+        state.findings = with_changed(state.findings, own, replaced, partial(_as, finding))
         state.prepared, state.fit = prepared, other
         return True
     return False
+
+
+def _as(finding: Finding, _: Finding) -> Finding:
+    return finding
 
 
 def _replaceable(state: State) -> list[Term]:

@@ -1,13 +1,15 @@
 """Exchanges within a model: another form of an effect, another effect in its place."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.drive import others_of_drive
-from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms, without_columns
@@ -66,10 +68,10 @@ def weigh_others(state: State) -> None:
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
-            state.findings = [_instead(f, own[i], best, f.look) for f in state.findings]
+            _change(state, own[i], partial(_instead, candidate=best))
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):
-            state.findings = [_tied(f, own[i], best) for f in state.findings]
+            _change(state, own[i], partial(_tied, candidate=best))
 
 
 def exchange_bent(state: State) -> bool:
@@ -102,7 +104,7 @@ def exchange_bent(state: State) -> bool:
             after = state.blocks_of(prepared, other)
             same = scored(compared(prepared, own, state.fit.shape), after)
             if needed(scored(other, after), same):
-                state.findings = [_instead(f, term, candidate, f.look) for f in state.findings]
+                _change(state, term, partial(_instead, candidate=candidate))
                 state.prepared, state.fit = prepared, other
                 return True
     return False
@@ -132,7 +134,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             if apart(now, before) and not simpler:
                 continue
             if now.better(before) and not (simpler or alike):
-                state.findings = [_tied(f, term, instead) for f in state.findings]
+                _change(state, term, partial(_tied, candidate=instead))
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
@@ -143,11 +145,11 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             else:
                 taken = as_much(score, same) if simpler else needed(score, same)
             if taken:
-                state.findings = [_instead(f, term, instead, seen) for f in state.findings]
+                _change(state, term, partial(_instead, candidate=instead, seen=seen))
                 state.prepared, state.fit = prepared, other
                 return True
             if alike and not apart(same, score):
-                state.findings = [_with_form(f, term, instead.term) for f in state.findings]
+                _change(state, term, partial(_with_form, other=instead.term))
     return False
 
 
@@ -186,31 +188,38 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
     return [(compared(state.prepared, t, rest.fit.shape), seen) for t in terms]
 
 
-def _tied(finding: Finding, term: Term, candidate: Candidate) -> Finding:
-    """A finding of an effect, with one that explains as much; another wave of it is no other."""
+def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:
+    """Change the finding of an effect of the model."""
+    state.findings = with_changed(state.findings, state.fit.effects, term, change)
+
+
+def _tied(finding: Finding, candidate: Candidate) -> Finding:
+    """A finding with an effect that explains as much; another wave of it is no other."""
     name = candidate.term.name
-    if finding.term.name != term.name or name in (term.name, *finding.ties):
+    if name in (finding.term.name, *finding.ties):
         return finding
     return replace(finding, ties=(*finding.ties, name))
 
 
-def _with_form(finding: Finding, term: Term, other: Term) -> Finding:
+def _with_form(finding: Finding, other: Term) -> Finding:
     """A finding of an effect of the drive, with a form of it that explains as much."""
-    assert isinstance(term, DriveTerm)
+    assert isinstance(finding.term, DriveTerm)
     assert isinstance(other, DriveTerm)
-    known = (term.effect, *finding.forms)
-    if finding.term.name != term.name or other.effect in known:
+    if other.effect in (finding.term.effect, *finding.forms):
         return finding
     return replace(finding, forms=(*finding.forms, other.effect))
 
 
-def _instead(finding: Finding, term: Term, candidate: Candidate, seen: Look) -> Finding:
-    """A finding of one effect as that of another one, which a look has seen."""
-    if finding.term.name != term.name:
-        return finding
-    row = seen.find(candidate)
+def _instead(finding: Finding, candidate: Candidate, seen: Look | None = None) -> Finding:
+    """A finding of one effect as that of another one.
+
+    Args:
+        seen: the look that has seen it; None: that of the finding.
+    """
+    look = seen or finding.look
+    row = look.find(candidate)
     ties = tuple(name for name in finding.ties if name != row.name)
-    return replace(finding, term=candidate.term, look=seen, row=row, ties=ties, forms=())
+    return replace(finding, term=candidate.term, look=look, row=row, ties=ties, forms=())
 
 
 def _in_place_of(

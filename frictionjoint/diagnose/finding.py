@@ -1,5 +1,6 @@
 """What the search found: effects with their evidence, and what these logs could have shown."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -46,6 +47,22 @@ class Finding:
         """Gain beyond the runner-up's."""
         runner = self.runner_up
         return self.look.gain(self.row) - (self.look.gain(runner) if runner else 0.0)
+
+
+def with_changed(
+    findings: Sequence[Finding],
+    effects: Sequence[Term],
+    term: Term,
+    change: Callable[[Finding], Finding],
+) -> list[Finding]:
+    """Findings of a model's effects with that of one term changed.
+
+    Waves of a periodic effect, which have one name, came in one by one.
+    """
+    alike = [t for t in effects if t.name == term.name]
+    places = [k for k, f in enumerate(findings) if f.term.name == term.name]
+    at = places[min(alike.index(term), len(places) - 1)]
+    return [change(f) if k == at else f for k, f in enumerate(findings)]
 
 
 @dataclass(frozen=True)
