@@ -10,7 +10,7 @@ from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.score import scored
 from frictionjoint.effects import direction_asymmetry, position_periodic
 from frictionjoint.identify.design import Balance
-from frictionjoint.identify.search import CLOSE, FEWEST_WAVES, ROUGH, Search, refit
+from frictionjoint.identify.search import CLOSE, ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
@@ -58,7 +58,7 @@ def test_a_fit_that_stops_short_is_not_scored_by_where_it_might_have_come_to(log
 
 def test_a_wave_in_position_stays_one(logs):
     """From search to search it could else grow longer, until it is an offset and a spring."""
-    fewest = 2.0 * np.pi * FEWEST_WAVES / logs.usual_travel
+    fewest = 2.0 * np.pi / logs.usual_travel
     law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
     for waves in (1.05 * fewest, fewest):
         search = Search(logs, (EffectTerm(position_periodic.EFFECT, (waves,)),), law)

@@ -40,8 +40,9 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
-# waves that the usual range of positions, or the longest log, must hold: fewer are any curve
-FEWEST_WAVES = 1.5
+# waves that the usual range of positions, or the longest log, must hold for one to be sought: fewer
+# are any curve. A fit may move it by half a wave, which is the width of a line of the spectrum.
+FEWEST_WAVES, _LINE = 1.5, 0.5
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -165,12 +166,12 @@ class Search:
     def _limits(self, term: Term) -> list[tuple[float, float]]:
         """Physical ranges; a frequency in time no higher than the band of the balance shows.
 
-        And of waves in position no fewer than make a wave.
+        And in position no less than a whole wave.
         """
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             if term.effect.proposed_by == "spectrum":
-                fewest = 2.0 * math.pi * FEWEST_WAVES / self.prepared.usual_travel
+                fewest = 2.0 * math.pi * (FEWEST_WAVES - _LINE) / self.prepared.usual_travel
                 limits[0] = min(fewest, term.free_shape[0]), limits[0][1]
             top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
