@@ -8,7 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import quantity
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
-from frictionjoint.diagnose.report_data import Intervals, Looked, Report
+from frictionjoint.diagnose.report_data import Looked, Report
 from frictionjoint.report import plots, presliding, wording
 from frictionjoint.report.figure import svg
 from frictionjoint.report.html import fill
@@ -70,25 +70,14 @@ def errors(report: Report) -> list[tuple[str, str, str, str]]:
     unknown = (math.nan, math.nan)
     rows = []
     drive = wording.drive(report)
+    not_stated = (None, None)
+    of_torque = report.torque_interval or not_stated
+    of_replay = report.replay_interval or not_stated
     found = [
-        ("before", drive, report.before_torque, _of(report.torque_interval, 0), torque, first),
-        ("after", drive, report.after_torque, _of(report.torque_interval, 1), torque, last),
-        (
-            "before",
-            "position",
-            report.before_replay,
-            _of(report.replay_interval, 0),
-            position,
-            unknown,
-        ),
-        (
-            "after",
-            "position",
-            report.after_replay,
-            _of(report.replay_interval, 1),
-            position,
-            unknown,
-        ),
+        ("before", drive, report.before_torque, of_torque[0], torque, first),
+        ("after", drive, report.after_torque, of_torque[1], torque, last),
+        ("before", "position", report.before_replay, of_replay[0], position, unknown),
+        ("after", "position", report.after_replay, of_replay[1], position, unknown),
     ]
     for when, loop in zip(("before", "after"), report.closed_loops or (), strict=False):
         found.append((when, "position in closed loop", loop.mae, None, position, unknown))
@@ -107,10 +96,6 @@ def errors(report: Report) -> list[tuple[str, str, str, str]]:
         )
         rows.append((row, fit, held_out, interval))
     return rows
-
-
-def _of(pair: Intervals | None, stage: int) -> tuple[float, float] | None:
-    return pair[stage] if pair else None
 
 
 def _ranking(look: Looked) -> list[dict[str, Any]]:
