@@ -2,11 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
+from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.diagnose.laws import Laws, forms_like
+from frictionjoint.diagnose.library import library
+from frictionjoint.diagnose.moves import look
+from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import compared
-from frictionjoint.diagnose.unbent import bends, unbent
+from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
@@ -43,3 +49,21 @@ def test_what_acts_on_the_friction_level_or_on_speed_bends_a_law():
     assert bends(LAG)
     assert bends(EffectTerm(EFFECTS["nonlinear-viscous"], (0.5,)))
     assert not bends(EffectTerm(EFFECTS["torque-bias"]))
+
+
+@pytest.mark.parametrize("hidden", [(), (Effect("torque-bias", {"bias": 0.45}),)])
+def test_what_explains_more_where_nothing_has_bent_the_law_is_tried_from_everywhere(
+    tmp_path, hidden
+):
+    prepared = prepared_logs(replace(PENDULUM, effects=hidden), tmp_path)
+    alone = fit(prepared)
+    blocks = make_blocks(prepared, alone)
+    candidates = library(prepared, alone, blocks)
+    seen, _ = look(alone, blocks, candidates, np.random.default_rng(0))
+    # as if the law had bent so that the offset does not show
+    unseen = seen._replace(rows=tuple(r._replace(p_value=1.0) for r in seen.rows))
+    laws = Laws(prepared, alone, asked=True)
+    tried = worth_unbending(scored(alone, blocks), unseen, prepared, laws)
+    names = [move.added[0].term.name for move, _ in tried]
+    assert ("torque-bias" in names) == bool(hidden)
+    assert all(forms == [forms_like(alone.shape)] for _, forms in tried)

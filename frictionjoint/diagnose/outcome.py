@@ -6,6 +6,7 @@ import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Trace, sight
+from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -23,6 +24,7 @@ from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.weights import reweighed
 
 
@@ -60,7 +62,10 @@ def told(
     if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
         base = state.fit
     else:
-        base = with_damping(state.prepared, refit(state.prepared, (), base.shape))
+        # under the weights of the last model the law alone may fit best elsewhere
+        anew = fit(state.prepared, forms=forms_like(base.shape))
+        fits = (refit(state.prepared, (), base.shape), anew)
+        base = min((with_damping(state.prepared, f) for f in fits), key=lambda f: f.drive_rms)
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -83,7 +88,10 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
     if any(isinstance(term, MissingTerm) for term in state.fit.terms):
         state.prepared = state.prepared.without_limits()
     named = named_of(state.fit.effects)
-    asked = state.prepared, refit(state.prepared, named, state.fit.shape)
+    # beside what has no name the law may have come to where it stands for nothing without that
+    starts = state.laws.starts(state.fit.shape)
+    fits = [refit(state.prepared, named, law) for law in starts]
+    asked = state.prepared, min(fits, key=lambda f: f.drive_rms)
     logs, said = list(state.prepared.segments), []
     unit, _ = units_of(state.fit, state.prepared.slide)
     for i, term in enumerate(state.fit.terms):

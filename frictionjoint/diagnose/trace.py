@@ -256,10 +256,12 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
 def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
     """Effects for want of which a law may have bent, with all laws fitted from everywhere."""
-    moves = worth_unbending(now, state.look, SIGNIFICANCE)
-    prepared, laws = state.prepared, state.laws.forms
-    found = [settled(prepared, unbent(prepared, m.terms, laws)) for m in moves]
-    return [_Tried(m, own, scored(f, blocks)) for m, (own, f) in zip(moves, found, strict=True)]
+    prepared = state.prepared
+    found = []
+    for move, laws in worth_unbending(now, state.look, prepared, state.laws):
+        own, fitted = settled(prepared, unbent(prepared, move.terms, laws))
+        found.append(_Tried(move, own, scored(fitted, blocks)))
+    return found
 
 
 def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, Fit]:

@@ -3,26 +3,31 @@
 What a model lacks bends its law: a Stribeck curve takes up what a contact gains at rest, what
 friction follows late, or how viscous friction curves; or another law, whose curves have room for
 it, seems to be the joint's. The bent law is a valley of its own, which a search that starts there
-does not leave when the effect is added. So before nothing is named, laws are fitted from all their
-starts together with each effect on the friction level or on speed.
+does not leave when the effect is added. It may even say that the effect is not there: where a joint
+hardly rubs and turns round seldom, a wide hysteresis stands in for an offset. So before nothing is
+named, laws are fitted from all their starts together with each effect on the friction level or on
+speed, and with those that explain much more at such a start than the law alone at its best.
 """
 
 from collections.abc import Sequence
 
-from frictionjoint.diagnose.decisions import DISCREPANCY
-from frictionjoint.diagnose.moves import Look, Move
+from frictionjoint.diagnose.decisions import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.diagnose.laws import Laws, forms_like
+from frictionjoint.diagnose.moves import Look, Looked, Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.starts import ripened, unripe
 from frictionjoint.identify.terms import EffectTerm, Term, Timing
 from frictionjoint.threads import side_by_side
 
 # further searches from where the first one led: each follows where the last was clearly nearer
 _SEARCHES = 4
+# effects that are tried because they leave less where nothing has bent the law, the best first
+_MOST = 4
 
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
@@ -41,17 +46,37 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
 
 
 def bends(term: Term) -> bool:
-    """Whether a law may have bent for want of it: it acts on the friction level, or on speed."""
+    """Whether any law is apt to bend for want of it: it acts on the friction level, or on speed."""
     return isinstance(term, EffectTerm) and (term.follows_law or term.effect.of_speed)
 
 
-def worth_unbending(now: Scored, seen: Look, most: float) -> list[Move]:
-    """The effects that a law bends for, where a law alone leaves enough for one.
+def worth_unbending(
+    now: Scored, seen: Look, prepared: Prepared, laws: Laws
+) -> list[tuple[Move, list[Sequence[Shape]]]]:
+    """Effects for want of which a law alone may have bent, each with the laws to fit beside it.
+
+    With every law those that the law as it is says nothing against; with the law as it is those
+    that leave less at one of its starts, where nothing has bent it yet, than it does alone at best.
 
     Args:
-        now: the present model. most: p-value of those tried.
+        now: the present model. seen: the candidates beside it.
     """
     if now.fit.effects or now.above_noise < DISCREPANCY:
         return []
-    rows = [r for r in seen.rows if bends(r.candidate.term) and r.p_value <= most]
-    return [Move((r.candidate.term,), (r.candidate,), r.left) for r in rows]
+    own = forms_like(now.fit.shape)
+    alone = ripened(prepared, (), own)[0].cost
+    named = [r for r in seen.rows if not r.candidate.unnamed]
+    asked = [r for r in named if bends(r.candidate.term) and r.p_value <= SIGNIFICANCE]
+
+    def at_a_start(row: Looked) -> float:
+        return unripe(prepared, (row.candidate.term,), own)[0].cost
+
+    with side_by_side() as each:
+        left = list(each(at_a_start, named))
+    hidden = [
+        row
+        for cost, row in sorted(zip(left, named, strict=True), key=lambda pair: pair[0])
+        if cost <= (1.0 - SMALLEST_GAIN) * alone and row not in asked
+    ]
+    tried = [*((r, laws.forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
+    return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]

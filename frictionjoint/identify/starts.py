@@ -59,6 +59,21 @@ def ripened(
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Place]:
     """The best places of a coarse look, best first; costs are those of the coarse look."""
+    places = unripe(prepared, terms, forms, progress)
+    best = places[: min(_OF_A_FORM * len(forms), _RIPENING)]
+    with side_by_side() as each:
+        ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), best))
+    return sorted(ripe, key=lambda place: place.cost)
+
+
+@one_thread
+def unripe(
+    prepared: Prepared,
+    terms: tuple[Term, ...],
+    forms: Sequence[Shape],
+    progress: Callable[[str], None] = lambda text: None,
+) -> list[Place]:
+    """All starts of a law in a coarse look, with what the rest comes to there, best first."""
     terms = timed(prepared, terms)
     coarse = prepared.thinned(_COARSE)
 
@@ -72,7 +87,4 @@ def ripened(
         for i, found in enumerate(each(tried, forms)):
             progress(f"fit: form {i + 1} of {len(forms)}")
             places += found
-        places.sort(key=lambda place: place.cost)
-        best = places[: min(_OF_A_FORM * len(forms), _RIPENING)]
-        ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), best))
-    return sorted(ripe, key=lambda place: place.cost)
+    return sorted(places, key=lambda place: place.cost)

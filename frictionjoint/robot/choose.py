@@ -129,22 +129,26 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
     return [replace(c, numbers=x) for c, x in zip(kept, parts, strict=True)]
 
 
-def idle(screened: Screened, without: Sequence[Screened]) -> int | None:
-    """The cause in the model that is needed least, if it is not needed.
+def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
+    """Causes in the model that are not needed, the one that is needed least first.
 
     Args:
         screened: effects of all joints alike among its candidates stand beside the causes. Those of
             single joints do not: they would explain what a cause harms.
         without: each cause taken, one after the other: the same without it.
+    Returns:
+        number of each, and squares that are left without it to first order, over those left with
+        it, by joint, (J,).
     """
     stack, found = screened.stack, []
     now = stack.held_out(_of_robot(screened))
     for i, rest in enumerate(without):
         left = rest.stack.held_out(_of_robot(rest))
-        gain = joint_gain(left, now)
         if not (enough(stack, left, now) and better(now, left)):
-            found.append((gain, i))
-    return min(found)[1] if found else None
+            ratios = left.sum(axis=1) / np.maximum(now.sum(axis=1), 1e-300)
+            found.append((joint_gain(left, now), i, ratios))
+    found.sort(key=lambda one: one[:2])
+    return [(i, ratios) for _, i, ratios in found]
 
 
 def _of_robot(screened: Screened) -> Columns:

@@ -268,17 +268,28 @@ def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
 
 def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now:
     """Leave out, one after the other, what the robot is predicted as well without."""
-    while now.settled.found.causes:
-        found = now.settled.found
-        seen = screened(now.joints, now.clock, found, beside)
-        others = []
-        for i in range(len(found.causes)):
-            rest = found.without(i)
-            at = [j.corrected(rest.state) for j in now.joints]
-            others.append(screened(at, now.clock, rest, beside))
-        least = idle(seen, others)
-        if least is None:
-            break
-        choices = now.choices[:least] + now.choices[least + 1 :]
-        now = _settled(now, found.without(least), choices, each, beside)
+    fewer: _Now | None = now
+    while fewer is not None:
+        now, fewer = fewer, _fewer(fewer, each, beside)
     return now
+
+
+def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now | None:
+    """Without the cause that is needed least; None where all are needed.
+
+    Once the others are settled without it they have to leave as little as they promise: to first
+    order they may stand in for it with numbers that are beyond their bounds.
+    """
+    found = now.settled.found
+    others = []
+    for i in range(len(found.causes)):
+        rest = found.without(i)
+        at = [j.corrected(rest.state) for j in now.joints]
+        others.append(screened(at, now.clock, rest, beside))
+    for i, promised in idle(screened(now.joints, now.clock, found, beside), others):
+        choices = now.choices[:i] + now.choices[i + 1 :]
+        trial = _settled(now, found.without(i), choices, each, beside)
+        most = (1.0 + HARM) * max(1.0, float(promised.mean()))
+        if float(_left(trial, now, beside).mean()) <= most:
+            return trial
+    return None

@@ -131,15 +131,17 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
 
 
 def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ...]]:
-    """Single causes and pairs of fewer numbers."""
-    singles = [
-        inside
-        for c in seen.candidates
-        if (inside := within_bounds(seen.stack, c, known)) is not None
-    ]
-    singles.sort(key=lambda c: float(seen.stack.held_out(_with(known, (c,))).sum()))
-    pairs = itertools.product(singles[:_LEADERS], singles)
-    return [(c,) for c in singles] + [
+    """Single causes and pairs of fewer numbers.
+
+    What is beyond its bounds alone, where it stands for another cause too, may be within them
+    beside that.
+    """
+    stack = seen.stack
+    inside = [within_bounds(stack, c, known) for c in seen.candidates]
+    pool = [one or c for one, c in zip(inside, seen.candidates, strict=True)]
+    pool.sort(key=lambda c: float(stack.held_out(_with(known, (c,))).sum()))
+    pairs = itertools.product(pool[:_LEADERS], pool)
+    return [(c,) for c in inside if c is not None] + [
         (a, b)
         for a, b in pairs
         if len(a.at) + len(b.at) < size and _apart(a, b) and _possible(seen, known, a, b)
