@@ -68,6 +68,51 @@ def test_bom_crlf_quotes_blank_lines_and_semicolons_are_no_errors(tmp_path: Path
     assert len(read_log(path).time) == N
 
 
+@pytest.mark.parametrize("ending", ["csv", "tsv", "txt", "dat"])
+@pytest.mark.parametrize(("separator", "point"), [(";", ","), ("\t", "."), ("\t", ","), (" ", ".")])
+def test_text_of_other_endings_separators_and_points_is_read(
+    tmp_path: Path, ending: str, separator: str, point: str
+) -> None:
+    table = columns()
+    path = tmp_path / f"log.{ending}"
+    rows = [
+        [repr(float(x)).replace(".", point) for x in row]
+        for row in zip(*table.values(), strict=True)
+    ]
+    path.write_text("\n".join(separator.join(row) for row in [list(table), *rows]))
+    log = read_log(path)
+    np.testing.assert_array_equal(log.position, table["position_rad"])
+    rows[7][1] = "often"
+    path.write_text("\n".join(separator.join(row) for row in [list(table), *rows]))
+    with pytest.raises(LogError, match=r"row 9, .*: 'often' is not a number"):
+        read_log(path)
+
+
+def test_remarks_before_the_header_and_numpys_header_are_read(tmp_path: Path) -> None:
+    table = columns()
+    path = tmp_path / "log.txt"
+    samples = np.column_stack(list(table.values()))
+    np.savetxt(path, samples, header="bench 3\n" + " ".join(table), fmt="%.17g")
+    np.testing.assert_array_equal(read_log(path).position, table["position_rad"])
+    np.savetxt(
+        path,
+        samples,
+        delimiter=",",
+        header="# bench 3\n" + ",".join(table),
+        comments="",
+        fmt="%.17g",
+    )
+    np.testing.assert_array_equal(read_log(path).position, table["position_rad"])
+    text = path.read_text().splitlines()
+    text[12] = "often" + text[12]
+    path.write_text("\n".join(text))
+    with pytest.raises(LogError, match=r"row 13, .*is not a number"):
+        read_log(path)
+    path.write_text("# bench 3\n1,2,3\n2,3,4\n")
+    with pytest.raises(LogError, match=r"time_s"):
+        read_log(path)
+
+
 @pytest.mark.parametrize(
     ("row", "new", "parts"),
     [

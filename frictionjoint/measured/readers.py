@@ -23,10 +23,11 @@ from frictionjoint.measured.panda import JOINTS as PANDA
 from frictionjoint.measured.panda import is_panda, read_panda
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
 from frictionjoint.measured.table import column_names, read_table
+from frictionjoint.measured.text_table import ENDINGS
 from frictionjoint.measured.tx40 import JOINTS as TX40
 from frictionjoint.measured.tx40 import is_tx40, read_tx40
 
-_TABLES = (".csv", ".parquet", ".npz", ".mat")
+_TABLES = (*ENDINGS, ".parquet", ".npz", ".mat")
 _PACE = ".pt"
 _KINDS = (*_TABLES, *SUFFIXES, _PACE, ".json", ".npy")
 
@@ -41,9 +42,9 @@ def read_log(
     """Read one joint of a log.
 
     Args:
-        path: .csv, .parquet, .npz, .mat, .db3, .mcap, .bag, PACE's .pt, BAM's and K-Scale's .json,
-            the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data set, of the Panda's
-            or of the TX40's log.
+        path: .csv, .tsv, .txt, .dat, .parquet, .npz, .mat, .db3, .mcap, .bag, PACE's .pt, BAM's
+            and K-Scale's .json, the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data
+            set, of the Panda's or of the TX40's log.
         joint: which one, where the log holds several.
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. Names only: values are never converted.

@@ -1,4 +1,4 @@
-"""Logs in tables: CSV, Parquet, npz and MATLAB files with one column a quantity.
+"""Logs in tables: CSV and other text, Parquet, npz and MATLAB files with one column a quantity.
 
 Memory: only the columns of the chosen joint and the positions and velocities of the others are
 read; 8 bytes a row for each of them stay, and at most three times that is held meanwhile.
@@ -75,7 +75,7 @@ def log_of(
     Raises:
         LogError: see `validate` and `mend`.
     """
-    text = path.suffix.lower() == ".csv"
+    text = path.suffix.lower() in text_table.ENDINGS
     further = signals or {}
     row = (lambda i: text_table.line_of(path, i)) if text else 1
 
@@ -132,7 +132,7 @@ def column_names(path: Path) -> list[str]:
         return npz_names(path)
     if kind == ".mat":
         return mat_names(path)
-    if kind == ".csv":
+    if kind in text_table.ENDINGS:
         return text_table.header(path)
     try:
         return list(pyarrow.parquet.read_schema(path).names)
@@ -147,7 +147,7 @@ def _load(path: Path, names: list[str]) -> dict[str, Array]:
         return npz_columns(path, names)
     if kind == ".mat":
         return mat_columns(path, names)
-    if kind == ".csv":
+    if kind in text_table.ENDINGS:
         return text_table.read_columns(path, names)
     return {name: _parquet_column(path, name) for name in names}
 

@@ -1,7 +1,9 @@
-"""CSV files: header, columns, and the line of a bad cell.
+"""Tables as text: header, columns, and the line of a bad cell.
 
-The separator is the comma; a header without commas may use semicolons or tabs. Blank lines hold
-no sample and count as lines in messages.
+The separator is the comma; a header without commas may use semicolons, tabs or single blanks, and
+numbers below it a comma for their point. Lines before the header that begin with # are remarks; the
+last of them is the header where only numbers follow, as numpy writes it. Blank lines hold no sample
+and count as lines in messages.
 """
 
 import csv
@@ -9,6 +11,7 @@ import re
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -18,34 +21,53 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 
+ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 _LONGEST_HEADER = 1 << 20
+_SEPARATORS = ",;\t "
+# lines that show how numbers are written
+_SOME = 20
 # What Arrow takes as a number or as an empty cell.
 _NUMBER = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I)
 
 
+class _Layout(NamedTuple):
+    """How a file is written.
+
+    Attributes:
+        names: of its columns. separator: between cells. point: of decimal numbers.
+        before: lines before the first that may hold a sample.
+    """
+
+    names: list[str]
+    separator: str
+    point: str
+    before: int
+
+
 def header(path: Path) -> list[str]:
-    """Column names of a CSV file.
+    """Column names of a file.
 
     Raises:
         LogError: the file is empty or no text.
     """
-    line = _header_line(path)
-    return [name.strip() for name in next(csv.reader([line], delimiter=_separator(line)))]
+    return _layout(path).names
 
 
 def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
-    """Some columns of a CSV file, each of shape (n,).
+    """Some columns of a file, each of shape (n,).
 
     Only these are parsed: 8 bytes a number in the end, 16 at most meanwhile, plus small blocks.
 
     Raises:
         LogError: line-exact, for a cell that is no number or a line of another width.
     """
-    all_names = header(path)
-    read = pa.csv.ReadOptions(column_names=all_names, skip_rows=1)
-    parse = pa.csv.ParseOptions(delimiter=_separator(_header_line(path)))
+    layout = _layout(path)
+    read = pa.csv.ReadOptions(column_names=layout.names, skip_rows=layout.before)
+    parse = pa.csv.ParseOptions(delimiter=layout.separator)
     convert = pa.csv.ConvertOptions(
-        include_columns=names, column_types=dict.fromkeys(names, pa.float64())
+        include_columns=names,
+        column_types=dict.fromkeys(names, pa.float64()),
+        decimal_point=layout.point,
     )
     try:
         table = pa.csv.read_csv(path, read, parse, convert)
@@ -54,7 +76,7 @@ def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
         try:
             table = pa.csv.read_csv(path, read, parse, convert)
         except (pa.ArrowException, UnicodeDecodeError) as error:
-            raise LogError(_first_fault(path, all_names, names, one_line(error))) from None
+            raise LogError(_first_fault(path, layout, names, one_line(error))) from None
     columns = {}
     for name in names:
         columns[name] = owned(table[name])
@@ -70,53 +92,72 @@ def owned(column: pa.ChunkedArray) -> Array:
 
 def line_of(path: Path, sample: int) -> int:
     """Line number, from 1, of a sample; blank lines between are counted, not sampled."""
-    for i, (number, _) in enumerate(_data_lines(path)):
+    before = _layout(path).before
+    for i, (number, _) in enumerate(_data_lines(path, before)):
         if i == sample:
             return number
-    return sample + 2
+    return before + sample + 1
 
 
-def _header_line(path: Path) -> str:
+def _layout(path: Path) -> _Layout:
     try:
         with path.open(encoding="utf-8-sig") as file:
-            line = file.readline(_LONGEST_HEADER)
+            return _layout_of(path.name, iter(lambda: file.readline(_LONGEST_HEADER), ""))
     except UnicodeDecodeError:
         raise LogError(f"{path.name}: not text in UTF-8, save it as such") from None
     except OSError as error:
         raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
-    if not line:
-        raise LogError(f"{path.name}: empty, it needs a header row and samples")
-    line = line.rstrip("\r\n")
-    if not line.strip() or "\0" in line or "\r" in line:
-        raise LogError(f"{path.name}, row 1: no header, give column names there")
-    return line
 
 
-def _separator(line: str) -> str:
-    return "," if "," in line else ";" if ";" in line else "\t" if "\t" in line else ","
+def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
+    """Of a file by its first lines."""
+    remark, line, number = "", "", 0
+    for text in lines:
+        line, number = text.rstrip("\r\n"), number + 1
+        if not line.startswith("#"):
+            break
+        remark = line
+    if not number:
+        raise LogError(f"{name}: empty, it needs a header row and samples")
+    if line.startswith("#") or (remark and _numbers_only(line)):
+        title, before = remark.lstrip("# "), number - (not line.startswith("#"))
+    else:
+        title, before = line, number
+    if not title.strip() or "\0" in title or "\r" in title:
+        raise LogError(f"{name}, row {max(before, 1)}: no header, give column names there")
+    separator = next((x for x in _SEPARATORS if x in title), ",")
+    names = [cell.strip() for cell in next(csv.reader([title], delimiter=separator))]
+    some = "".join(islice(lines, _SOME)) + line.replace(title, "")
+    point = "," if separator != "," and re.search(r"\d,\d", some) else "."
+    return _Layout(names, separator, point, before)
 
 
-def _data_lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Number and text of every line that holds a sample."""
+def _numbers_only(line: str) -> bool:
+    """Whether a line holds nothing but numbers."""
+    return all(_NUMBER.fullmatch(x) for x in re.split(r"[,;\s]+", line))
+
+
+def _data_lines(path: Path, before: int) -> Iterator[tuple[int, str]]:
+    """Number and text of every line that holds a sample, those `before` them left out."""
     with path.open(encoding="utf-8", errors="replace", newline="") as file:
         number = 0
         for chunk in file:
             # Arrow ends a line at a lone carriage return too
             for line in chunk.rstrip("\n").removesuffix("\r").split("\r"):
                 number += 1
-                if number > 1 and line:
+                if number > before and line:
                     yield number, line
 
 
-def _first_fault(path: Path, all_names: list[str], names: list[str], error: str) -> str:
+def _first_fault(path: Path, layout: _Layout, names: list[str], error: str) -> str:
     """Find the cell Arrow stumbled over, to name its line and column."""
-    separator = _separator(_header_line(path))
-    number = 1
+    all_names, number = layout.names, 0
     # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
     row = re.search(r"Row #(\d+)", error)
-    for number, line in islice(_data_lines(path), max(0, int(row[1]) - 2) if row else 0, None):
+    first = max(0, int(row[1]) - 1 - layout.before) if row else 0
+    for number, line in islice(_data_lines(path, layout.before), first, None):
         try:
-            cells = next(csv.reader([line], delimiter=separator))
+            cells = next(csv.reader([line], delimiter=layout.separator))
         except csv.Error as fault:
             return f"{path.name}, row {number}: {one_line(fault)}"
         if len(cells) != len(all_names):
@@ -125,8 +166,8 @@ def _first_fault(path: Path, all_names: list[str], names: list[str], error: str)
                 f"{len(all_names)}: complete the row or leave it out"
             )
         for name, cell in zip(all_names, cells, strict=True):
-            if name in names and not _NUMBER.fullmatch(cell):
+            if name in names and not _NUMBER.fullmatch(cell.replace(layout.point, ".")):
                 return f"{path.name}, row {number}, {name}: {cell[:40]!r} is not a number"
-    if number == 1:
+    if not number:
         return f"{path.name}: no samples under the header, record some"
     return f"{path.name}: cannot be read as a table: {error}"
