@@ -192,12 +192,17 @@ def test_every_motion_tried_shows_ends_in_time_and_has_the_speed_in_its_name(cou
     least = least_travel(counted)
     assert least > 5.0 * COUNT
     # too little acceleration for this speed, over this range
-    for limits in (Limits(-0.4, 0.4, 4.0, 8.0), Limits(-400.0, 400.0, 40.0, 20.0)):
-        tried = list(family(limits, counted, 0.01))
+    for limits, presliding in (
+        (Limits(-0.4, 0.4, 4.0, 8.0), 0.01),
+        (Limits(-400.0, 400.0, 40.0, 20.0), 0.01),
+        (Limits(-400.0, 400.0, 40.0, 20.0), 10.0),
+    ):
+        tried = list(family(limits, counted, presliding))
         assert any("slow reversals" in m.name for m in tried)
         for m in tried:
             assert m.once <= m.duration
             assert np.ptp(m.position) > least
+            assert m.speed <= 1.1 * limits.speed
             named = re.search(r"constant ([\d.e-]+)", m.name)
             if named:
                 assert m.speed == pytest.approx(float(named[1]), rel=0.06)

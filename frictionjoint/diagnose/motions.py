@@ -187,7 +187,7 @@ def _any_motion(
     natural = limits.speed / (2.0 * np.pi * limits.reach)
     top = _top(limits)
     for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), _FREQUENCIES):
-        yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), 1.0 / f)
+        yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), _easing(f) + 1.0 / f)
     # half of the way, the joint has the speed that the motion is named by
     top_speed = min(limits.speed, math.sqrt(0.5 * limits.reach * limits.acceleration))
     speeds = [part * top_speed for part in _SPEEDS]
@@ -219,7 +219,7 @@ def _any_motion(
     if known:
         for word, x in (("cold", temperatures.min()), ("warm", temperatures.max())):
             name = f"{full}, the joint {word} from the start ({x:.3g} deg C)"
-            sine = motion(name, _sine(t, natural, limits), 1.0 / natural)
+            sine = motion(name, _sine(t, natural, limits), _easing(natural) + 1.0 / natural)
             yield replace(sine, temperature=float(x))
     long = np.arange(0.0, _WARMING + 0.5 * dt, dt)
     yield motion(f"{full}, kept up to warm the joint", _sine(long, natural, limits), _LONGEST)
@@ -241,9 +241,14 @@ def _top(limits: Limits) -> float:
     return max(limits.acceleration / limits.speed, limits.speed / limits.reach) / np.pi
 
 
-def _eased(t: Array) -> Array:
-    """From 0 to 1 in `_EASE` seconds, with no speed and acceleration at either end."""
-    s = np.clip(t / _EASE, 0.0, 1.0)
+def _easing(f: float) -> float:
+    """s in which a sine of f Hz grows: in less than a wave it would be faster than later."""
+    return max(_EASE, 1.0 / f)
+
+
+def _eased(t: Array, over: float = _EASE) -> Array:
+    """From 0 to 1 in some seconds, with no speed and acceleration at either end."""
+    s = np.clip(t / over, 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
 
 
@@ -253,8 +258,12 @@ def _middle(limits: Limits) -> float:
 
 def _sine(t: Array, f: float, limits: Limits) -> Array:
     w = 2.0 * np.pi * f
-    amplitude = min(limits.reach, limits.speed / w, limits.acceleration / w**2)
-    return np.asarray(_middle(limits) + amplitude * np.sin(w * t) * _eased(t))
+    return np.asarray(_middle(limits) + _most(limits, w) * np.sin(w * t) * _eased(t, _easing(f)))
+
+
+def _most(limits: Limits, w: float) -> float:
+    """Largest amplitude of a sine of w rad/s."""
+    return min(limits.reach, limits.speed / w, limits.acceleration / w**2)
 
 
 def _through(t: Array, corners: list[float], times: list[float], smooth: float) -> Array:
@@ -303,9 +312,10 @@ def _multisine(t: Array, highest: float, limits: Limits) -> Array:
 
 def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
     """Slow waves whose amplitude goes from 3 times the presliding displacement to 30 times."""
+    w = 2.0 * np.pi * _SLOW
     growth = _FIRST * 10.0 ** (t % _GROWTH / _GROWTH)
-    amplitude = np.minimum(growth * presliding, limits.reach)
-    return np.asarray(_middle(limits) + amplitude * np.sin(2.0 * np.pi * _SLOW * t))
+    amplitude = np.minimum(growth * presliding, _most(limits, w))
+    return np.asarray(_middle(limits) + amplitude * np.sin(w * t))
 
 
 class Carried:
