@@ -7,7 +7,7 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.score import scored
+from frictionjoint.diagnose.score import left_elsewhere, scored
 from frictionjoint.identify.basis import without
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
@@ -96,7 +96,8 @@ class Laws:
     def better(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """A fit of the same effects with another law where that is clearly better.
 
-        By more than the spread over blocks of time, too: a few of them are not all motion.
+        By more than the spread over blocks of time, too: a few of them are not all motion. And it
+        must leave less of motion that it was not fitted to.
         """
         self.shapes[fitted.shape.variables] = fitted.shape
 
@@ -114,8 +115,10 @@ class Laws:
             return prepared, fitted
         blocks = make_blocks(prepared, fitted)
         now = scored(fitted, blocks)
-        sure = (f for f in clear if scored(f, blocks).better(now))
-        best = next(sure, None)
+        sure = [f for f in clear if scored(f, blocks).better(now)]
+        # a law with more freedom may follow what it is fitted to and nothing else
+        most = left_elsewhere(prepared, fitted, blocks) if sure else 0.0
+        best = next((f for f in sure if left_elsewhere(prepared, f, blocks) < most), None)
         return (prepared, fitted) if best is None else reweighed(prepared, best)
 
     def first(
