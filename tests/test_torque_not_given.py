@@ -14,6 +14,8 @@ from frictionjoint.identify.starts import fit
 from tests.three_sines import INERTIA, A, Q, T, V, logged
 
 LIMIT = 1.5
+# as where no law has been fitted alone: each starts from where it is
+LAWS = SimpleNamespace(starts=lambda shape: (shape,))
 
 
 @pytest.mark.parametrize("saturates", [True, False], ids=["saturates", "friction varies"])
@@ -55,6 +57,7 @@ def test_torque_did_not_act_where_the_motion_comes_nearer_without_it(tmp_path, n
     state = SimpleNamespace(
         prepared=prepared,
         fit=refit(prepared, (ExcessTerm("torque", LIMIT, (0.5 * LIMIT, 1.5 * LIMIT)),), shape),
+        laws=LAWS,
     )
     drive = prepared.segments[0].drive
 
@@ -92,7 +95,7 @@ def test_a_sensor_at_the_end_of_its_range_is_told_and_left_out(tmp_path):
     assert MissingTerm("torque") in terms
     size, found = missing(prepared)
     assert size == pytest.approx(np.mean(acted[acted > LIMIT] - LIMIT), rel=0.2)
-    state = SimpleNamespace(prepared=prepared, fit=found)
+    state = SimpleNamespace(prepared=prepared, fit=found, laws=LAWS)
     _without_unnamed(state, lambda logs, fitted: None)
     assert not state.fit.effects
     assert state.fit.coefficient("Fc") == pytest.approx(0.5, rel=0.02)

@@ -255,7 +255,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
 
 def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
-    """Effects for want of which a law may have bent, with all laws fitted from everywhere."""
+    """Effects for want of which a law may have bent, with laws fitted from everywhere."""
     prepared = state.prepared
     found = []
     for move, laws in worth_unbending(now, state.look, prepared, state.laws):

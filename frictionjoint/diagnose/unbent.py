@@ -55,8 +55,9 @@ def worth_unbending(
 ) -> list[tuple[Move, list[Sequence[Shape]]]]:
     """Effects for want of which a law alone may have bent, each with the laws to fit beside it.
 
-    With every law those that the law as it is says nothing against; with the law as it is those
-    that leave less at one of its starts, where nothing has bent it yet, than it does alone at best.
+    With every law those that any is apt to bend for, unless the law as it is denies them; with the
+    law as it is those that leave less at one of its starts, where nothing has bent it yet, than it
+    does alone at its best.
 
     Args:
         now: the present model. seen: the candidates beside it.

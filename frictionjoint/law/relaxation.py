@@ -25,8 +25,8 @@ _SMALL = 8 * _SMALL_STEP
 # A Taylor step of sixth order of n*a and of a/r below these is exact to 1e-11, with one power.
 _TAYLOR_STEP, _TAYLOR_PART = 0.1, 0.05
 _MOST_TAYLOR_STEPS, _THIRD, _SIXTH = 4, 1.0 / 3.0, 1.0 / 6.0
-# As far above 1 a Taylor step does as well.
-_ABOVE = 1.02
+# As far above 1 a Taylor step does as well, as long as r**n is not much above 1 either.
+_ABOVE, _STEEP = 1.02, 0.25
 # Nearer to 1 than this a power of r is two terms of its binomial series, and the flow has a closed
 # form, to 1e-14.
 _NEAR = 1e-5
@@ -342,7 +342,7 @@ def any_advance(r: float, a: float, n: float) -> float:
     if abs(1.0 - r) < _NEAR:
         return _advance_near_one(r, a, n)
     # S that falls leaves r a bit above 1
-    if 1.0 < r < _ABOVE and n * a < _SMALL:
+    if 1.0 < r < _ABOVE and n * (r - 1.0) < _STEEP and n * a < _SMALL:
         return _advance_by_taylor(r, a, n)
     if r < 1.0 and n * a < _SMALL:
         # powers 3 and 4 cost nothing; r**n is not smooth at 0 for small n, which both ways need

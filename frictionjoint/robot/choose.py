@@ -17,7 +17,7 @@ from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain
+from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain, left_of
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 
@@ -145,8 +145,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
     for i, rest in enumerate(without):
         left = rest.stack.held_out(_of_robot(rest))
         if not (enough(stack, left, now) and better(now, left)):
-            ratios = left.sum(axis=1) / np.maximum(now.sum(axis=1), 1e-300)
-            found.append((joint_gain(left, now), i, ratios))
+            found.append((joint_gain(left, now), i, left_of(now, left)))
     found.sort(key=lambda one: one[:2])
     return [(i, ratios) for _, i, ratios in found]
 

@@ -30,7 +30,7 @@ def harms(after: Array, before: Array) -> bool:
 
 def gain_of(before: Array, after: Array) -> float:
     """Fraction of a joint's squares that a candidate takes away, where that is most."""
-    return float((1.0 - _left(before, after)).max())
+    return float((1.0 - left_of(before, after)).max())
 
 
 def joint_gain(before: Array, after: Array) -> float:
@@ -38,10 +38,10 @@ def joint_gain(before: Array, after: Array) -> float:
 
     The laws of several joints err independently, and one cause seldom likens all their errors.
     """
-    return 1.0 - float(np.prod(_left(before, after)))
+    return 1.0 - float(np.prod(left_of(before, after)))
 
 
-def _left(before: Array, after: Array) -> Array:
+def left_of(before: Array, after: Array) -> Array:
     """Squares left over those before, by joint, shape (J,)."""
     return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
 
