@@ -73,12 +73,12 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
 def left_elsewhere(prepared: Prepared, fitted: Fit, blocks: Blocks) -> float:
     """Squares of all folds, each left by the law and effects fitted to the others alone.
 
-    In units of `Fit.error_unit`. A score takes the law as it is, this does not.
+    Each in units of its own `Fit.error_unit`. A score takes the law as it is, this does not.
     """
     fold = blocks.folds.place[blocks.of_sample]
     total = 0.0
     for k in range(len(blocks.folds.inside)):
         own = fold == k
         rest = refit(prepared.without_samples(own), fitted.effects, fitted.shape, ROUGH)
-        total += float(np.sum((rest.residual * fitted.weight)[own] ** 2)) / fitted.error_unit**2
+        total += float(np.sum((rest.residual * fitted.weight)[own] ** 2)) / rest.error_unit**2
     return total
