@@ -101,27 +101,27 @@ def test_two_simple_causes_are_not_one_rich_one():
     assert found["rotor-inertia"][1]["added"] == pytest.approx(rotor, rel=0.1)
 
 
-def test_two_causes_of_which_one_alone_is_beyond_its_bounds_are_found():
-    """Without the rotor no possible mass of the link would do; a payload of five numbers did."""
-    arm = random_arm(79, 2)
+def heavier_link_and_rotor(seed: int) -> tuple[Arm, dict[str, dict[str, float]]]:
+    """An arm whose second link is heavier and whose first rotor is missing, and what is found."""
+    arm = random_arm(seed, 2)
     hide_mass(arm, "link2", 1.3)
     hide_rotor(arm, "j1")
     found = {name: v for name, _, v in values(found_in(arm))}
     assert set(found) == {"body-inertia", "rotor-inertia"}
-    assert found["body-inertia"]["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
     rotor = arm.hidden["rotor-inertia"]["j1"]
     assert found["rotor-inertia"]["added"] == pytest.approx(rotor, rel=0.05)
+    return arm, found
+
+
+def test_two_causes_of_which_one_alone_is_beyond_its_bounds_are_found():
+    """Without the rotor no possible mass of the link would do; a payload of five numbers did."""
+    arm, found = heavier_link_and_rotor(79)
+    assert found["body-inertia"]["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
 
 
 def test_a_cause_that_others_replace_beyond_their_bounds_alone_stays():
     """To first order the link's ten numbers do for the rotor; a possible link does not."""
-    arm = random_arm(88, 2)
-    hide_mass(arm, "link2", 1.3)
-    hide_rotor(arm, "j1")
-    found = {name: v for name, _, v in values(found_in(arm))}
-    assert set(found) == {"body-inertia", "rotor-inertia"}
-    rotor = arm.hidden["rotor-inertia"]["j1"]
-    assert found["rotor-inertia"]["added"] == pytest.approx(rotor, rel=0.05)
+    heavier_link_and_rotor(88)
 
 
 def test_friction_of_all_joints_that_falls_with_the_temperature_is_one_cause():

@@ -11,6 +11,8 @@ speed, and with those that explain much more at such a start than the law alone 
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from frictionjoint.diagnose.decisions import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.moves import Look, Looked, Move
@@ -67,17 +69,17 @@ def worth_unbending(
     own = forms_like(now.fit.shape)
     alone = ripened(prepared, (), own)[0].cost
     named = [r for r in seen.rows if not r.candidate.unnamed]
-    asked = [r for r in named if bends(r.candidate.term) and r.p_value <= SIGNIFICANCE]
+    asked, rest = (
+        [r for r in named if (bends(r.candidate.term) and r.p_value <= SIGNIFICANCE) == wanted]
+        for wanted in (True, False)
+    )
 
     def at_a_start(row: Looked) -> float:
         return unripe(prepared, (row.candidate.term,), own)[0].cost
 
     with side_by_side() as each:
-        left = list(each(at_a_start, named))
-    hidden = [
-        row
-        for cost, row in sorted(zip(left, named, strict=True), key=lambda pair: pair[0])
-        if cost <= (1.0 - SMALLEST_GAIN) * alone and row not in asked
-    ]
+        left = list(each(at_a_start, rest))
+    most = (1.0 - SMALLEST_GAIN) * alone
+    hidden = [rest[k] for k in np.argsort(left, kind="stable") if left[k] <= most]
     tried = [*((r, laws.forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
     return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]

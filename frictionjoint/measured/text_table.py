@@ -119,15 +119,16 @@ def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
         remark = line
     if not number:
         raise LogError(f"{name}: empty, it needs a header row and samples")
-    if line.startswith("#") or (remark and _numbers_only(line)):
-        title, before = remark.lstrip("# "), number - (not line.startswith("#"))
-    else:
-        title, before = line, number
+    title, before, first = line, number, ""
+    if line.startswith("#"):
+        title = remark.lstrip("# ")
+    elif remark and _numbers_only(line):
+        title, before, first = remark.lstrip("# "), number - 1, line
     if not title.strip() or "\0" in title or "\r" in title:
-        raise LogError(f"{name}, row {max(before, 1)}: no header, give column names there")
+        raise LogError(f"{name}, row {before}: no header, give column names there")
     separator = next((x for x in _SEPARATORS if x in title), ",")
     names = [cell.strip() for cell in next(csv.reader([title], delimiter=separator))]
-    some = "".join(islice(lines, _SOME)) + line.replace(title, "")
+    some = first + "".join(islice(lines, _SOME))
     point = "," if separator != "," and re.search(r"\d,\d", some) else "."
     return _Layout(names, separator, point, before)
 
