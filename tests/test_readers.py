@@ -80,6 +80,22 @@ def _mat(path: Path, **columns: np.ndarray) -> None:
     savemat(path, columns)
 
 
+@pytest.mark.parametrize("kind", SAVERS)
+def test_gains_that_stay_are_figures_of_the_log(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / f"log.{kind}"
+    gains = {"elbow.kp": np.full(300, 20.0), "kp": np.full(300, 9.0), "D": np.full(300, 0.5)}
+    names = {"q": "elbow.position_rad", "tau": "elbow.target_rad"}
+    table = {"time_s": T, "vin": np.linspace(11.0, 12.0, 300)} | gains
+    table |= {ours: TABLE[theirs] for theirs, ours in names.items()}
+    if kind in ("csv", "parquet"):
+        frame = pd.DataFrame(table)
+        frame.to_csv(path, index=False) if kind == "csv" else frame.to_parquet(path)
+    else:
+        (np.savez if kind == "npz" else _mat)(path, **table)
+    # a supply that falls is none
+    assert read_log(path, columns={"kd": "D"}).metadata == {"kp": 20.0, "kd": 0.5}
+
+
 def test_a_slide_and_a_current(tmp_path: Path) -> None:
     path = tmp_path / "slide.csv"
     names = {"t": "time_s", "q": "position_m", "tau": "current_a"}

@@ -68,6 +68,7 @@ def _value(value: Value | None, name: str, log: JointLog, unknown: float) -> flo
         listed = ", ".join(log.metadata) or "none"
         raise LogError(
             f"{log.name}: the controller's {name} is {value!r} and the log has no figure {key!r} "
-            f"(it has {listed}): give a number in the controller's file"
+            f"(it has {listed}): give it a column {key!r} that holds one number, or the "
+            "controller's file a number"
         )
     return float(log.metadata[key])

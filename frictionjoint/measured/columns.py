@@ -3,7 +3,8 @@
 ``time_s``, ``position_rad``, ``velocity_rad_s``, ``torque_nm`` or ``voltage_v``, ``temperature_c``,
 ``target_rad``, ``supply_v`` (of a servo); ``<joint>.position_rad`` and so on for several joints;
 slides ``position_m``, ``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` is a motor's
-current: a torque up to an unknown gain. A target without any of these needs a controller.
+current: a torque up to an unknown gain. A target without any of these needs a controller, whose
+``kp``, ``kd``, ``ki`` and supply ``vin`` may stand in columns of these names.
 """
 
 import difflib
@@ -17,7 +18,9 @@ _SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
 _BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a", "target_rad", "target_m")
 KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
-_OURS = ("time_s", *KNOWN)
+# what a controller may be told by each log
+_FIGURES = ("kp", "kd", "ki", "vin")
+_OURS = ("time_s", *KNOWN, *_FIGURES)
 # of another joint, for the inverse dynamics of the whole arm
 _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
 
@@ -104,6 +107,13 @@ def choose_signals(
         # a point separates a joint from its quantity
         chosen[name.replace(".", " ")] = table[column]
     return chosen
+
+
+def choose_figures(table: dict[str, str], joint: str) -> dict[str, str]:
+    """Name of a figure of the controller -> the file's column; the joint's goes before all's."""
+    places = {name: (f"{joint}.{name}", name) for name in _FIGURES}
+    found = {name: [table[c] for c in those if c in table] for name, those in places.items()}
+    return {name: columns[0] for name, columns in found.items() if columns}
 
 
 def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:

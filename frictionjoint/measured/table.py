@@ -7,8 +7,10 @@ Measured: four columns of 10 million rows stay in 320 MB, with a peak of 930 MB 
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 
@@ -19,6 +21,7 @@ from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, npz_c
 from frictionjoint.measured.columns import (
     check_names,
     choose,
+    choose_figures,
     choose_signals,
     joint_of,
     joints_in,
@@ -50,11 +53,15 @@ def read_table(
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
-    raw = _load(path, sorted({*wanted.values(), *more.values()}))
+    figures = choose_figures(table, joint)
+    raw = _load(path, sorted({*wanted.values(), *more.values(), *figures.values()}))
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
-    return log_of(path, joint, data, prefix, further, wrap)
+    log = log_of(path, joint, data, prefix, further, wrap)
+    # one that changes on the way is no figure of the log
+    same = {name: raw[theirs] for name, theirs in figures.items() if np.ptp(raw[theirs]) == 0.0}
+    return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
 
 
 def log_of(
