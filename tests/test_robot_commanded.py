@@ -36,7 +36,7 @@ def files(tmp_path_factory):
     model = mujoco.MjModel.from_xml_string(LEG.format(ROTOR))
     model.opt.timestep = TICK
     data = mujoco.MjData(model)
-    time = TICK * np.arange(24_000)
+    time = TICK * np.arange(16_000)
     target = np.column_stack(
         [
             sum(a * np.sin(2.0 * np.pi * f * time + i) for i, (a, f) in enumerate(lines))

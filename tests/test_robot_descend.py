@@ -15,7 +15,7 @@ from frictionjoint.robot.descend import _moves, _Place, _places, _read, descende
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.inertia import possible
 from frictionjoint.robot.joint import FittedJoint
-from tests.arms.arm import hide_mass, hide_payload, random_arm
+from tests.arms.arm import hide_mass, hide_payload, random_arm, reread, written
 from tests.arms.fitted import fitted_joints
 
 
@@ -103,6 +103,26 @@ def test_a_coordinate_moves_itself_alone(joints):
         for other in places:
             change = other.of(moved) - other.of(state)
             assert change == pytest.approx(0.25 if other == place else 0.0)
+
+
+def test_a_number_that_moves_no_torque_stays_at_nothing():
+    """Of what a planar arm carries, how far out along its axes: it came to some hundred kg m."""
+    arm = random_arm(31, 2)
+    hide_payload(arm, 0.5, [0.02, 0.0, 0.03])
+    arm.believed, arm.true = planar(arm.believed), planar(arm.true)
+    joints = fitted_joints(arm, (1,), 6.0)
+    start = found_of(joints, Payload(2, "link2"))
+    (found,) = descended(joints, clock(joints), start, lambda label: False).numbers
+    assert found[0] == pytest.approx(0.5, rel=0.1)
+    assert abs(found[2]) < 1e-3
+
+
+def planar(text: str) -> str:
+    """An arm whose axes are all alike."""
+    spec = reread(text)
+    for joint in spec.joints:
+        joint.axis = [0.0, 1.0, 0.0]
+    return written(spec)
 
 
 def test_a_payload_is_found_though_one_direction_of_its_centre_moves_no_torque_at_first():

@@ -89,7 +89,7 @@ def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(name, tmp_path
     put_in, quantity, said = OUTSIDE[name]
     # wide enough that a wave of the encoder is not a line
     motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
-    found = traced(tmp_path, Effect(name, put_in), motions=motions)
+    found = traced(tmp_path, Effect(name, put_in), law="integrated", motions=motions)
     assert found.findings == ()
     assert [variable for variable, _ in found.unexplained] == [quantity]
     (hint,) = found.hints

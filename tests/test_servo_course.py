@@ -171,7 +171,7 @@ def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
             for kp in kps
             for m in motion
         ]
-        for kps, motion in (((0.6, 1.7), (steps, sines, swept)), ((1.0,), (sines,)))
+        for kps, motion in (((0.6, 1.7), (steps, swept)), ((1.0,), (sines,)))
     )
     report, found = explain(fit, kept, Bodies(PLANT.format(""), "j", None), controller=KNOWN)
     assert not load_shows(found.base)

@@ -177,8 +177,8 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     w = fitted.weight[:, None]
     layout, free = fitted.layout, ~fitted.bound
     for i, term in enumerate(fitted.terms):
-        if isinstance(term, Timing) and term.at_its_end:
-            free[layout.numbers(i)] = False
+        if isinstance(term, Timing):
+            free[layout.numbers(i)] &= ~np.array(term.at_ends)
     for i in range(len(fitted.terms)):
         # of a term one on its bound acts too, and may leave it where a fold is missing
         free[layout.coefficients(i)] = True

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import LOAD, V
+from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
 from frictionjoint.identify.reversals import Path
 from frictionjoint.identify.tracks import Start, Tracks
@@ -92,6 +92,13 @@ class Bundle(Generic[_Log]):
     def load_and_velocity(self) -> Array:
         """Torque of the rigid body, N m, and velocity, rad/s, as the balance keeps them, (m, 2)."""
         return self.kept(np.stack([self.row(LOAD), self.velocity]))
+
+    @cached_property
+    def damping_rate(self) -> Array:
+        """Rate of the damping that controllers give, in units of the drive per s, (m,)."""
+        kd = [0.0 if log.commanded is None else log.commanded.damping for log in self.logs]
+        rate = np.repeat(kd, [len(log.drive) for log in self.logs]) * self.row(A)
+        return self.kept(rate[None])[:, 0]
 
     def balanced(self, spectra: Spectra, delay: float = 0.0, derivative: int = 0) -> Array:
         """Drives as they were `delay` seconds before each sample that the balance keeps, (m,)."""

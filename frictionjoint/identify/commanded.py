@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
+from frictionjoint.control.kernel import KD, SUPPLY
 from frictionjoint.control.profile import last_before
 from frictionjoint.control.reconstruct import AllCommands, Commands
 from frictionjoint.measured.lowpass import LowPass, LowPasses, places
@@ -30,6 +31,12 @@ class Commanded:
     commands: Commands
     grid: Array
     filters: tuple[LowPass, ...]
+
+    @property
+    def damping(self) -> float:
+        """Of the joint by its controller, in units of the drive per rad/s (m/s)."""
+        block = self.commands.block
+        return float(block[SUPPLY] * block[KD])
 
     def drive(self, changes: Sequence[Change]) -> Array:
         """Drive that the controller makes with some changes, one after the other, shape (n,)."""

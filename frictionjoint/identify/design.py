@@ -27,6 +27,7 @@ from frictionjoint.identify.terms import (
     EffectTerm,
     Term,
     Timing,
+    age_of,
     delay_of,
     drive_changes,
 )
@@ -124,16 +125,18 @@ class Balance:
         return np.concatenate(found)
 
     def _target(self, terms: tuple[Term, ...], i: int) -> Array:
-        delay, changes = delay_of(terms), _changes(terms)
+        delay, age, changes = delay_of(terms), age_of(terms), _changes(terms)
 
         def make() -> Array:
-            return self._target_of(self._driven(terms, i), delay, i)
+            return self._target_of(self._driven(terms, i), delay, age, i)
 
-        return self._get(("target", i, delay, changes), make)
+        return self._get(("target", i, delay, age, changes), make)
 
-    def _target_of(self, driven: Spectra, delay: float, i: int) -> Array:
+    def _target_of(self, driven: Spectra, delay: float, age: float, i: int) -> Array:
         """What the columns are to add up to with a drive."""
         drive = self._parts[i].balanced(driven, delay)
+        if age:
+            drive = drive + age * self._parts[i].damping_rate
         known = self._parts[i].load_and_velocity[:, 0]
         return drive if self.prepared.gain_unknown else drive - known
 
@@ -187,6 +190,9 @@ class Balance:
                 if isinstance(term, DriveTerm):
                     found.append(self._drive_move(terms, k, j, i))
                     continue
+                if isinstance(term, Timing) and j:
+                    found.append(-self._parts[i].damping_rate)
+                    continue
                 if term.delay or not term.coefficients:
                     # the drive of an earlier time
                     driven = self._driven(terms, i)
@@ -208,7 +214,7 @@ class Balance:
         h = _STEP * abs(x) or _STEP
         moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + h))
         driven = self._parts[i].changed(drive_changes((*terms[:k], moved, *terms[k + 1 :])))
-        there = self._target_of(driven, delay_of(terms), i)
+        there = self._target_of(driven, delay_of(terms), age_of(terms), i)
         return np.asarray((self._target(terms, i) - there) / h)
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:

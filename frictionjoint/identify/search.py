@@ -54,16 +54,25 @@ def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
     """The terms, and when in a sample a torque belongs to its position where no effect says so.
 
     A controller holds its torque from one tick to the next, and channels are read one after the
-    other: a property of a log, never quite known.
+    other: a property of a log, never quite known. Where an inertia is searched for, the age of a
+    controller's velocity is taken as nothing: the two are one to a log.
     """
     if any(isinstance(t, Timing) or t.delay or _delays(t) for t in terms):
         return terms
-    return (*terms, Timing(min(s.sample for s in prepared.segments)))
+    aged = prepared.ages and not any(_holds_inertia(t) for t in terms)
+    most = min(s.sample for s in prepared.segments)
+    return (*terms, Timing(most, (0.0, 0.0) if aged else (0.0,)))
 
 
 def _ends(layout: Layout, k: int) -> tuple[int, int]:
     at = layout.numbers(k)
     return at.start, at.stop
+
+
+def _holds_inertia(term: Term) -> bool:
+    if not isinstance(term, EffectTerm):
+        return False
+    return term.effect.is_inertia or term.effect.of_inertia
 
 
 def _delays(term: Term) -> bool:

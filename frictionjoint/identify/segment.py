@@ -188,6 +188,8 @@ class Prepared:
         band: of the filters.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
             acts without back-EMF, so that the two can be distinguished.
+        ageless: the age of a velocity that a controller read is taken as nothing: the inertia is
+            one that was found in these logs, or wrong by more than such an age may stand for.
     """
 
     segments: tuple[Segment, ...]
@@ -196,6 +198,7 @@ class Prepared:
     drive: Drive
     band: Band
     let_go: bool = False
+    ageless: bool = False
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -219,6 +222,12 @@ class Prepared:
     def commanded(self) -> bool:
         """Whether the drive is what a controller made of its commands, and not measured."""
         return all(s.commanded is not None for s in self.segments)
+
+    @property
+    def ages(self) -> bool:
+        """Whether the age of a velocity that a controller read may stand for an inertia."""
+        damped = any(s.commanded is not None and s.commanded.damping for s in self.segments)
+        return damped and not self.ageless
 
     @cached_property
     def span(self) -> float:

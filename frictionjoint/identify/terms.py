@@ -170,8 +170,12 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
 class Timing:
     """When in a sample a log's torque belongs to its position: no effect, but never quite known.
 
+    Nor is when in it a controller with a damping read the velocity, if the drive is what that made
+    of commands: one that is late is an acceleration, and no inertia.
+
     Attributes:
         most: s, one sample; a delay that is longer is the effect `measurement-delay`.
+        shape: the delay, and the age of the velocity where there is one.
     """
 
     most: float
@@ -187,19 +191,29 @@ class Timing:
         return self.shape[0]
 
     @property
+    def age(self) -> float:
+        """Of the velocity that the controller read, s."""
+        return sum(self.shape[1:])
+
+    @property
+    def at_ends(self) -> tuple[bool, ...]:
+        """Which of its times are at the end of their sample: no longer ones of sampling."""
+        return tuple(abs(x) > _LATE * self.most for x in self.shape)
+
+    @property
     def at_its_end(self) -> bool:
-        """Whether the delay is at the end of its sample: no longer one of sampling."""
-        return abs(self.delay) > _LATE * self.most
+        """Whether the delay is."""
+        return self.at_ends[0]
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """The delay, s."""
+        """The delay and the age, s."""
         return self.shape
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """One sample in each direction."""
-        return ((-self.most, self.most),)
+        return ((-self.most, self.most),) * len(self.shape)
 
     def with_shape(self, shape: tuple[float, ...]) -> "Timing":
         """The same with another delay."""
@@ -208,6 +222,11 @@ class Timing:
     def columns(self, segment: Segment, signals: Array) -> Array:
         """None: it moves the drive."""
         return np.zeros((len(signals), 0))
+
+
+def age_of(terms: tuple[Term, ...]) -> float:
+    """Of the velocity that a controller read, s, see `Timing`."""
+    return sum(t.age for t in terms if isinstance(t, Timing))
 
 
 def delay_of(terms: tuple[Term, ...]) -> float:

@@ -133,7 +133,7 @@ class Vector:
         for term in self.fitted.terms:
             limits, scale = shape_limits(term), _LEAST_SCALE
             if isinstance(term, Timing):  # a simulation knows no torque before its cause
-                limits, scale = ((0.0, 0.05),), 0.0
+                limits, scale = ((0.0, 0.05), *limits[1:]), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):
                 low.append(max(least, scale * x) if least == 0.0 else least)
                 high.append(most)

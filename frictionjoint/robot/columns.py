@@ -55,9 +55,9 @@ def law_columns(joint: FittedJoint) -> Array:
     fitted = joint.fit
     free = ~fitted.bound
     for i, term in enumerate(fitted.terms):
-        # a delay at the end of its sample is no longer one of sampling
-        if isinstance(term, Timing) and term.at_its_end:
-            free[fitted.layout.numbers(i)] = False
+        # a time at the end of its sample is no longer one of sampling
+        if isinstance(term, Timing):
+            free[fitted.layout.numbers(i)] &= ~np.array(term.at_ends)
     return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
 
 

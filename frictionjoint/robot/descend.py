@@ -52,15 +52,18 @@ def descended(
     at = _read(here, places)
     prior = np.concatenate([c.prior for c in found.causes]) / np.sqrt(blocks.alike)
     ends = np.cumsum([len(n) for n in found.numbers])[:-1]
+    steepest = np.linalg.norm(factor @ _moves(found.original, found.causes, found.numbers, places))
+    # a number without presumption that moves no torque would wander off: it stays at nothing
+    pull = np.hypot(1.0 / prior, _FLAT * steepest)
 
     def left(x: Array) -> Array:
         parts = tuple(np.split(x, ends))
         moved = _read(composed(found.causes, parts, found.original), places) - at
-        return np.concatenate([factor @ moved - target, x / prior])
+        return np.concatenate([factor @ moved - target, x * pull])
 
     def slopes(x: Array) -> Array:
         moves = _moves(found.original, found.causes, np.split(x, ends), places)
-        return np.concatenate([factor @ moves, np.diag(1.0 / prior)])
+        return np.concatenate([factor @ moves, np.diag(pull)])
 
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
     tried = [_least(left, start, bounds, slopes) for start in _starts(found, left, bounds)]

@@ -41,6 +41,8 @@ class FittedJoint:
         beside: effects that the law was fitted beside, so that they do not bend it; what they
             explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
         rms, left: of what the law leaves with them, N m, plain and weighted.
+        heavier: an inertia that the model lacks is too large for the age of a velocity, see
+            `Prepared.ageless`.
         unreached: what of that it need not leave to first order, see `reach.unreached`, (n,).
     """
 
@@ -53,6 +55,7 @@ class FittedJoint:
     unreached: Array = field(repr=False)
     shift: Array | None = None
     beside: tuple[EffectTerm, ...] = ()
+    heavier: bool = False
 
     @property
     def name(self) -> str:
@@ -89,7 +92,8 @@ class FittedJoint:
             [a.balanced_load - b.balanced_load for a, b in zip(segments, before, strict=True)]
         )
         shift = grown if self.shift is None else self.shift + grown
-        prepared = replace(self.prepared, segments=segments)
+        ageless = self.heavier or any(a.inertia_corrected for a in alongs)
+        prepared = replace(self.prepared, segments=segments, ageless=ageless)
         return replace(self, alongs=alongs, prepared=prepared, shift=shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
@@ -136,7 +140,13 @@ def first_fit(
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
     base = fit(prepared, forms=_DAMPED)
+    heavier = any(any(t.at_ends[1:]) for t in base.terms if isinstance(t, Timing))
+    if heavier:
+        prepared = replace(prepared, ageless=True)
+        base = fit(prepared, forms=_DAMPED)
     prepared, base = reweighed(prepared, base)
     prepared, base = reweighed(*settled(prepared, base))
     left = base.drive_rms * base.gain
-    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left, unreached(base))
+    return FittedJoint(
+        alongs, prepared, base, base.levels, base.rms, left, unreached(base), heavier=heavier
+    )
