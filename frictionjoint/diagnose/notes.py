@@ -75,23 +75,33 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
 
 
 def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
-    """Offset between the clocks of torque and position, where it is significant.
+    """Offset between the clocks of torque and position, and age of a velocity, where significant.
 
     A delay T within a sample turns an inertia J into a viscosity, J w^2 T at the frequency w.
     """
     at = next((i for i, t in enumerate(fitted.terms) if isinstance(t, Timing)), None)
     if at is None:
         return ()
-    k = fitted.layout.numbers(at).start
-    delay, error = fitted.terms[at].delay, float(np.sqrt(max(0.0, cov[k, k])))
-    if not abs(delay) > _BEYOND * error:
-        return ()
-    leads = "torque" if delay > 0.0 else "position"
-    return (
-        f"Position and torque are offset by {1e3 * abs(delay):.2g} +- {1e3 * error:.1g} ms "
-        f"({leads} leads), less than a sample, e.g. because a controller holds its torque between "
-        "ticks. The fit accounts for it.",
-    )
+    said = []
+    places = fitted.layout.numbers(at)
+    for k, time in zip(range(places.start, places.stop), fitted.terms[at].free_shape, strict=True):
+        error = float(np.sqrt(max(0.0, cov[k, k])))
+        if not abs(time) > _BEYOND * error:
+            continue
+        size = f"{1e3 * abs(time):.2g} +- {1e3 * error:.1g} ms"
+        if k == places.start:
+            leads = "torque" if time > 0.0 else "position"
+            said.append(
+                f"Position and torque are offset by {size} ({leads} leads), less than a sample, "
+                "e.g. because a controller holds its torque between ticks. The fit accounts for it."
+            )
+        else:
+            way = "old" if time > 0.0 else "ahead of the position"
+            said.append(
+                f"The velocity of the controller's damping is {size} {way}, less than a sample. "
+                "The fit accounts for it: an inertia below kd times a sample is not told from it."
+            )
+    return tuple(said)
 
 
 def _hold_note(found: Trace) -> tuple[str, ...]:
