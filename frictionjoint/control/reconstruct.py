@@ -22,7 +22,8 @@ from frictionjoint.measured.log import JointLog
 
 # difference from a measured drive, median over its rms, from which on the controller is another
 _LARGEST = 0.05
-# rad (m): change of a position that shows how a drive answers it, where it is not seen in counts
+# rad (m): change of a position that shows how a drive answers it, where it is not seen in counts;
+# and rad/s (m/s) of a velocity
 _NUDGE = 1e-6
 
 
@@ -100,7 +101,8 @@ class AllCommands:
         Args:
             blocks: of the controller of each log, shape (k, BLOCK). delays: s, shape (k,).
         """
-        return self._mean_drive(blocks, delays, np.zeros(len(delays)))
+        still = np.zeros(len(delays))
+        return self._mean_drive(blocks, delays, still, still)
 
     def answer(self, blocks: Array, delays: Array) -> Array:
         """How much drive a position that is off by a little calls for, per rad (m), shape (n,).
@@ -114,17 +116,29 @@ class AllCommands:
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
         nudge = np.where(blocks[:, k.COUNT] > 0.0, blocks[:, k.COUNT], _NUDGE)
-        less, more = (self._mean_drive(blocks, delays, way * nudge) for way in (-1.0, 1.0))
+        still = np.zeros(len(delays))
+        less, more = (self._mean_drive(blocks, delays, way * nudge, still) for way in (-1.0, 1.0))
         return (less - more) / np.repeat(2.0 * nudge, np.diff(self.edges))
 
-    def _mean_drive(self, blocks: Array, delays: Array, off: Array) -> Array:
-        """With the positions of each log off by so much."""
+    def damping(self, blocks: Array, delays: Array) -> Array:
+        """How much less drive a velocity calls for that is a little larger, per rad/s (m/s), (n,).
+
+        Args:
+            blocks, delays: as above.
+        """
+        still, nudge = np.zeros(len(delays)), np.full(len(delays), _NUDGE)
+        less, more = (self._mean_drive(blocks, delays, still, way * nudge) for way in (-1.0, 1.0))
+        return (less - more) / (2.0 * _NUDGE)
+
+    def _mean_drive(self, blocks: Array, delays: Array, off: Array, faster: Array) -> Array:
+        """With the positions and velocities of each log off by so much."""
         target, position, velocity, supply, on = self._given
-        q = position + np.repeat(off, np.diff(self.edges))
-        drive = np.empty_like(self.time)
-        _fill_mean_drives(
-            blocks, delays, self.edges, self.time, target, q, velocity, supply, on, drive
+        q, v = (
+            x + np.repeat(by, np.diff(self.edges))
+            for x, by in ((position, off), (velocity, faster))
         )
+        drive = np.empty_like(self.time)
+        _fill_mean_drives(blocks, delays, self.edges, self.time, target, q, v, supply, on, drive)
         return drive
 
 

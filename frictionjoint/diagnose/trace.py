@@ -47,7 +47,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
-from frictionjoint.identify.starts import fit
+from frictionjoint.identify.starts import fit, law_alone
 from frictionjoint.identify.swing import swings
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
@@ -125,8 +125,7 @@ def trace(
 
 def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
     """The law alone, with what its logs held when they began."""
-    found = fit(prepared, forms=forms_of(law), progress=progress)
-    prepared, found = reweighed(prepared, found)
+    prepared, found = reweighed(*law_alone(prepared, forms_of(law), progress))
     return reweighed(*settled(prepared, found))
 
 

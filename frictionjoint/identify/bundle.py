@@ -93,13 +93,6 @@ class Bundle(Generic[_Log]):
         """Torque of the rigid body, N m, and velocity, rad/s, as the balance keeps them, (m, 2)."""
         return self.kept(np.stack([self.row(LOAD), self.velocity]))
 
-    @cached_property
-    def damping_rate(self) -> Array:
-        """Rate of the damping that controllers give, in units of the drive per s, (m,)."""
-        kd = [0.0 if log.commanded is None else log.commanded.damping for log in self.logs]
-        rate = np.repeat(kd, [len(log.drive) for log in self.logs]) * self.row(A)
-        return self.kept(rate[None])[:, 0]
-
     def balanced(self, spectra: Spectra, delay: float = 0.0, derivative: int = 0) -> Array:
         """Drives as they were `delay` seconds before each sample that the balance keeps, (m,)."""
         return np.asarray(self._filters.back(spectra, derivative, delay)[0, self._kept])
@@ -126,6 +119,13 @@ class Bundle(Generic[_Log]):
         if self._commanded is not None:
             self._put(self._commanded.answer(changes), found)
         return self.kept(found[None])[:, 0]
+
+    def damping_rate(self, changes: Sequence[Change]) -> Array:
+        """Rate of the damping that is in such drives, in units of the drive per s, (m,)."""
+        found = np.zeros_like(self.velocity)
+        if self._commanded is not None:
+            self._put(self._commanded.damping(changes), found)
+        return self.kept((found * self.row(A))[None])[:, 0]
 
     def _put(self, made: Array, all_logs: Array) -> None:
         """What controllers made, in the places of their logs."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.control.kernel import KD, SUPPLY
+from frictionjoint.control.kernel import KD
 from frictionjoint.control.profile import last_before
 from frictionjoint.control.reconstruct import AllCommands, Commands
 from frictionjoint.measured.lowpass import LowPass, LowPasses, places
@@ -33,10 +33,9 @@ class Commanded:
     filters: tuple[LowPass, ...]
 
     @property
-    def damping(self) -> float:
-        """Of the joint by its controller, in units of the drive per rad/s (m/s)."""
-        block = self.commands.block
-        return float(block[SUPPLY] * block[KD])
+    def damped(self) -> bool:
+        """Whether its controller damps the joint."""
+        return bool(self.commands.block[KD])
 
     def drive(self, changes: Sequence[Change]) -> Array:
         """Drive that the controller makes with some changes, one after the other, shape (n,)."""
@@ -70,6 +69,10 @@ class CommandedLogs:
     def answer(self, changes: Sequence[Change]) -> Array:
         """How much of such a drive a small error of the position calls for, per rad, (n,)."""
         return self._behind(self._commands.answer(*self._changed(changes)))
+
+    def damping(self, changes: Sequence[Change]) -> Array:
+        """How much less of such drives a small velocity calls for, per rad/s, (n,)."""
+        return self._behind(self._commands.damping(*self._changed(changes)))
 
     def _changed(self, changes: Sequence[Change]) -> tuple[Array, Array]:
         """Block and delay of each log's controller after some changes."""

@@ -128,17 +128,22 @@ class Balance:
         delay, age, changes = delay_of(terms), age_of(terms), _changes(terms)
 
         def make() -> Array:
-            return self._target_of(self._driven(terms, i), delay, age, i)
+            return self._target_of(self._driven(terms, i), terms, i)
 
         return self._get(("target", i, delay, age, changes), make)
 
-    def _target_of(self, driven: Spectra, delay: float, age: float, i: int) -> Array:
-        """What the columns are to add up to with a drive."""
-        drive = self._parts[i].balanced(driven, delay)
+    def _target_of(self, driven: Spectra, terms: tuple[Term, ...], i: int) -> Array:
+        """What the columns are to add up to with the drive that the terms make."""
+        drive, age = self._parts[i].balanced(driven, delay_of(terms)), age_of(terms)
         if age:
-            drive = drive + age * self._parts[i].damping_rate
+            drive = drive + age * self._damping_rate(terms, i)
         known = self._parts[i].load_and_velocity[:, 0]
         return drive if self.prepared.gain_unknown else drive - known
+
+    def _damping_rate(self, terms: tuple[Term, ...], i: int) -> Array:
+        """Of the drive that the terms make, see `Bundle`."""
+        key = "damping rate", i, _changes(terms)
+        return self._get(key, lambda: self._parts[i].damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
         """How much of the drive a small error of the position calls for, per rad (m), shape (n,).
@@ -191,7 +196,7 @@ class Balance:
                     found.append(self._drive_move(terms, k, j, i))
                     continue
                 if isinstance(term, Timing) and j:
-                    found.append(-self._parts[i].damping_rate)
+                    found.append(-self._damping_rate(terms, i))
                     continue
                 if term.delay or not term.coefficients:
                     # the drive of an earlier time
@@ -213,8 +218,8 @@ class Balance:
         x = terms[k].free_shape[j]
         h = _STEP * abs(x) or _STEP
         moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + h))
-        driven = self._parts[i].changed(drive_changes((*terms[:k], moved, *terms[k + 1 :])))
-        there = self._target_of(driven, delay_of(terms), age_of(terms), i)
+        changed = (*terms[:k], moved, *terms[k + 1 :])
+        there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
         return np.asarray((self._target(terms, i) - there) / h)
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:

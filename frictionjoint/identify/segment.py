@@ -226,7 +226,7 @@ class Prepared:
     @property
     def ages(self) -> bool:
         """Whether the age of a velocity that a controller read may stand for an inertia."""
-        damped = any(s.commanded is not None and s.commanded.damping for s in self.segments)
+        damped = any(s.commanded is not None and s.commanded.damped for s in self.segments)
         return damped and not self.ageless
 
     @cached_property

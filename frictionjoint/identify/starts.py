@@ -5,6 +5,7 @@ refined on all samples.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed, with_parts
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import Term, Timing
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that the coarse look is at
@@ -49,6 +50,22 @@ def fit(
     best = min(final, key=lambda place: place.cost)
     found = best.search.run(best.x, _STEPS, CLOSE)
     return with_parts(prepared, found.search.result(found.x), _STEPS, CLOSE)
+
+
+def law_alone(
+    prepared: Prepared,
+    forms: Sequence[Shape] = INTEGRATED,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Prepared, Fit]:
+    """Fit a law alone for the first time, and see whether the age of a velocity does.
+
+    At its end it is none of sampling: the inertia is wrong by more than such an age may stand for.
+    """
+    found = fit(prepared, forms=forms, progress=progress)
+    if not any(any(t.at_ends[1:]) for t in found.terms if isinstance(t, Timing)):
+        return prepared, found
+    prepared = replace(prepared, ageless=True)
+    return prepared, fit(prepared, forms=forms, progress=progress)
 
 
 @one_thread

@@ -19,7 +19,7 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.starts import fit
+from frictionjoint.identify.starts import fit, law_alone
 from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
@@ -139,14 +139,16 @@ def first_fit(
     check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
-    base = fit(prepared, forms=_DAMPED)
-    heavier = any(any(t.at_ends[1:]) for t in base.terms if isinstance(t, Timing))
-    if heavier:
-        prepared = replace(prepared, ageless=True)
-        base = fit(prepared, forms=_DAMPED)
-    prepared, base = reweighed(prepared, base)
+    prepared, base = reweighed(*law_alone(prepared, _DAMPED))
     prepared, base = reweighed(*settled(prepared, base))
     left = base.drive_rms * base.gain
     return FittedJoint(
-        alongs, prepared, base, base.levels, base.rms, left, unreached(base), heavier=heavier
+        alongs,
+        prepared,
+        base,
+        base.levels,
+        base.rms,
+        left,
+        unreached(base),
+        heavier=prepared.ageless,
     )
