@@ -101,8 +101,7 @@ class AllCommands:
         Args:
             blocks: of the controller of each log, shape (k, BLOCK). delays: s, shape (k,).
         """
-        still = np.zeros(len(delays))
-        return self._mean_drive(blocks, delays, still, still)
+        return self._mean_drive(blocks, delays)
 
     def answer(self, blocks: Array, delays: Array) -> Array:
         """How much drive a position that is off by a little calls for, per rad (m), shape (n,).
@@ -115,10 +114,10 @@ class AllCommands:
         """
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
-        nudge = np.where(blocks[:, k.COUNT] > 0.0, blocks[:, k.COUNT], _NUDGE)
-        still = np.zeros(len(delays))
-        less, more = (self._mean_drive(blocks, delays, way * nudge, still) for way in (-1.0, 1.0))
-        return (less - more) / np.repeat(2.0 * nudge, np.diff(self.edges))
+        count = np.where(blocks[:, k.COUNT] > 0.0, blocks[:, k.COUNT], _NUDGE)
+        nudge = np.repeat(count, np.diff(self.edges))
+        less, more = (self._mean_drive(blocks, delays, off=way * nudge) for way in (-1.0, 1.0))
+        return (less - more) / (2.0 * nudge)
 
     def damping(self, blocks: Array, delays: Array) -> Array:
         """How much less drive a velocity calls for that is a little larger, per rad/s (m/s), (n,).
@@ -126,17 +125,15 @@ class AllCommands:
         Args:
             blocks, delays: as above.
         """
-        still, nudge = np.zeros(len(delays)), np.full(len(delays), _NUDGE)
-        less, more = (self._mean_drive(blocks, delays, still, way * nudge) for way in (-1.0, 1.0))
+        less, more = (self._mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * _NUDGE)
 
-    def _mean_drive(self, blocks: Array, delays: Array, off: Array, faster: Array) -> Array:
-        """With the positions and velocities of each log off by so much."""
+    def _mean_drive(
+        self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
+    ) -> Array:
+        """With positions and velocities off by so much."""
         target, position, velocity, supply, on = self._given
-        q, v = (
-            x + np.repeat(by, np.diff(self.edges))
-            for x, by in ((position, off), (velocity, faster))
-        )
+        q, v = position + off, velocity + faster
         drive = np.empty_like(self.time)
         _fill_mean_drives(blocks, delays, self.edges, self.time, target, q, v, supply, on, drive)
         return drive

@@ -95,7 +95,7 @@ def trace(
     """
     rng = np.random.default_rng(seed)
     progress("base fit")
-    prepared, base = _base(prepared, law or INTEGRATED_LAW, progress)
+    prepared, base = law_alone(prepared, forms_of(law or INTEGRATED_LAW), progress)
     laws = Laws(prepared, base, asked=law is not None, progress=progress)
     prepared, current = laws.better(prepared, base)
     state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
@@ -121,12 +121,6 @@ def trace(
         if not _of_joint(state, rng):
             break
     return told(state, base, replayed, law_by_motion, rng)
-
-
-def _base(prepared: Prepared, law: str, progress: Callable[[str], None]) -> tuple[Prepared, Fit]:
-    """The law alone, with what its logs held when they began."""
-    prepared, found = reweighed(*law_alone(prepared, forms_of(law), progress))
-    return reweighed(*settled(prepared, found))
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:

@@ -122,6 +122,14 @@ class Bundle(Generic[_Log]):
 
     def damping_rate(self, changes: Sequence[Change]) -> Array:
         """Rate of the damping that is in such drives, in units of the drive per s, (m,)."""
+        return self._damping_rate_of(changes) if changes else self._damping_rate
+
+    @cached_property
+    def _damping_rate(self) -> Array:
+        """Of the drives as they are: every search of a controller's log asks for it."""
+        return self._damping_rate_of(())
+
+    def _damping_rate_of(self, changes: Sequence[Change]) -> Array:
         found = np.zeros_like(self.velocity)
         if self._commanded is not None:
             self._put(self._commanded.damping(changes), found)

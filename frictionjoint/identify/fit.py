@@ -118,6 +118,18 @@ class Fit:
         return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.error_unit
 
     @property
+    def open(self) -> NDArray[np.bool_]:
+        """Parameters that can still move in both directions, shape (p,).
+
+        A time at the end of its sample, which is no longer one of sampling, cannot.
+        """
+        found = ~self.bound
+        for i, term in enumerate(self.terms):
+            if isinstance(term, Timing):
+                found[self.layout.numbers(i)] &= ~np.array(term.at_ends)
+        return found
+
+    @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can still move in both directions, shape (n, free)."""
         return with_load(self.jacobian, self.layout)[:, ~self.bound]

@@ -13,7 +13,9 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed, with_parts
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term, Timing
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that the coarse look is at
@@ -57,15 +59,16 @@ def law_alone(
     forms: Sequence[Shape] = INTEGRATED,
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Prepared, Fit]:
-    """Fit a law alone for the first time, and see whether the age of a velocity does.
+    """Fit a law alone for the first time, with what its logs held when they began.
 
-    At its end it is none of sampling: the inertia is wrong by more than such an age may stand for.
+    A velocity whose age comes to its end is none of sampling: the inertia is wrong by more than
+    such an age may stand for.
     """
     found = fit(prepared, forms=forms, progress=progress)
-    if not any(any(t.at_ends[1:]) for t in found.terms if isinstance(t, Timing)):
-        return prepared, found
-    prepared = replace(prepared, ageless=True)
-    return prepared, fit(prepared, forms=forms, progress=progress)
+    if any(any(t.at_ends[1:]) for t in found.terms if isinstance(t, Timing)):
+        prepared = replace(prepared, ageless=True)
+        found = fit(prepared, forms=forms, progress=progress)
+    return reweighed(*settled(*reweighed(prepared, found)))
 
 
 @one_thread

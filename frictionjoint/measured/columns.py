@@ -99,21 +99,25 @@ def choose_signals(
     """
     chosen = {}
     for name in signals:
-        column = next((c for c in (f"{joint}.{name}", name) if c in table), None)
+        column = _column(table, joint, name)
         if column is None:
             raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
-        if table[column] in used:
+        if column in used:
             raise LogError(f"{source}: --signal {name}: it is used in any case, leave it out")
         # a point separates a joint from its quantity
-        chosen[name.replace(".", " ")] = table[column]
+        chosen[name.replace(".", " ")] = column
     return chosen
 
 
 def choose_figures(table: dict[str, str], joint: str) -> dict[str, str]:
     """Name of a figure of the controller -> the file's column; the joint's goes before all's."""
-    places = {name: (f"{joint}.{name}", name) for name in _FIGURES}
-    found = {name: [table[c] for c in those if c in table] for name, those in places.items()}
-    return {name: columns[0] for name, columns in found.items() if columns}
+    found = {name: _column(table, joint, name) for name in _FIGURES}
+    return {name: column for name, column in found.items() if column is not None}
+
+
+def _column(table: dict[str, str], joint: str, name: str) -> str | None:
+    """The file's column of a quantity: the joint's goes before one of all joints."""
+    return table.get(f"{joint}.{name}", table.get(name))
 
 
 def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:

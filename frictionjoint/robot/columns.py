@@ -9,7 +9,6 @@ from frictionjoint.diagnose.library import effects
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import lengths
-from frictionjoint.identify.terms import Timing
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint
@@ -53,12 +52,7 @@ def own_effects(
 def law_columns(joint: FittedJoint) -> Array:
     """Weighted columns of the joint's own law, shape (n, p)."""
     fitted = joint.fit
-    free = ~fitted.bound
-    for i, term in enumerate(fitted.terms):
-        # a time at the end of its sample is no longer one of sampling
-        if isinstance(term, Timing):
-            free[fitted.layout.numbers(i)] &= ~np.array(term.at_ends)
-    return np.asarray(fitted.jacobian[:, free] * fitted.weight[:, None])
+    return np.asarray(fitted.jacobian[:, fitted.open] * fitted.weight[:, None])
 
 
 def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:

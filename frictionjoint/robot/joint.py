@@ -139,8 +139,7 @@ def first_fit(
     check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
-    prepared, base = reweighed(*law_alone(prepared, _DAMPED))
-    prepared, base = reweighed(*settled(prepared, base))
+    prepared, base = law_alone(prepared, _DAMPED)
     left = base.drive_rms * base.gain
     return FittedJoint(
         alongs,
