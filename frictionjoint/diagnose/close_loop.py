@@ -172,8 +172,7 @@ def explain(
         return window_squares(loops.fit, fitted) if whole else None
 
     found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
-    if kept_back and found.prepared.band.sensor_saturates:
-        kept_back = kept_back.without_limits()
+    kept_as_fitted = found.as_fitted(kept_back) if kept_back else None
     shows = load_shows(found.final)
     if shows and not load_shows(found.base):
         # without the effects the drive may hide the load: the motor is that of the found model
@@ -194,7 +193,7 @@ def explain(
     moving = found.prepared
     cov = stated_covariance(moving, found.final)
     left = errors_elsewhere(moving, found.final, cov)
-    kept_moving = weighted(kept_back, found.final, left) if kept_back else None
+    kept_moving = weighted(kept_as_fitted, found.final, left) if kept_as_fitted else None
     progress("replay")
     spec = body.spec()
     if scaled:
@@ -205,8 +204,11 @@ def explain(
         runs = [loop.replays for loop in (closed[0], after_it)]
     else:
         runs = [
-            (replay(on, mine, f), replay(kept_back, theirs, f) if kept_back else None)
-            for on, f in ((fitted_on, found.base), (moving, found.final))
+            (replay(on, mine, f), replay(kept, theirs, f) if kept else None)
+            for on, kept, f in (
+                (fitted_on, kept_back, found.base),
+                (moving, kept_as_fitted, found.final),
+            )
             if scaled
         ]
     before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY

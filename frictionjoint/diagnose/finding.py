@@ -11,6 +11,7 @@ from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
+from frictionjoint.identify.instruments import NotGiven, as_given
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
@@ -96,6 +97,7 @@ class Trace:
         last_look: candidates against the final residual.
         other: the same additions to the law of the base fit, where the final law is another.
         sight: what could have been seen.
+        not_given: torque that the logs hold and that did not act.
     """
 
     prepared: Prepared
@@ -107,6 +109,13 @@ class Trace:
     last_look: Look
     other: Fit | None
     sight: Sight
+    not_given: tuple[NotGiven, ...] = ()
+
+    def as_fitted(self, kept_back: Prepared) -> Prepared:
+        """Logs held out with what was found of the instruments in those that were fitted."""
+        if self.prepared.band.sensor_saturates:
+            kept_back = kept_back.without_limits()
+        return as_given(kept_back, self.not_given)
 
     def without_scale(self) -> "Trace":
         """The same in units of the drive, where the logs do not determine the gain."""

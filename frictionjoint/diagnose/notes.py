@@ -5,7 +5,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import GX, GY, LOAD, A
-from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
+from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
@@ -134,8 +134,9 @@ def _constraint_note(fitted: Fit) -> tuple[str, ...]:
     """That friction acts as a solver's constraint does."""
     if not isinstance(fitted.shape, ConstraintShape):
         return ()
+    lead = f"{1e3 * fitted.shape.lead:.2g} ms"
     return (
-        f"Friction changes direction {1e3 * LEAD:.2g} ms ahead of the velocity. MuJoCo's own "
+        f"Friction changes direction {lead} ahead of the velocity. MuJoCo's own "
         "frictionloss does so, and the law named here then follows the velocity. In the log of a "
         "robot it says that the drive was read that much before the position.",
     )

@@ -1,7 +1,5 @@
 """What a search says in the end."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
@@ -19,7 +17,7 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import ExcessTerm, MissingTerm
+from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SmoothTerm
@@ -43,8 +41,11 @@ def told(
             if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
+    not_given: tuple[NotGiven, ...] = ()
     if unexplained:
-        hints += _without_unnamed(state, replayed)
+        not_given = _without_unnamed(state, replayed)
+        unit, _ = units_of(state.fit, state.prepared.slide)
+        hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
     state.prepared, state.fit = state.laws.first(state.prepared, state.fit)
@@ -73,14 +74,15 @@ def told(
         final=state.fit,
         unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),
+        not_given=not_given,
         last_look=state.look,
         other=other,
         sight=sight(state.prepared, state.fit, state.look),
     )
 
 
-def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
-    """Leave out what has no name, and torque that did not act; what is said of that.
+def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
+    """Leave out what has no name, and torque that did not act; what of that did not.
 
     What a residual owes to the measured torque says little: it is a part of it. So the motion has
     to come nearer, where it can be simulated, driven by the torque that is said to have acted.
@@ -92,19 +94,17 @@ def _without_unnamed(state: State, replayed: Replayed) -> list[str]:
     starts = state.laws.starts(state.fit.shape)
     fits = [refit(state.prepared, named, law) for law in starts]
     asked = state.prepared, min(fits, key=lambda f: f.drive_rms)
-    logs, said = list(state.prepared.segments), []
-    unit, _ = units_of(state.fit, state.prepared.slide)
-    for i, term in enumerate(state.fit.terms):
-        if isinstance(term, ExcessTerm):
-            fraction = state.fit.term_coefficients(i)
-            logs = [term.corrected(s, float(fraction[0])) for s in logs]
-            said.append(term.says(fraction, unit))
-    if said:
-        prepared = replace(state.prepared, segments=tuple(logs))
+    not_given = tuple(
+        (term, float(state.fit.term_coefficients(i)[0]))
+        for i, term in enumerate(state.fit.terms)
+        if isinstance(term, ExcessTerm)
+    )
+    if not_given:
+        prepared = as_given(state.prepared, not_given)
         acted = prepared, refit(prepared, named, state.fit.shape)
         before, after = replayed(*asked), replayed(*acted)
         if before is None or after is None or nearer(after, before):
             state.prepared, state.fit = reweighed(*acted)
-            return said
+            return not_given
     state.prepared, state.fit = reweighed(*asked)
-    return []
+    return ()

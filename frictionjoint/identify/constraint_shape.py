@@ -3,7 +3,8 @@
 That friction is a constraint: the solver drives velocity and acceleration to zero together, as
 v + a/b, with all the level allows (documentation of MuJoCo, chapter Computation, reference
 acceleration and friction loss). So it changes direction a time 1/b ahead of the velocity, which no
-joint does; a law without that lead leaves more of such a log than many an effect does.
+joint does; a law without that lead leaves more of such a log than many an effect does. Of the lead
+half a step of the simulation is lost, for the acceleration is that of the step to come.
 """
 
 from dataclasses import dataclass
@@ -17,37 +18,40 @@ from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import Friction
 
-# s, 1/b = dmax timeconst / 2 of the default solimp and solref
+# s, 1/b = dmax timeconst / 2 of the default solimp and solref, and how far others may be from it
 LEAD = 0.5 * 0.95 * 0.02
+_LEADS = (0.1 * LEAD, 5.0 * LEAD)
 
 
 @dataclass(frozen=True)
 class ConstraintShape:
-    """S(|v|) sat((v + LEAD a) / V0), with the numbers of a static law.
+    """S(|v|) sat((v + lead a) / V0), with the numbers of a static law and the lead in s.
 
     A simulation with these parameters has the static law, without the lead.
     """
 
     static: RivalShape
+    lead: float = LEAD
 
-    variables = ("excess", "log Vs", "delta", "log V0 of v + a/b")
+    variables = ("excess", "log Vs", "delta", "log V0 of v + lead a", "log lead")
     damped = False
 
     def vector(self) -> Array:
         """See `Shape`."""
-        return self.static.vector()
+        return np.append(self.static.vector(), np.log(self.lead))
 
     def moved(self, x: Array) -> Self:
         """See `Shape`."""
-        return type(self)(self.static.moved(x))
+        return type(self)(self.static.moved(x[:-1]), float(np.exp(x[-1])))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
-        return self.static.bounds(vmax, span)
+        low, high = self.static.bounds(vmax, span)
+        return np.append(low, np.log(_LEADS[0])), np.append(high, np.log(_LEADS[1]))
 
     def grid(self, vmax: float, span: float) -> list[Self]:
         """See `Shape`."""
-        return [type(self)(shape) for shape in self.static.grid(vmax, span)]
+        return [type(self)(shape, self.lead) for shape in self.static.grid(vmax, span)]
 
     def last_choices(self) -> list[Self]:
         """See `Shape`."""
@@ -63,7 +67,7 @@ class ConstraintShape:
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
         """See `Shape`."""
-        level, saturated, _ = self._parts(time, q, edges_of(q, edges))
+        level, saturated, *_ = self._parts(time, q, edges_of(q, edges))
         return level * saturated, np.zeros_like(q)
 
     def tangents(
@@ -71,8 +75,8 @@ class ConstraintShape:
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         edges = edges_of(q, edges)
-        level, saturated, v = self._parts(time, q, edges)
-        excess, _, delta, log_V0 = self.vector()
+        level, saturated, v, a = self._parts(time, q, edges)
+        excess, _, delta, log_V0 = self.static.vector()
         inside = np.abs(saturated) < 1.0
         ratio = self._ratio(v)
         fall = np.exp(-(ratio**delta))
@@ -83,11 +87,12 @@ class ConstraintShape:
                 steep * delta * saturated,
                 -steep * np.log(np.maximum(ratio, 1e-300)) * saturated,
                 -level * saturated * inside,
+                level * inside * self.lead * a / np.exp(log_V0),
             ]
         )
         if q_t is not None:
             v_t = np.array([gradient(row, time, edges) for row in q_t])
-            u_t = v_t + LEAD * np.array([gradient(row, time, edges) for row in v_t])
+            u_t = v_t + self.lead * np.array([gradient(row, time, edges) for row in v_t])
             slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
             moved = slope * saturated * v_t + level * inside * u_t / np.exp(log_V0)
             moved[: len(by_number)] += by_number
@@ -95,16 +100,16 @@ class ConstraintShape:
         zero = np.zeros_like(q)
         return level * saturated, zero, by_number, np.zeros_like(by_number)
 
-    def _parts(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array]:
-        """Level over Fc, what is saturated, and velocity, each of shape (n,)."""
+    def _parts(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
+        """Level over Fc, what is saturated, velocity and acceleration, each of shape (n,)."""
         v = gradient(q, time, edges)
-        ahead = v + LEAD * gradient(v, time, edges)
-        excess, _, delta, log_V0 = self.vector()
+        a = gradient(v, time, edges)
+        excess, _, delta, log_V0 = self.static.vector()
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
-        return level, np.clip(ahead / np.exp(log_V0), -1.0, 1.0), v
+        return level, np.clip((v + self.lead * a) / np.exp(log_V0), -1.0, 1.0), v, a
 
     def _ratio(self, v: Array) -> Array:
-        return np.asarray(np.abs(v) / np.exp(self.vector()[1]))
+        return np.asarray(np.abs(v) / np.exp(self.static.vector()[1]))
 
 
 def gradient(x: Array, time: Array, edges: Index) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, A, Q, V
-from frictionjoint.identify.segment import Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
 # what the filter of the motion may change of a torque that does not act, and noise make of one
@@ -72,6 +72,18 @@ class ExcessTerm(TunedTerm):
         """
         excess = self.columns(segment, segment.signals)[:, 0]
         return replace(segment, drive=segment.drive - fraction * excess)
+
+
+# a level beyond which torque did not act, and which fraction of it
+NotGiven = tuple[ExcessTerm, float]
+
+
+def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
+    """Logs of the torque that did act."""
+    logs = list(prepared.segments)
+    for term, fraction in not_given:
+        logs = [term.corrected(s, fraction) for s in logs]
+    return replace(prepared, segments=tuple(logs))
 
 
 @dataclass(frozen=True)

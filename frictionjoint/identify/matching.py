@@ -60,7 +60,7 @@ def check_logs(
         _check_range(log, body)
         _check_limit(log, body)
         said += _check_joints(log, body)
-    return tuple(dict.fromkeys(said))
+    return (*dict.fromkeys(said), *_limit_note([log.position for log in everything], body))
 
 
 def _check_repeats(logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> None:
@@ -88,6 +88,28 @@ def _check_range(log: JointLog, body: RigidBody) -> None:
             f"{body.joint!r} has {high - low:.3g} {unit}: check the unit (degrees?), the side of "
             "the gear, and the joint"
         )
+
+
+def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
+    """How much of the logs lies at a limit of the joint, or beyond it."""
+    low, high = body.limits
+    beyond = np.array([np.max(np.maximum(low - q, q - high)) for q in positions])
+    if np.all(beyond < 0.0):
+        return ()
+    at = [body.at_limit(q) for q in positions]
+    unit = "m" if body.slide else "rad"
+    said = [f"The joint reaches the end of its range in the MJCF, {low:.4g} to {high:.4g} {unit}."]
+    stands = np.array([x.any() for x in at])
+    if np.any(stands):
+        said.append(
+            f"In {np.concatenate(at).mean():.1%} of the samples it stands there: no log tells what "
+            "torque a limit gives, so they are left out, with those close by."
+        )
+    if np.any((beyond >= 0.0) & ~stands):
+        said.append(
+            f"It moves up to {beyond.max():.3g} {unit} beyond: there the range is taken as wrong."
+        )
+    return (" ".join(said),)
 
 
 def _check_limit(log: JointLog, body: RigidBody) -> None:

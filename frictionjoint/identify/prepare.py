@@ -33,7 +33,7 @@ from frictionjoint.identify.motion import Motion, motion_of
 from frictionjoint.identify.noise import count_of, noise_of
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment
+from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment, clear_of
 from frictionjoint.identify.zero_order_hold import holds, of_drive
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, uniform
 from frictionjoint.measured.log import JointLog
@@ -84,8 +84,10 @@ def prepare(
         return [motion_of(log, b, corner_hz, held and own) for log, b, own in each]
 
     def segments(way: Band, along: list[Motion]) -> tuple[Segment, ...]:
-        each = zip(logs, along, measured, strict=True)
-        return tuple(_segment(log, m, way, None if own else controller) for log, m, own in each)
+        each = zip(logs, bodies, along, measured, strict=True)
+        return tuple(
+            _segment(log, b, m, way, None if own else controller) for log, b, m, own in each
+        )
 
     if band is None:
         bands = [motion_band(*on_a_grid(log)[1:]) for log in logs]
@@ -133,7 +135,9 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
     raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
 
 
-def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller | None) -> Segment:
+def _segment(
+    log: JointLog, body: RigidBody, motion: Motion, band: Band, controller: Controller | None
+) -> Segment:
     """A log along its motion; `controller` where its drive was made from its commands."""
     grid, sample, smooth, rigid = motion.raw_time, motion.sample, motion.smooth, motion.rigid
     t, dt, n = motion.time, motion.dt, len(motion.time)
@@ -167,6 +171,8 @@ def _segment(log: JointLog, motion: Motion, band: Band, controller: Controller |
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
         if kind == "voltage":
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
+    stopped = uniform(log.time, body.at_limit(log.position).astype(float), t) > 0.0
+    mask &= clear_of(stopped, band.balance, dt)
     held = band.zero_order_hold and controller is None
     more = partial(of_drive, sample=sample) if held else None
     drive = smooth.back(smooth.spectrum(measured), weight=more)

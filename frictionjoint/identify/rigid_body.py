@@ -1,7 +1,8 @@
 """Rigid-body torque at one joint along a measured motion, from the user's own MJCF.
 
 MuJoCo's inverse dynamics does the work. Contacts, limits and every friction or damping the MJCF
-declares at the joint are left out, because friction is what is to be identified.
+declares at the joint are left out, because friction is what is to be identified; where the joint
+stands at a limit is told.
 """
 
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
@@ -17,6 +19,9 @@ from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_p
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.native_friction import native_friction
+
+# of a joint's range, how far a limit may give way: a joint that moves beyond does not meet it
+_GIVES_WAY = 0.1
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,26 @@ class RigidBody:
         if hasattr(self.model, "dof_dampingpoly"):  # damping="0 0.5", in newer versions
             self.model.dof_dampingpoly[dof] = 0.0
         self.armature = float(self.model.dof_armature[dof])
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Positions at which the joint's limits begin to act, rad (m); infinite: none."""
+        j, margin = self.joint_id, float(self.model.jnt_margin[self.joint_id])
+        if not self.model.jnt_limited[j]:
+            return -np.inf, np.inf
+        low, high = self.model.jnt_range[j]
+        return float(low) + margin, float(high) - margin
+
+    def at_limit(self, position: Array) -> NDArray[np.bool_]:
+        """Where the joint stands at a limit, whose torque no motion determines, shape (n,).
+
+        Nowhere if it moves far beyond: then it is not this joint's, or its zero is another.
+        """
+        low, high = self.limits
+        beyond = np.maximum(low - position, position - high)
+        if np.max(beyond, initial=-np.inf) > _GIVES_WAY * (high - low):
+            return np.zeros(len(position), dtype=bool)
+        return np.asarray(beyond >= 0.0)
 
     def spec(self) -> mujoco.MjSpec:
         """A fresh spec of the MJCF, to be changed."""

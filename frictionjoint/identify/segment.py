@@ -165,15 +165,20 @@ class Segment:
         return self.mask[:: self.step]
 
     def without_limits(self) -> Self:
-        """The log without what stands at the end of its drive's range, see `Band`.
-
-        And without a period of the balance's corner around it, which the filter brings there.
-        """
+        """The log without what stands at the end of its drive's range, see `Band`."""
         if self.at_limit is None:
             return self
-        reach = max(1, int(1.0 / (self.bandwidth_hz * self.dt)))
-        spoilt = binary_dilation(self.at_limit != 0.0, iterations=reach)
-        return replace(self, mask=self.mask & ~spoilt)
+        clear = clear_of(self.at_limit != 0.0, self.bandwidth_hz, self.dt)
+        return replace(self, mask=self.mask & clear)
+
+
+def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
+    """Samples a period of a filter's corner away from those of unknown torque, shape (n,).
+
+    So far the filter brings it.
+    """
+    reach = max(1, int(1.0 / (bandwidth_hz * dt)))
+    return np.asarray(~binary_dilation(unknown, iterations=reach))
 
 
 @dataclass(frozen=True)
