@@ -49,16 +49,24 @@ def test_native_friction_is_found_with_its_size_and_nothing_else():
     assert report.after_torque.held_out < 0.02 * LOSS
 
 
+def of_numbers(*numbers, lead=LEAD):
+    return ConstraintShape(start_of(StaticParameters)).moved(np.array([*numbers, np.log(lead)]))
+
+
 @given(
     numbers=st.tuples(
-        st.floats(0.05, 1.0), st.floats(-3.0, 0.0), st.floats(0.6, 2.5), st.floats(-4.0, -1.0)
+        st.floats(0.05, 1.0),
+        st.floats(-3.0, 0.0),
+        st.floats(0.6, 2.5),
+        st.floats(-4.0, -1.0),
+        st.floats(-6.0, -3.5),
     ),
-    number=st.integers(0, 3),
+    number=st.integers(0, 4),
 )
 def test_tangents_are_the_derivatives(numbers, number):
     time = np.arange(400) * 5e-3
     q = 0.4 * np.sin(3.0 * time) + 0.1 * np.cos(7.0 * time)
-    shape = ConstraintShape(start_of(StaticParameters).moved(np.array(numbers)))
+    shape = of_numbers(*numbers[:-1], lead=np.exp(numbers[-1]))
     H, _, tangents, _ = shape.tangents(time, q)
     assert shape.hysteresis(time, q)[0] == pytest.approx(H)
     h = 1e-6
@@ -77,19 +85,19 @@ def test_tangents_are_the_derivatives(numbers, number):
 def test_a_change_of_the_motion_is_carried_along():
     time = np.arange(400) * 5e-3
     q, direction = np.sin(3.0 * time), np.cos(5.0 * time)[None]
-    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.3, -1.0, 1.5, 1.0])))
-    changes = np.vstack([np.zeros((4, len(time))), direction])
+    shape = of_numbers(0.3, -1.0, 1.5, 1.0)
+    changes = np.vstack([np.zeros((5, len(time))), direction])
     moved = shape.tangents(time, q, changes)[2]
-    assert moved[:4] == pytest.approx(shape.tangents(time, q)[2])
+    assert moved[:5] == pytest.approx(shape.tangents(time, q)[2])
     h = 1e-6
     above, below = (shape.hysteresis(time, q + s * h * direction[0])[0] for s in (1.0, -1.0))
-    assert moved[4] == pytest.approx((above - below) / (2.0 * h), abs=1e-4)
+    assert moved[5] == pytest.approx((above - below) / (2.0 * h), abs=1e-4)
 
 
 def test_friction_turns_a_lead_before_the_velocity():
     time = 0.1 + 1e-4 * np.arange(2000)
     q = np.cos(2.0 * np.pi * 2.5 * (time - 0.2))
-    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.0, 0.0, 1.0, -9.0])))
+    shape = of_numbers(0.0, 0.0, 1.0, -9.0)
     turn = np.flatnonzero(np.diff(np.sign(shape.hysteresis(time, q)[0])))
     velocity = np.flatnonzero(np.diff(np.sign(np.gradient(q, time))))
     assert time[velocity] - time[turn] == pytest.approx(LEAD, rel=0.02)
@@ -100,7 +108,7 @@ def test_the_lead_is_that_of_each_motion():
     rng = np.random.default_rng(0)
     time = np.cumsum(rng.uniform(1e-3, 9e-3, 303))
     q, edges = np.sin(7.0 * time) + 0.1 * np.sin(40.0 * time), np.array([0, 200, 201, 303])
-    shape = ConstraintShape(start_of(StaticParameters).moved(np.array([0.3, -1.0, 1.5, 1.0])))
+    shape = of_numbers(0.3, -1.0, 1.5, 1.0)
     found = shape.hysteresis(time, q, edges)[0]
     for first, end in ((0, 200), (201, 303)):
         some = slice(first, end)

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -68,6 +69,9 @@ def test_a_bad_file_is_one_line(tmp_path, text, message):
     assert "\n" not in str(found.value)
 
 
+ARM = mujoco.MjModel.from_xml_string("""
+<mujoco><worldbody><body><joint name="shoulder"/><geom size="0.1"/>
+<body pos="0 0 0.3"><joint name="elbow"/><geom size="0.1"/></body></body></worldbody></mujoco>""")
 PER_JOINT = """output = "torque_nm"
 kp = 80.0
 kd = 2.5
@@ -79,14 +83,13 @@ kp = 120.0
 def test_a_file_says_what_differs_by_joint(tmp_path):
     file = tmp_path / "arm.toml"
     file.write_text(PER_JOINT)
-    joints = ("shoulder", "elbow")
     shoulder = Controller(output="torque_nm", kp=80.0, kd=2.5)
     elbow = Controller(output="torque_nm", kp=120.0, kd=2.5)
-    assert controller_of(file, "shoulder", joints) == read_controller(file) == shoulder
-    assert controller_of(file, "elbow", joints) == elbow
-    assert controller_of({"elbow": elbow}, "elbow", joints) == elbow
-    assert controller_of(shoulder, "elbow", joints) == shoulder
-    assert controller_of("mit", "elbow", joints) == PRESETS["mit"]
+    assert controller_of(file, "shoulder", [ARM]) == read_controller(file) == shoulder
+    assert controller_of(file, "elbow", [ARM]) == elbow
+    assert controller_of({"elbow": elbow}, "elbow", [ARM]) == elbow
+    assert controller_of(shoulder, "elbow", [ARM]) == shoulder
+    assert controller_of("mit", "elbow", [ARM]) == PRESETS["mit"]
 
 
 @pytest.mark.parametrize(
@@ -105,7 +108,7 @@ def test_bad_controllers_of_joints_are_one_line(tmp_path, given, message):
         (tmp_path / "arm.toml").write_text(given)
         given = tmp_path / "arm.toml"
     with pytest.raises(ParameterError, match=message) as found:
-        controller_of(given, "shoulder", ("shoulder", "elbow"))
+        controller_of(given, "shoulder", [ARM])
     assert "\n" not in str(found.value)
 
 

@@ -91,7 +91,7 @@ def identify(
         forms = forms_of(law)
         joint = the_joint(joint, model)
         bodies = Bodies(models_of(model), joint, poses(fixed))
-        driven_by = controller_of(controller, joint, bodies.joints)
+        driven_by = controller_of(controller, joint, bodies.models)
         reading = Reading.of(joint, column, signal, wrap, gain)
         read = bounded([reading.read(path) for path in logs])
         said = bodies.check(read, ())

@@ -62,10 +62,10 @@ ControllerFile = Annotated[
     str | None,
     typer.Option(
         "--controller",
-        metavar="FILE|PRESET",
+        metavar="FILE|PRESET|mjcf",
         help="TOML file of what drove the joints to their targets, one for all or with a table "
-        "[joint.NAME] where one differs; or xl330, sts3215, unitree, mit. Logs of target and "
-        "position alone need it.",
+        "[joint.NAME] where one differs; or xl330, sts3215, unitree, mit; or mjcf, the position "
+        "servos of the MJCF. Logs of target and position alone need it.",
     ),
 ]
 Model = Annotated[

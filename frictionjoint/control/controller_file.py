@@ -1,34 +1,39 @@
 """Files of controllers: one for all joints, and in tables [joint.NAME] what differs in some."""
 
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import mujoco
+
 from frictionjoint.control.controller import Controller
+from frictionjoint.control.in_mjcf import IN_MJCF, controller_in
 from frictionjoint.control.presets import PRESETS
 from frictionjoint.errors import ParameterError
 from frictionjoint.measured.arguments import expect
 
-# one for every joint, one for each by its name, or the file of either or a preset's name
+# one for every joint, one for each by its name, the file of either, a preset's name, or "mjcf"
 GivenController = Controller | Mapping[str, Controller] | str | Path
 _JOINTS = "joint"
 
 
 def controller_of(
-    given: GivenController | None, joint: str, joints: Collection[str]
+    given: GivenController | None, joint: str, models: Sequence[mujoco.MjModel]
 ) -> Controller | None:
     """The controller of a joint; None where none is given.
 
     Args:
-        joints: all that the model has.
+        models: of the joint under one or several loads.
     Raises:
-        ParameterError: no controller for this joint, one for a joint that the model does not have,
-            or see `read_controller`.
+        ParameterError: no controller for this joint, one for a joint that no model has, or see
+            `read_controller` and `controller_in`.
     """
     if given is None or isinstance(given, Controller):
         return given
+    if given == IN_MJCF:
+        return controller_in(models, joint)
     if isinstance(given, Mapping):
         by_joint, where = dict(given), "controller"
         if joint not in by_joint:
@@ -36,6 +41,7 @@ def controller_of(
             raise ParameterError(f"controller: none for joint {joint!r}, there is {listed}")
     else:
         by_joint, where = _by_joint(given), str(given)
+    joints = {model.joint(j).name for model in models for j in range(model.njnt)}
     strange = [name for name in by_joint if name not in joints]
     if strange:
         listed = ", ".join(sorted(joints))
@@ -73,9 +79,9 @@ def _content(path: str | Path) -> dict[str, Any]:
     try:
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        listed = ", ".join(PRESETS)
+        listed = ", ".join((*PRESETS, IN_MJCF))
         raise ParameterError(
-            f"{path}: cannot be read: {error.strerror}; give a TOML file or one of {listed}"
+            f"{path}: cannot be read: {error.strerror}; give a TOML file, or one of {listed}"
         ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None

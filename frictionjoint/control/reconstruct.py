@@ -219,7 +219,8 @@ def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
     if controller is None:
         raise LogError(
             f"{log.name}: target and position, but no torque_nm, voltage_v or current_a: add one "
-            "of them, or give the gains that drove the joint, --controller FILE"
+            "of them, or give the gains that drove the joint, --controller FILE (mjcf: the "
+            "position servo of the MJCF)"
         )
     drive = commands(log, controller).drive()
     kind = drive_kind(controller)

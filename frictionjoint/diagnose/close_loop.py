@@ -107,8 +107,8 @@ def close_loop(
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
         controller: what drove the joint to its target, its file, or the name of a preset; or one
-            for each joint by its name. Logs without torque, voltage or current need it; all are
-            simulated with it.
+            for each joint by its name; or "mjcf", the model's own position servo. Logs without
+            torque, voltage or current need it; all are simulated with it.
         refine: fit all numbers of the named model to simulated motion in the end.
     Raises:
         FrictionJointError: bad logs or model, in one line.
@@ -118,7 +118,7 @@ def close_loop(
     require_seed(seed)
     forms_of(law or INTEGRATED_LAW)
     bodies = Bodies(model, joint, fixed)
-    known = controller_of(controller, joint, bodies.joints)
+    known = controller_of(controller, joint, bodies.models)
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
     for log in logs:
         require_motion(f"{log.name}, {joint}", log.position)

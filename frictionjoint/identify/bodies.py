@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+import mujoco
+
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.matching import check_logs
@@ -40,10 +42,9 @@ class Bodies:
         return found
 
     @property
-    def joints(self) -> set[str]:
-        """Names of the hinges and slides of the models."""
-        bodies = self._bodies.values()
-        return {name for body in bodies for name in (body.joint, *body.joint_names)}
+    def models(self) -> list[mujoco.MjModel]:
+        """Compiled, one a load."""
+        return [body.model for body in self._bodies.values()]
 
     def of(self, logs: Sequence[JointLog]) -> list[RigidBody]:
         """One a log.

@@ -71,12 +71,11 @@ def close_loop_robot(
     """
     begin = time.perf_counter()
     compiled = compile_model(model)
-    names = {compiled.joint(j).name for j in range(compiled.njnt)}
     user = State(model)
     tasks = {
         n: Task(
             *(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law),
-            controller=controller_of(controller, n, names),
+            controller=controller_of(controller, n, [compiled]),
         )
         for n in logs.joints
     }

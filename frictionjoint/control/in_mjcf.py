@@ -1,0 +1,80 @@
+"""The controller that a position servo of the MJCF is."""
+
+from collections.abc import Sequence
+
+import mujoco
+
+from frictionjoint.control.controller import Controller
+from frictionjoint.errors import ParameterError
+
+IN_MJCF = "mjcf"
+_ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+# Nm (N) over the larger, up to which the two ends of a range are one limit
+_ALIKE = 1e-9
+
+
+def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
+    """What drives a joint in its models: kp, kv, the range of its force and its delay.
+
+    Targets are those of the joint. Through a gear g an actuator follows g times the target.
+
+    Args:
+        models: of the joint under one or several loads; they have the same servo.
+    Raises:
+        ParameterError: no servo drives the joint, more than one, or one with dynamics of its own.
+    """
+    found = {_of(model, joint) for model in models}
+    if len(found) > 1:
+        raise ParameterError(f"the models have different servos at joint {joint!r}: give a file")
+    return found.pop()
+
+
+def _of(model: mujoco.MjModel, joint: str) -> Controller:
+    number = model.joint(joint).id
+    own = [
+        i
+        for i in range(model.nu)
+        if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
+    ]
+    if len(own) != 1:
+        many = f"{len(own)} actuators" if own else "no actuator"
+        raise ParameterError(f"the MJCF has {many} on joint {joint!r}: give the controller's file")
+    (i,) = own
+    kp, bias = float(model.actuator_gainprm[i, 0]), model.actuator_biasprm[i]
+    servo = (
+        model.actuator_gaintype[i] == int(mujoco.mjtGain.mjGAIN_FIXED)
+        and model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_AFFINE)
+        and model.actuator_dyntype[i] == int(mujoco.mjtDyn.mjDYN_NONE)
+        and bias[0] == 0.0
+        and bias[1] == -kp < 0.0
+    )
+    if not servo:
+        raise ParameterError(
+            f"actuator {model.actuator(i).name or i!r} of joint {joint!r} is no position servo "
+            "without dynamics of its own: give the controller's file"
+        )
+    gear = abs(float(model.actuator_gear[i, 0]))
+    limits = [float("inf")]
+    if model.actuator_forcelimited[i]:
+        limits.append(gear * _limit(model.actuator_forcerange[i], "forcerange", joint))
+    if model.jnt_actfrclimited[number]:
+        limits.append(_limit(model.jnt_actfrcrange[number], "actuatorfrcrange", joint))
+    delay = model.actuator_delay[i] if hasattr(model, "actuator_delay") else 0.0
+    return Controller(
+        output="torque_nm",
+        kp=gear**2 * kp,
+        kd=-(gear**2) * float(bias[2]),
+        limit=min(limits),
+        delay_s=float(delay),
+        source="the MJCF",
+    )
+
+
+def _limit(ends: Sequence[float], what: str, joint: str) -> float:
+    low, high = (float(x) for x in ends)
+    if abs(low + high) > _ALIKE * max(abs(low), abs(high)):
+        raise ParameterError(
+            f"{what} of joint {joint!r} is {low:g} to {high:g}: a controller has one limit, give "
+            "its file"
+        )
+    return high
