@@ -59,16 +59,21 @@ def law_alone(
     forms: Sequence[Shape] = INTEGRATED,
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Prepared, Fit]:
-    """Fit a law alone for the first time, with what its logs held when they began.
+    """Fit a law alone for the first time, with what its logs held when they began."""
+    prepared, found = with_age(prepared, lambda own: fit(own, forms=forms, progress=progress))
+    return reweighed(*settled(*reweighed(prepared, found)))
 
-    A velocity whose age comes to its end is none of sampling: the inertia is wrong by more than
-    such an age may stand for.
+
+def with_age(prepared: Prepared, made: Callable[[Prepared], Fit]) -> tuple[Prepared, Fit]:
+    """Logs and a fit of them, with the age of a velocity unless that comes to its end.
+
+    Then it is none of sampling: the inertia is wrong by more than such an age may stand for.
     """
-    found = fit(prepared, forms=forms, progress=progress)
+    found = made(prepared)
     if any(any(t.at_ends[1:]) for t in found.terms if isinstance(t, Timing)):
         prepared = replace(prepared, ageless=True)
-        found = fit(prepared, forms=forms, progress=progress)
-    return reweighed(*settled(*reweighed(prepared, found)))
+        found = made(prepared)
+    return prepared, found
 
 
 @one_thread

@@ -12,7 +12,6 @@ from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Segment
 from frictionjoint.robot.corrections import Corrections, Shaft, direction, levelling
-from frictionjoint.robot.inertia import of_model
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
 
@@ -46,13 +45,6 @@ class Along:
             kept += ["regressor", "_turned"]
         found.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
         return found
-
-    @property
-    def inertia_corrected(self) -> bool:
-        """Whether the corrections change the inertia that the joint moves."""
-        bodies = np.flatnonzero(np.any(self.state.phi != of_model(self.model), axis=1))
-        own = self.body.joint in self.state.armature
-        return own or bool(set(bodies.tolist()) & set(self.tree.beyond[self.dof]))
 
     @cached_property
     def dof(self) -> int:

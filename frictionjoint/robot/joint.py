@@ -19,7 +19,7 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.starts import fit, law_alone
+from frictionjoint.identify.starts import fit, law_alone, with_age
 from frictionjoint.identify.terms import EffectTerm, Timing
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
@@ -41,8 +41,6 @@ class FittedJoint:
         beside: effects that the law was fitted beside, so that they do not bend it; what they
             explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
         rms, left: of what the law leaves with them, N m, plain and weighted.
-        heavier: an inertia that the model lacks is too large for the age of a velocity, see
-            `Prepared.ageless`.
         unreached: what of that it need not leave to first order, see `reach.unreached`, (n,).
     """
 
@@ -55,7 +53,6 @@ class FittedJoint:
     unreached: Array = field(repr=False)
     shift: Array | None = None
     beside: tuple[EffectTerm, ...] = ()
-    heavier: bool = False
 
     @property
     def name(self) -> str:
@@ -92,19 +89,22 @@ class FittedJoint:
             [a.balanced_load - b.balanced_load for a, b in zip(segments, before, strict=True)]
         )
         shift = grown if self.shift is None else self.shift + grown
-        ageless = self.heavier or any(a.inertia_corrected for a in alongs)
-        prepared = replace(self.prepared, segments=segments, ageless=ageless)
+        prepared = replace(self.prepared, segments=segments)
         return replace(self, alongs=alongs, prepared=prepared, shift=shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
         """With the law fitted again, from where it is or from everywhere."""
+        # a rotor's inertia is one with the age of a velocity to the logs
+        found_rotor = self.name in self.alongs[0].state.armature
+        prepared = replace(self.prepared, ageless=found_rotor)
         if anew:
-            found = fit(self.prepared, self.beside, forms=_DAMPED)
-            prepared, found = reweighed(self.prepared, found)
+            prepared, found = with_age(prepared, lambda own: fit(own, self.beside, _DAMPED))
+            prepared, found = reweighed(prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
         else:
-            found = refit(self.prepared, self.beside, self.fit.shape, ROUGH)
-            prepared, found = reweighed(self.prepared, found, ROUGH)
+            shape = self.fit.shape
+            prepared, found = with_age(prepared, lambda own: refit(own, self.beside, shape, ROUGH))
+            prepared, found = reweighed(prepared, found, ROUGH)
         levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
         beyond = unreached(found)
         if self.beside:
@@ -141,13 +141,4 @@ def first_fit(
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
     prepared, base = law_alone(prepared, _DAMPED)
     left = base.drive_rms * base.gain
-    return FittedJoint(
-        alongs,
-        prepared,
-        base,
-        base.levels,
-        base.rms,
-        left,
-        unreached(base),
-        heavier=prepared.ageless,
-    )
+    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left, unreached(base))
