@@ -30,7 +30,6 @@ from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import (
     Course,
-    changes_of,
     closed_loop,
     courses_of,
     joint_model,
@@ -38,6 +37,7 @@ from frictionjoint.diagnose.closed_loop import (
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.terms import drive_changes
 from frictionjoint.refine.guard import held as in_band
 from frictionjoint.simulate.one_joint import simulate
 
@@ -90,7 +90,7 @@ def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> d
     for course in held:
         runs = np.array(
             [
-                course.at_samples(simulate(joint_model(f), course.changed(changes_of(f))))
+                course.at_samples(simulate(joint_model(f), course.changed(drive_changes(f.terms))))
                 for f in models
             ]
         )

@@ -14,7 +14,8 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import refit, timed
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import EffectTerm, Timing, delay_of
+from frictionjoint.identify.terms import EffectTerm, delay_of
+from frictionjoint.identify.timing import DriveTiming
 from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 SPRING = EffectTerm(spring.EFFECT)
@@ -52,7 +53,7 @@ def test_a_fit_has_its_parameters_in_these_places(logs):
     assert found.beta.shape == (found.layout.linear.stop,)
     assert found.names == found.layout.names[found.layout.linear]
     assert found.effects == found.terms[:-1]
-    assert isinstance(found.terms[-1], Timing)
+    assert isinstance(found.terms[-1], DriveTiming)
     np.testing.assert_array_equal(
         found.term_coefficients(0), found.beta[found.layout.coefficients(0)]
     )
@@ -97,7 +98,7 @@ def test_of_a_voltage_viscous_friction_is_told_only_where_the_motor_is_let_go(lo
 
 def test_the_timing_of_a_log_is_always_allowed_for_once(logs):
     (timing,) = timed(logs, ())
-    assert timing.most == logs.segments[0].sample
+    assert timing.sample == logs.segments[0].sample
     assert timed(logs, (SPRING, timing)) == (SPRING, timing)
     assert timed(logs, (DELAY,)) == (DELAY,), "a delay found says when, too"
 

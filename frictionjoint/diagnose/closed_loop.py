@@ -22,7 +22,7 @@ from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
@@ -191,11 +191,6 @@ def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array
     return replace(load, numbers=np.array([np.interp(steps, at, row) for row in load.numbers]))
 
 
-def changes_of(fitted: Fit) -> list[Change]:
-    """What a fit says of the controller."""
-    return [term.change for term in fitted.terms if isinstance(term, DriveTerm)]
-
-
 def joint_model(fitted: Fit) -> JointModel:
     """A fitted model as a simulation runs it."""
     motor = motor_of(fitted)
@@ -216,7 +211,7 @@ def joint_model(fitted: Fit) -> JointModel:
 
 def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
     """Simulate whole logs with a fitted model."""
-    model, changes = joint_model(fitted), changes_of(fitted)
+    model, changes = joint_model(fitted), drive_changes(fitted.terms)
     found = [c.at_samples(simulate(model, c.changed(changes))) for c in courses]
     return ClosedLoop(tuple(courses), tuple(found))
 

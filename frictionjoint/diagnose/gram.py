@@ -22,7 +22,7 @@ from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.terms import Timing
+from frictionjoint.identify.timing import Timing
 
 Columns = NDArray[np.int64]
 

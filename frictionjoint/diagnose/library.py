@@ -30,7 +30,8 @@ from frictionjoint.identify.smooth import (
     quantity,
 )
 from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.timing import DriveTiming, TargetTiming
 from frictionjoint.threads import side_by_side
 
 # reaches of unnamed hysteresis, over the travel
@@ -224,7 +225,7 @@ def effect_terms(
     """Every wanted effect on a grid that the logs can test and that is not in the model yet."""
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
-    timed = any(isinstance(term, Timing) and not term.at_its_end for term in taken)
+    timed = any(isinstance(t, DriveTiming | TargetTiming) and not t.at_its_end for t in taken)
     new = [e for e in CATALOGUE if e.name not in names and not (timed and e.delays)]
     return _on_grid(prepared, list(filter(wanted, new)), signals)
 

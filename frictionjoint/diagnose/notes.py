@@ -10,7 +10,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import Timing
+from frictionjoint.identify.timing import Timing
 
 # standard errors beyond which an offset of the clocks is more than chance
 _BEYOND = 2.0
@@ -75,32 +75,14 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
 
 
 def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
-    """Offset between the clocks of torque and position, and age of a velocity, where significant.
-
-    A delay T within a sample turns an inertia J into a viscosity, J w^2 T at the frequency w.
-    """
-    at = next((i for i, t in enumerate(fitted.terms) if isinstance(t, Timing)), None)
-    if at is None:
-        return ()
+    """Times within a sample that are clearly not nothing."""
     said = []
-    places = fitted.layout.numbers(at)
-    for k, time in zip(range(places.start, places.stop), fitted.terms[at].free_shape, strict=True):
-        error = float(np.sqrt(max(0.0, cov[k, k])))
-        if not abs(time) > _BEYOND * error:
-            continue
-        size = f"{1e3 * abs(time):.2g} +- {1e3 * error:.1g} ms"
-        if k == places.start:
-            leads = "torque" if time > 0.0 else "position"
-            said.append(
-                f"Position and torque are offset by {size} ({leads} leads), less than a sample, "
-                "e.g. because a controller holds its torque between ticks. The fit accounts for it."
-            )
-        else:
-            way = "old" if time > 0.0 else "ahead of the position"
-            said.append(
-                f"The velocity of the controller's damping is {size} {way}, less than a sample. "
-                "The fit accounts for it: an inertia below kd times a sample is not told from it."
-            )
+    for i, term in enumerate(fitted.terms):
+        if isinstance(term, Timing):
+            (time,), k = term.shape, fitted.layout.numbers(i).start
+            error = float(np.sqrt(max(0.0, cov[k, k])))
+            if abs(time) > _BEYOND * error:
+                said.append(term.says(f"{1e3 * abs(time):.2g} +- {1e3 * error:.1g} ms"))
     return tuple(said)
 
 

@@ -23,7 +23,8 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import ripened, unripe
-from frictionjoint.identify.terms import EffectTerm, Term, Timing
+from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
 
 # further searches from where the first one led: each follows where the last was clearly nearer

@@ -44,4 +44,5 @@ EFFECT = Effect(
     drive=changed,
     controller=figures,
     drive_shapes=_delays,
+    delays_target=True,
 )

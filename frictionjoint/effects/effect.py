@@ -58,6 +58,7 @@ class Effect:
             motor's circuit is closed.
         on_motor: it stands between the drive and the motor's torque.
         delays: its shape number is a time by which the drive is logged early, s.
+        delays_target: it is a time by which a controller gets its target late, s.
         is_inertia: its coefficient adds to the joint's inertia.
         acts: what it is in a simulation: a torque of the callback, a joint and its springs, or a
             delay of the joint's sensors.
@@ -103,6 +104,7 @@ class Effect:
     opposes_voltage: bool = False
     on_motor: bool = False
     delays: bool = False
+    delays_target: bool = False
     is_inertia: bool = False
     of_speed: bool = False
     plain: tuple[Plain, ...] = ()

@@ -26,11 +26,12 @@ from frictionjoint.identify.terms import (
     DriveTerm,
     EffectTerm,
     Term,
-    Timing,
     age_of,
+    changing_drive,
     delay_of,
     drive_changes,
 )
+from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import side_by_side, threads_here
 
 # how far a term's shape number may move in one search, over itself
@@ -192,10 +193,10 @@ class Balance:
         found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
             for j, (x, reach) in enumerate(reaches(term, self.span)):
-                if isinstance(term, DriveTerm):
+                if isinstance(term, DriveTerm | TargetTiming):
                     found.append(self._drive_move(terms, k, j, i))
                     continue
-                if isinstance(term, Timing) and j:
+                if isinstance(term, VelocityAge):
                     found.append(-self._damping_rate(terms, i))
                     continue
                 if term.delay or not term.coefficients:
@@ -215,9 +216,9 @@ class Balance:
 
     def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
         """By number j of term k, an effect of the drive, shape (n,)."""
-        x = terms[k].free_shape[j]
-        h = _STEP * abs(x) or _STEP
-        moved = terms[k].with_shape(_with(terms[k].free_shape, j, x + h))
+        term, x = terms[k], terms[k].free_shape[j]
+        h = _STEP * (term.sample if isinstance(term, Timing) else abs(x) or 1.0)
+        moved = term.with_shape(_with(term.free_shape, j, x + h))
         changed = (*terms[:k], moved, *terms[k + 1 :])
         there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
         return np.asarray((self._target(terms, i) - there) / h)
@@ -284,7 +285,7 @@ def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
 
 def _changes(terms: tuple[Term, ...]) -> tuple[object, ...]:
     """What makes the drive what it is."""
-    return tuple(id_of(t) for t in terms if isinstance(t, DriveTerm))
+    return tuple(id_of(t) for t in changing_drive(terms))
 
 
 def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:

@@ -10,8 +10,11 @@ from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Drive
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import Term, Timing
+from frictionjoint.identify.terms import Term
+from frictionjoint.identify.timing import Timing
 
+# of what is left, torque below which a parameter moves nothing
+_NOTHING = 1e-3
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
 
@@ -118,21 +121,34 @@ class Fit:
         return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.error_unit
 
     @property
+    def _moving(self) -> NDArray[np.bool_]:
+        """Parameters off their bounds that move what is left, as far as one search may, shape (p,).
+
+        Those of a law that has no level move next to nothing, in whatever direction that is.
+        """
+        reach = np.maximum(np.abs(self.low), np.abs(self.high))
+        size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
+        moves = np.zeros(len(size))
+        moves[size > 0.0] = (size * reach)[size > 0.0]
+        left = float(np.linalg.norm(self.residual * self.weight))
+        return np.asarray(~self.bound & (moves > _NOTHING * left))
+
+    @property
     def open(self) -> NDArray[np.bool_]:
         """Parameters that can still move in both directions, shape (p,).
 
         A time at the end of its sample, which is no longer one of sampling, cannot.
         """
-        found = ~self.bound
+        found = self._moving
         for i, term in enumerate(self.terms):
             if isinstance(term, Timing):
-                found[self.layout.numbers(i)] &= ~np.array(term.at_ends)
+                found[self.layout.numbers(i)] &= not term.at_its_end
         return found
 
     @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can still move in both directions, shape (n, free)."""
-        return with_load(self.jacobian, self.layout)[:, ~self.bound]
+        return with_load(self.jacobian, self.layout)[:, self._moving]
 
     @property
     def friction(self) -> Array:

@@ -24,7 +24,8 @@ from frictionjoint.identify.of_load import less_load, with_load, with_sizes
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, Timing
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.timing import DriveTiming, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import one_thread
 
 # fraction of a range within which a search has arrived at the range's end
@@ -51,17 +52,23 @@ def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
 
 
 def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
-    """The terms, and when in a sample a torque belongs to its position where no effect says so.
+    """The terms, and the times within a sample that the logs leave open beside them.
 
-    A controller holds its torque from one tick to the next, and channels are read one after the
-    other: a property of a log, never quite known. Where an inertia is searched for, the age of a
-    controller's velocity is taken as nothing: the two are one to a log.
+    When a measured drive belongs to its position, or a command to its target, is one where no
+    effect says so: channels are read one after the other. Of a target with a delay of its own, it
+    is when the drive acts, in ticks. Where an inertia is searched for, the
+    age of a controller's velocity is taken as nothing: the two are one to a log.
     """
-    if any(isinstance(t, Timing) or t.delay or _delays(t) for t in terms):
+    if any(isinstance(t, Timing) for t in terms):
         return terms
-    aged = prepared.ages and not any(_holds_inertia(t) for t in terms)
-    most = min(s.sample for s in prepared.segments)
-    return (*terms, Timing(most, (0.0, 0.0) if aged else (0.0,)))
+    sample = min(s.sample for s in prepared.segments)
+    found: list[Timing] = []
+    if not any(t.delay or _delays(t) for t in terms):
+        of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
+        found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
+    if prepared.ages and not any(_holds_inertia(t) for t in terms):
+        found.append(VelocityAge(sample))
+    return (*terms, *found)
 
 
 def _ends(layout: Layout, k: int) -> tuple[int, int]:
@@ -77,6 +84,10 @@ def _holds_inertia(term: Term) -> bool:
 
 def _delays(term: Term) -> bool:
     return isinstance(term, EffectTerm) and term.effect.delays
+
+
+def _delays_target(term: Term) -> bool:
+    return isinstance(term, EffectTerm) and term.effect.delays_target
 
 
 @one_thread

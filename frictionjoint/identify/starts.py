@@ -14,7 +14,8 @@ from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, t
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.terms import Term, Timing
+from frictionjoint.identify.terms import Term
+from frictionjoint.identify.timing import VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import one_thread, side_by_side
 
@@ -70,7 +71,7 @@ def with_age(prepared: Prepared, made: Callable[[Prepared], Fit]) -> tuple[Prepa
     Then it is none of sampling: the inertia is wrong by more than such an age may stand for.
     """
     found = made(prepared)
-    if any(any(t.at_ends[1:]) for t in found.terms if isinstance(t, Timing)):
+    if any(t.at_its_end for t in found.terms if isinstance(t, VelocityAge)):
         prepared = replace(prepared, ageless=True)
         found = made(prepared)
     return prepared, found

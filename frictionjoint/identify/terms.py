@@ -1,7 +1,7 @@
 """Terms that a fit can add to the friction law: what a term offers, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -11,9 +11,7 @@ from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
-
-# of a sample, from which on a delay may be an effect
-_LATE = 0.9
+from frictionjoint.identify.timing import TargetTiming, VelocityAge
 
 
 class Term(Protocol):
@@ -153,9 +151,18 @@ class DriveTerm(EffectTerm):
         return np.zeros((len(signals), 0))
 
 
+def changing_drive(terms: tuple[Term, ...]) -> list[DriveTerm | TargetTiming]:
+    """Those that change what a controller makes of its commands."""
+    return [
+        t
+        for t in terms
+        if isinstance(t, DriveTerm) or (isinstance(t, TargetTiming) and any(t.shape))
+    ]
+
+
 def drive_changes(terms: tuple[Term, ...]) -> list[Change]:
-    """What the effects of the drive among terms make of a controller, one after the other."""
-    return [t.change for t in terms if isinstance(t, DriveTerm)]
+    """What these make of a controller, one after the other."""
+    return [t.change for t in changing_drive(terms)]
 
 
 def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
@@ -166,67 +173,9 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
 
 
-@dataclass(frozen=True)
-class Timing:
-    """When in a sample a log's torque belongs to its position: no effect, but never quite known.
-
-    Nor is when in it a controller with a damping read the velocity, if the drive is what that made
-    of commands: one that is late is an acceleration, and no inertia.
-
-    Attributes:
-        most: s, one sample; a delay that is longer is the effect `measurement-delay`.
-        shape: the delay, and the age of the velocity where there is one.
-    """
-
-    most: float
-    shape: tuple[float, ...] = (0.0,)
-    name: ClassVar[str] = "timing"
-    coefficients: ClassVar[tuple[str, ...]] = ()
-    follows_law: ClassVar[bool] = False
-    opposes_voltage: ClassVar[bool] = False
-
-    @property
-    def delay(self) -> float:
-        """See `EffectTerm`."""
-        return self.shape[0]
-
-    @property
-    def age(self) -> float:
-        """Of the velocity that the controller read, s."""
-        return sum(self.shape[1:])
-
-    @property
-    def at_ends(self) -> tuple[bool, ...]:
-        """Which of its times are at the end of their sample: no longer ones of sampling."""
-        return tuple(abs(x) > _LATE * self.most for x in self.shape)
-
-    @property
-    def at_its_end(self) -> bool:
-        """Whether the delay is."""
-        return self.at_ends[0]
-
-    @property
-    def free_shape(self) -> tuple[float, ...]:
-        """The delay and the age, s."""
-        return self.shape
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], ...]:
-        """One sample in each direction."""
-        return ((-self.most, self.most),) * len(self.shape)
-
-    def with_shape(self, shape: tuple[float, ...]) -> "Timing":
-        """The same with another delay."""
-        return replace(self, shape=shape)
-
-    def columns(self, segment: Segment, signals: Array) -> Array:
-        """None: it moves the drive."""
-        return np.zeros((len(signals), 0))
-
-
 def age_of(terms: tuple[Term, ...]) -> float:
-    """Of the velocity that a controller read, s, see `Timing`."""
-    return sum(t.age for t in terms if isinstance(t, Timing))
+    """Of the velocity that a controller read, s."""
+    return sum(t.shape[0] for t in terms if isinstance(t, VelocityAge))
 
 
 def delay_of(terms: tuple[Term, ...]) -> float:

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.closed_loop import Course, changes_of, joint_model
+from frictionjoint.diagnose.closed_loop import Course, joint_model
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.terms import drive_changes
 from frictionjoint.simulate.one_joint import simulate
 from frictionjoint.threads import side_by_side
 
@@ -22,7 +23,7 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
     Args:
         window_s: s between restarts from the measured motion; None: whole logs.
     """
-    model, changes = joint_model(fitted), changes_of(fitted)
+    model, changes = joint_model(fitted), drive_changes(fitted.terms)
 
     def one(course: Course) -> Array:
         run = course.changed(changes)

@@ -12,7 +12,8 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import EffectTerm, Timing
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.timing import DriveTiming, Timing
 
 # unit of the prior, in standard errors of the balance: those leave out what is wrong in every log
 # alike
@@ -132,8 +133,8 @@ class Vector:
         high += list(most_law)
         for term in self.fitted.terms:
             limits, scale = shape_limits(term), _LEAST_SCALE
-            if isinstance(term, Timing):  # a simulation knows no torque before its cause
-                limits, scale = ((0.0, 0.05), *limits[1:]), 0.0
+            if isinstance(term, DriveTiming):  # a simulation knows no torque before its cause
+                limits, scale = ((0.0, 0.05),), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):
                 low.append(max(least, scale * x) if least == 0.0 else least)
                 high.append(most)

@@ -20,7 +20,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit, law_alone, with_age
-from frictionjoint.identify.terms import EffectTerm, Timing
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.timing import Timing
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.along import Along

@@ -1,16 +1,23 @@
-"""A controller's damping, by a velocity that it read within a sample: no inertia of the joint."""
+"""Times within a sample that no log tells: they pass for no inertia and no friction."""
 
 import mujoco
 import numpy as np
+import pytest
 
 from frictionjoint.control.controller import Controller
+from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import start_of
 from frictionjoint.identify.search import timed
-from frictionjoint.identify.terms import EffectTerm, Timing, age_of
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm, age_of
+from frictionjoint.identify.timing import TargetTiming, VelocityAge
 from frictionjoint.measured.log import JointLog
+from frictionjoint.rivals import StaticParameters
 
 PD = Controller(output="torque_nm", kp=25.0, kd=0.8)
 # s: of a plant, whose controller ticks with it
@@ -21,8 +28,12 @@ MODEL = """<mujoco><compiler angle="radian"/><option timestep="0.002"/><worldbod
 LINES = ((0.5, 0.7), (0.2, 2.3), (0.1, 3.7))
 
 
-def led(seed: int, seconds: float = 10.0) -> JointLog:
-    """The joint led along sines by its controller; targets and positions are logged."""
+def led(seed: int, seconds: float = 10.0, every: int = 1, held: bool = False) -> JointLog:
+    """The joint led along sines by its controller; targets and positions are logged.
+
+    Args:
+        every: how many ticks a row. held: whether a target is held from row to row.
+    """
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
@@ -32,11 +43,15 @@ def led(seed: int, seconds: float = 10.0) -> JointLog:
         a * np.sin(2.0 * np.pi * f * time + p) for (a, f), p in zip(LINES, phases, strict=True)
     ]
     target, position = np.sum(lines, axis=0), np.empty_like(time)
+    if held:
+        target = np.repeat(target[::every], every)[: len(time)]
     for k in range(len(time)):
         position[k] = data.qpos[0]
         data.qfrc_applied[0] = PD.kp * (target[k] - data.qpos[0]) - PD.kd * data.qvel[0]
         mujoco.mj_step(model, data)
     position += 2e-5 * rng.standard_normal(len(time))
+    rows = slice(None, None, every)
+    time, position, target = time[rows], position[rows], target[rows]
     return JointLog(name=f"log{seed}", joint="j", time=time, position=position, target=target)
 
 
@@ -50,9 +65,22 @@ def test_a_velocity_that_is_late_is_no_inertia():
 
 def test_an_inertia_that_is_searched_for_is_beside_no_age():
     prepared = prepare([led(1, 3.0)], RigidBody(MODEL, "j"), controller=PD)
-    (alone,) = timed(prepared, ())
-    assert isinstance(alone, Timing)
-    assert len(alone.shape) == 2
+    assert [type(t) for t in timed(prepared, ())] == [TargetTiming, VelocityAge]
     inertia = EffectTerm(next(e for e in CATALOGUE if e.is_inertia))
-    _, beside = timed(prepared, (inertia,))
-    assert len(beside.shape) == 1
+    assert [type(t) for t in timed(prepared, (inertia,))[1:]] == [TargetTiming]
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["held", "moves on"])
+def test_a_target_between_the_rows_of_a_log_is_no_viscous_friction(held):
+    """Half a row of 10 ms late, kp times that would be 0.125 N m s/rad: more than half of it."""
+    logs = [led(seed, every=5, held=held) for seed in (1, 2)]
+    prepared = prepare(logs, RigidBody(MODEL, "j"), controller=PD)
+    found = fit(prepared, forms=(ConstraintShape(start_of(StaticParameters)),))
+    assert found.coefficient("sigma2") == pytest.approx(0.2, abs=0.02)
+    (timing,) = [t for t in found.terms if isinstance(t, TargetTiming)]
+    # MuJoCo's position is half a tick ahead of what a held torque makes it
+    expected = -0.5 * (TICK if held else timing.sample)
+    assert timing.shape[0] == pytest.approx(expected, abs=0.03 * timing.sample)
+    cov = np.zeros([found.jacobian.shape[1]] * 2)
+    (said,) = [note for note in timing_note(found, cov) if "Targets" in note]
+    assert "ms earlier than if each was held until the next" in said

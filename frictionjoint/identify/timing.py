@@ -1,0 +1,128 @@
+"""Times within a sample that a log leaves open: no effects, but never quite known."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.segment import Segment
+
+# of a sample, from which on a time may be an effect's
+_LATE = 0.9
+
+
+@dataclass(frozen=True)
+class Timing:
+    """A time that a fit finds along with the law, see `terms.Term`.
+
+    Attributes:
+        sample: s, of the log. shape: the time, s.
+    """
+
+    sample: float
+    shape: tuple[float, ...] = (0.0,)
+    name: ClassVar[str] = "timing"
+    coefficients: ClassVar[tuple[str, ...]] = ()
+    follows_law: ClassVar[bool] = False
+    opposes_voltage: ClassVar[bool] = False
+
+    @property
+    def delay(self) -> float:
+        """See `EffectTerm`."""
+        return 0.0
+
+    @property
+    def at_its_end(self) -> bool:
+        """Whether it is as long as its sample: no longer a time of sampling."""
+        return abs(self.shape[0]) > _LATE * self.sample
+
+    @property
+    def free_shape(self) -> tuple[float, ...]:
+        """The time, s."""
+        return self.shape
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """One sample in each direction."""
+        return ((-self.sample, self.sample),)
+
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
+        """The same with another time."""
+        return replace(self, shape=shape)
+
+    def columns(self, segment: Segment, signals: Array) -> Array:
+        """None: it moves the drive."""
+        return np.zeros((len(signals), 0))
+
+    def says(self, size: str) -> str:
+        """What a reader must know of it.
+
+        Args:
+            size: the time in words, without its sign.
+        """
+        raise NotImplementedError
+
+
+class DriveTiming(Timing):
+    """By how much a measured drive was read before the position; longer: `measurement-delay`."""
+
+    name = "timing of the drive"
+
+    @property
+    def delay(self) -> float:
+        """See `EffectTerm`."""
+        return self.shape[0]
+
+    def says(self, size: str) -> str:
+        """See `Timing`. A delay T within a sample turns an inertia into a viscosity, J w^2 T."""
+        leads = "torque" if self.shape[0] > 0.0 else "position"
+        return (
+            f"Position and torque are offset by {size} ({leads} leads), less than a sample, "
+            "e.g. because a controller holds its torque between ticks. The fit accounts for it."
+        )
+
+
+class TargetTiming(Timing):
+    """By how much a target acts later than if the log's are held until the next, in a sample.
+
+    One that moves on evenly acts half a sample before; one that acts much later has the effect
+    `command-delay`. The controller's position is that of the log: were the whole drive moved, kp
+    times that would pass for viscous friction.
+    """
+
+    name = "timing of the target"
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """From one that moves on evenly to a sample late."""
+        return ((-0.5 * self.sample, self.sample),)
+
+    def change(self, block: Array, delay: float) -> tuple[Array, float]:
+        """See `DriveTerm`."""
+        return block, delay + self.shape[0]
+
+    def says(self, size: str) -> str:
+        """See `Timing`."""
+        if self.shape[0] < 0.0:
+            what = f"{size} earlier than if each was held until the next: they move on in between"
+        else:
+            what = f"{size} after they were logged, less than a sample"
+        return f"Targets act {what}. The fit accounts for it."
+
+
+class VelocityAge(Timing):
+    """How old a velocity was that a controller's damping read.
+
+    Of a drive that was made of commands: what is late by it is an acceleration, and no inertia.
+    """
+
+    name = "age of the velocity"
+
+    def says(self, size: str) -> str:
+        """See `Timing`."""
+        way = "old" if self.shape[0] > 0.0 else "ahead of the position"
+        return (
+            f"The velocity of the controller's damping is {size} {way}, less than a sample. "
+            "The fit accounts for it: an inertia below kd times a sample is not told from it."
+        )

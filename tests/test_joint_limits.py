@@ -1,0 +1,88 @@
+"""Logs of a joint that reaches the limits of its MJCF: what a limit gives no log tells."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from frictionjoint import close_loop
+from frictionjoint.identify.matching import check_logs
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+
+LOSS, LIMIT = 0.3, 0.55
+MODEL = """
+<mujoco><compiler angle="radian"/><worldbody><body>
+<joint name="j" axis="0 1 0" armature="0.02" {}/>
+<inertial pos="0 0 -0.1" mass="1" diaginertia="4e-3 4e-3 1e-3"/>
+</body></worldbody><actuator><motor joint="j"/></actuator></mujoco>"""
+RANGE = 'range="{} {}" limited="true"'
+BELIEVED = MODEL.format(RANGE.format(-LIMIT, LIMIT))
+TRUE = MODEL.format(RANGE.format(-LIMIT, LIMIT) + f' damping="0.2" frictionloss="{LOSS}"')
+
+
+def pressed(seed: int, seconds: float = 10.0) -> JointLog:
+    """The joint led along sines that go beyond its range, its torque logged."""
+    rng = np.random.default_rng(seed)
+    model = mujoco.MjModel.from_xml_string(TRUE)
+    data = mujoco.MjData(model)
+    n = int(seconds / model.opt.timestep)
+    t, q, torque = np.zeros((3, n))
+    f, phase = np.array([0.35, 1.3, 3.1]), rng.uniform(0.0, 6.28, 3)
+    for k in range(n):
+        goal = float(np.sum([0.5, 0.2, 0.08] * np.sin(2.0 * np.pi * f * data.time + phase)))
+        data.ctrl[0] = 25.0 * (goal - data.qpos[0]) - 0.8 * data.qvel[0]
+        t[k], q[k], torque[k] = data.time, data.qpos[0], data.ctrl[0]
+        mujoco.mj_step(model, data)
+    torque += 0.02 * rng.standard_normal(n)
+    return JointLog(name=f"log{seed}", joint="j", time=t, position=q, torque=torque)
+
+
+def swinging(reach: float) -> JointLog:
+    t = np.arange(0.0, 10.0, 0.005)
+    q = reach * np.sin(3.0 * t)
+    return JointLog(name="log", joint="j", time=t, position=q, torque=np.zeros_like(t))
+
+
+def test_torque_against_a_limit_is_neither_friction_nor_a_drive_that_saturates():
+    report = close_loop([pressed(1)], BELIEVED, "j", [pressed(3)])
+    assert not report.added
+    assert not report.unexplained
+    assert report.final["Fc_pos"].value == pytest.approx(LOSS, rel=0.02)
+    (said,) = [note for note in report.notes if "end of its range" in note]
+    assert "-0.55 to 0.55 rad" in said
+    assert "left out" in said
+
+
+def test_samples_at_a_limit_and_close_by_do_not_count():
+    body, log = RigidBody(BELIEVED, "j"), pressed(1)
+    at = body.at_limit(log.position)
+    assert 0.05 < at.mean() < 0.4
+    (segment,) = prepare([log], body).segments
+    (free,) = prepare([log], RigidBody(MODEL.format(""), "j")).segments
+    there = np.abs(np.interp(segment.signals[:, 0], log.time, log.position)) >= LIMIT
+    assert there.any()
+    assert not segment.mask[there].any()
+    lost = free.mask & ~segment.mask
+    assert lost.sum() > there.sum()
+
+
+@pytest.mark.parametrize(
+    ("reach", "stands", "said"),
+    [
+        (0.5, False, None),
+        (0.56, True, "left out"),
+        (0.9, False, "It moves up to 0.35 rad beyond: there the range is taken as wrong."),
+    ],
+)
+def test_a_joint_that_moves_far_beyond_a_limit_does_not_meet_it(reach, stands, said):
+    body, log = RigidBody(BELIEVED, "j"), swinging(reach)
+    assert body.at_limit(log.position).any() == stands
+    notes = [note for note in check_logs([log], body) if "end of its range" in note]
+    assert bool(notes) == (said is not None)
+    assert all(said in note for note in notes)
+
+
+def test_a_joint_without_limits_stands_at_none():
+    body = RigidBody(MODEL.format(""), "j")
+    assert not body.at_limit(np.array([-1e9, 0.0, 1e9])).any()
