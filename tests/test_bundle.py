@@ -48,7 +48,7 @@ def logs() -> Prepared:
 
 
 def search(logs, terms, shape):
-    found = Search(logs, timed(logs, terms), shape)
+    found = Search(logs, timed(logs, terms, shape), shape)
     return found, found.vector(shape.grid(found.vmax, found.balance.span)[2])
 
 

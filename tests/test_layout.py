@@ -97,10 +97,10 @@ def test_of_a_voltage_viscous_friction_is_told_only_where_the_motor_is_let_go(lo
 
 
 def test_the_timing_of_a_log_is_always_allowed_for_once(logs):
-    (timing,) = timed(logs, ())
+    (timing,) = timed(logs, (), INTEGRATED[0])
     assert timing.sample == logs.segments[0].sample
-    assert timed(logs, (SPRING, timing)) == (SPRING, timing)
-    assert timed(logs, (DELAY,)) == (DELAY,), "a delay found says when, too"
+    assert timed(logs, (SPRING, timing), INTEGRATED[0]) == (SPRING, timing)
+    assert timed(logs, (DELAY,), INTEGRATED[0]) == (DELAY,), "a delay found says when, too"
 
 
 # The plants' controller holds its torque for a millisecond.

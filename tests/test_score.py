@@ -32,7 +32,7 @@ def test_each_of_three_logs_is_left_by_what_is_fitted_to_the_two_others(three_lo
         others = three_logs.subset([k for k in range(3) if k != i])
         rest = refit(others, (), fitted.shape, ROUGH)
         # coefficients of the two, on the columns of the third
-        search = Search(three_logs.subset([i]), timed(others, rest.terms), rest.shape)
+        search = Search(three_logs.subset([i]), timed(others, rest.terms, rest.shape), rest.shape)
         X, y = search.balance.columns(rest.shape, rest.terms)
         left += float(np.sum((y - X @ rest.beta) ** 2))
     assert found == pytest.approx(left, rel=0.02)

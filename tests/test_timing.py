@@ -13,6 +13,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import start_of
 from frictionjoint.identify.search import timed
+from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, age_of
 from frictionjoint.identify.timing import TargetTiming, VelocityAge
@@ -65,9 +66,9 @@ def test_a_velocity_that_is_late_is_no_inertia():
 
 def test_an_inertia_that_is_searched_for_is_beside_no_age():
     prepared = prepare([led(1, 3.0)], RigidBody(MODEL, "j"), controller=PD)
-    assert [type(t) for t in timed(prepared, ())] == [TargetTiming, VelocityAge]
+    assert [type(t) for t in timed(prepared, (), INTEGRATED[0])] == [TargetTiming, VelocityAge]
     inertia = EffectTerm(next(e for e in CATALOGUE if e.is_inertia))
-    assert [type(t) for t in timed(prepared, (inertia,))[1:]] == [TargetTiming]
+    assert [type(t) for t in timed(prepared, (inertia,), INTEGRATED[0])[1:]] == [TargetTiming]
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "moves on"])

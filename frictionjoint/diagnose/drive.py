@@ -137,7 +137,7 @@ def _best_of_each_form(
     """
 
     def begun(term: DriveTerm) -> Place:
-        search = Search(coarse, timed(coarse, (*beside, term)), start.shape)
+        search = Search(coarse, timed(coarse, (*beside, term), start.shape), start.shape)
         x = search.start
         return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
 

@@ -93,6 +93,11 @@ class Bundle(Generic[_Log]):
         """Torque of the rigid body, N m, and velocity, rad/s, as the balance keeps them, (m, 2)."""
         return self.kept(np.stack([self.row(LOAD), self.velocity]))
 
+    @cached_property
+    def rate(self) -> Array:
+        """Acceleration as the balance keeps it, rad/s^2, shape (m,)."""
+        return self.kept(self.row(A)[None])[:, 0]
+
     def balanced(self, spectra: Spectra, delay: float = 0.0, derivative: int = 0) -> Array:
         """Drives as they were `delay` seconds before each sample that the balance keeps, (m,)."""
         return np.asarray(self._filters.back(spectra, derivative, delay)[0, self._kept])

@@ -35,6 +35,7 @@ class ConstraintShape:
 
     variables = ("excess", "log Vs", "delta", "log V0 of v + lead a", "log lead")
     damped = False
+    steps = True
 
     def vector(self) -> Array:
         """See `Shape`."""

@@ -28,10 +28,11 @@ from frictionjoint.identify.terms import (
     Term,
     age_of,
     changing_drive,
+    damping_age_of,
     delay_of,
     drive_changes,
 )
-from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
+from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import side_by_side, threads_here
 
 # how far a term's shape number may move in one search, over itself
@@ -97,6 +98,9 @@ class Balance:
     def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
         """Of the logs of a part; so are all that follow."""
         known, names = self._parts[i].load_and_velocity, self.layout.base
+        age = damping_age_of(terms)
+        if age:
+            known = known - np.outer(self._parts[i].rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
         parts.append(self._get(("law", i, law), partial(self._law, law, i)))
         for term in terms:
@@ -195,6 +199,10 @@ class Balance:
             for j, (x, reach) in enumerate(reaches(term, self.span)):
                 if isinstance(term, DriveTerm | TargetTiming):
                     found.append(self._drive_move(terms, k, j, i))
+                    continue
+                if isinstance(term, DampingAge):
+                    at = self.layout.at("sigma2")
+                    found.append(-(0.0 if at is None else beta[at]) * self._parts[i].rate)
                     continue
                 if isinstance(term, VelocityAge):
                     found.append(-self._damping_rate(terms, i))

@@ -68,6 +68,8 @@ class RivalShape:
     numbers: tuple[float, ...]
     least_rate: float = 0.1
 
+    steps = False
+
     @property
     def variables(self) -> tuple[str, ...]:
         """See `Shape`."""

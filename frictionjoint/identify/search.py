@@ -25,7 +25,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
-from frictionjoint.identify.timing import DriveTiming, TargetTiming, Timing, VelocityAge
+from frictionjoint.identify.timing import DampingAge, DriveTiming, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import one_thread
 
 # fraction of a range within which a search has arrived at the range's end
@@ -51,7 +51,7 @@ def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
     return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
 
 
-def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term, ...]:
     """The terms, and the times within a sample that the logs leave open beside them.
 
     When a measured drive belongs to its position, or a command to its target, is one where no
@@ -66,8 +66,8 @@ def timed(prepared: Prepared, terms: tuple[Term, ...]) -> tuple[Term, ...]:
     if not any(t.delay or _delays(t) for t in terms):
         of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
         found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
-    if prepared.ages and not any(_holds_inertia(t) for t in terms):
-        found.append(VelocityAge(sample))
+    if (prepared.ages or law.steps) and not any(_holds_inertia(t) for t in terms):
+        found.append(VelocityAge(sample) if prepared.ages else DampingAge(sample))
     return (*terms, *found)
 
 
@@ -105,7 +105,7 @@ def refit(
         closeness: fraction of the squares by which the last step may still lower them.
         steps: at most.
     """
-    search = Search(prepared, timed(prepared, terms), start)
+    search = Search(prepared, timed(prepared, terms, start), start)
     found = search.result(search.run(search.start, steps, closeness).x)
     return with_parts(prepared, found, steps, closeness)
 
@@ -125,8 +125,7 @@ def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -
     """Of some shapes of a law the one that leaves least beside some terms as they are."""
     if len(laws) == 1:
         return laws[0]
-    whole = timed(prepared, terms)
-    searches = [Search(prepared, whole, law) for law in laws]
+    searches = [Search(prepared, timed(prepared, terms, law), law) for law in laws]
     left = [search.squares(search.start) for search in searches]
     return laws[int(np.argmin(left))]
 

@@ -31,6 +31,10 @@ class Shape(Protocol):
     def damped(self) -> bool:
         """Whether the law has the presliding damping sigma1."""
 
+    @property
+    def steps(self) -> bool:
+        """Whether it is a simulation's own, whose steps its logs show."""
+
     def with_damping(self) -> Self | None:
         """This shape damped, None where it is already or never is."""
 
@@ -139,6 +143,7 @@ class IntegratedShape:
     damped: bool = False
 
     variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
+    steps = False
 
     def vector(self) -> Array:
         """See `Shape`."""

@@ -100,7 +100,7 @@ def unripe(
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Place]:
     """All starts of a law in a coarse look, with what the rest comes to there, best first."""
-    terms = timed(prepared, terms)
+    terms = timed(prepared, terms, forms[0])
     coarse = prepared.thinned(_COARSE)
 
     def tried(form: Shape) -> list[Place]:

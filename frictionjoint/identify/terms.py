@@ -11,7 +11,7 @@ from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.timing import TargetTiming, VelocityAge
+from frictionjoint.identify.timing import DampingAge, TargetTiming, VelocityAge
 
 
 class Term(Protocol):
@@ -176,6 +176,11 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
 def age_of(terms: tuple[Term, ...]) -> float:
     """Of the velocity that a controller read, s."""
     return sum(t.shape[0] for t in terms if isinstance(t, VelocityAge))
+
+
+def damping_age_of(terms: tuple[Term, ...]) -> float:
+    """Of the velocity that viscous friction goes with, s."""
+    return sum(t.shape[0] for t in terms if isinstance(t, DampingAge))
 
 
 def delay_of(terms: tuple[Term, ...]) -> float:

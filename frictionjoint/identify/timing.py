@@ -126,3 +126,26 @@ class VelocityAge(Timing):
             f"The velocity of the controller's damping is {size} {way}, less than a sample. "
             "The fit accounts for it: an inertia below kd times a sample is not told from it."
         )
+
+
+class DampingAge(Timing):
+    """How old the velocity is that viscous friction goes with, in the log of a simulation.
+
+    Its damping acts at the end of a step, or at the begin; a log has its middle.
+    """
+
+    name = "age of the damping"
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], ...]:
+        """Half a sample in each direction: a step is no longer than that."""
+        return ((-0.5 * self.sample, 0.5 * self.sample),)
+
+    def says(self, size: str) -> str:
+        """See `Timing`."""
+        way = "old" if self.shape[0] > 0.0 else "ahead of the position"
+        return (
+            f"Viscous friction goes with a velocity that is {size} {way}, as in the steps of a "
+            "simulation. The fit accounts for it: an inertia below its coefficient times half a "
+            "sample is not told from it."
+        )
