@@ -1,5 +1,7 @@
 """Times within a sample that no log tells: they pass for no inertia and no friction."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -19,6 +21,9 @@ from frictionjoint.identify.terms import EffectTerm, age_of
 from frictionjoint.identify.timing import TargetTiming, VelocityAge
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import StaticParameters
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.inertia import of_model
+from frictionjoint.robot.joint import first_fit
 
 PD = Controller(output="torque_nm", kp=25.0, kd=0.8)
 # s: of a plant, whose controller ticks with it
@@ -85,3 +90,21 @@ def test_a_target_between_the_rows_of_a_log_is_no_viscous_friction(held):
     cov = np.zeros([found.jacobian.shape[1]] * 2)
     (said,) = [note for note in timing_note(found, cov) if "Targets" in note]
     assert "ms earlier than if each was held until the next" in said
+
+
+def test_a_velocity_has_its_age_again_when_what_was_missing_is_known(tmp_path):
+    """Without the link's mass no age within a sample will do; with it, a rotor would make up."""
+    true, believed = tmp_path / "true.xml", tmp_path / "believed.xml"
+    true.write_text(MODEL)
+    believed.write_text(
+        MODEL.replace('mass="1" diaginertia="4e-3 4e-3', 'mass="0.3" diaginertia="1e-3 1e-3')
+    )
+    joint = first_fit([led(1), led(2)], believed, "j", None, PD)
+    known = of_model(mujoco.MjModel.from_xml_path(str(true)))[1]
+    right = joint.corrected(Corrections.none(joint.alongs[0].model).with_body(1, known))
+    assert joint.prepared.ageless
+    for found in (right.refitted(), right.refitted(anew=True)):
+        (age,) = [t for t in found.fit.terms if isinstance(t, VelocityAge)]
+        assert 0.0 < abs(age.shape[0]) < 0.9 * TICK
+    rotor = joint.corrected(replace(right.alongs[0].state, armature={"j": 0.03})).refitted()
+    assert not any(isinstance(t, VelocityAge) for t in rotor.fit.terms)

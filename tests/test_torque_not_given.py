@@ -8,7 +8,7 @@ import pytest
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.outcome import _without_unnamed
-from frictionjoint.identify.instruments import ExcessTerm, MissingTerm
+from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, as_given
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from tests.three_sines import INERTIA, A, Q, T, V, logged
@@ -73,6 +73,8 @@ def test_torque_did_not_act_where_the_motion_comes_nearer_without_it(tmp_path, n
     changed = np.flatnonzero(now != drive)
     assert bool(changed.size) == believed
     assert np.all(np.abs(now[changed]) < np.abs(drive[changed]))
+    # of logs held out the same did not act
+    assert np.array_equal(as_given(prepared, said).segments[0].drive, now)
 
 
 def with_noise(torque):
