@@ -19,8 +19,8 @@ LIMIT = next(effect for effect in DRIVE_EFFECTS if effect.name == "drive-limit")
 
 @pytest.fixture(scope="module")
 def heavier() -> Prepared:
-    """Its MJCF holds a fifth of the inertia: the link, and not what the rotor adds."""
-    return prepare([leg(5.0 * BELIEVED)], RigidBody(MODEL, "j"), controller=CONTROLLER)
+    """Its MJCF holds a tenth of the inertia: the link, and not what the rotor adds."""
+    return prepare([leg(10.0 * BELIEVED)], RigidBody(MODEL, "j"), controller=CONTROLLER)
 
 
 def test_a_drive_that_hardly_acts_explains_nothing(heavier):

@@ -99,7 +99,7 @@ def test_a_delay_that_the_balance_has_at_nothing_is_searched_too():
     fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 2)
     cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
     vector = Vector(prepared, fitted, cov, body.armature)
-    at = vector.names.index("timing 0.shape0")
+    at = vector.names.index("timing of the target 0.shape0")
     none = vector.start.copy()
     none[at] = 1e-9
     # half a tick of a firmware that works a thousand times a second

@@ -40,6 +40,8 @@ _REACH = 0.6
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
 # or a stop has none at an impact
 _STEP = 0.015
+# of a time within a sample, over that: in less, whether a sample passes a threshold is all there is
+_TIME_STEP = 0.1
 # of H along a law's tangent
 _SMALL = 1e-4
 # columns of the latest points of a search are kept: most stay from one point to the next
@@ -225,7 +227,7 @@ class Balance:
     def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
         """By number j of term k, an effect of the drive, shape (n,)."""
         term, x = terms[k], terms[k].free_shape[j]
-        h = _STEP * (term.sample if isinstance(term, Timing) else abs(x) or 1.0)
+        h = _TIME_STEP * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
         moved = term.with_shape(_with(term.free_shape, j, x + h))
         changed = (*terms[:k], moved, *terms[k + 1 :])
         there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
