@@ -102,7 +102,7 @@ def test_a_velocity_has_its_age_again_when_what_was_missing_is_known(tmp_path):
     joint = first_fit([led(1), led(2)], believed, "j", None, PD)
     known = of_model(mujoco.MjModel.from_xml_path(str(true)))[1]
     right = joint.corrected(Corrections.none(joint.alongs[0].model).with_body(1, known))
-    assert joint.prepared.ageless
+    assert VelocityAge.name in joint.prepared.nothing
     for found in (right.refitted(), right.refitted(anew=True)):
         (age,) = [t for t in found.fit.terms if isinstance(t, VelocityAge)]
         assert 0.0 < abs(age.shape[0]) < 0.9 * TICK

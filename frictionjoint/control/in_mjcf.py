@@ -9,14 +9,15 @@ from frictionjoint.errors import ParameterError
 
 IN_MJCF = "mjcf"
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-# Nm (N) over the larger, up to which the two ends of a range are one limit
+# difference of the ends of a range over the larger one, up to which they are one limit
 _ALIKE = 1e-9
 
 
 def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
     """What drives a joint in its models: kp, kv, the range of its force and its delay.
 
-    Targets are those of the joint. Through a gear g an actuator follows g times the target.
+    Targets are those of the joint: through a gear g an actuator follows g times that. Its
+    ctrlrange does not hold them.
 
     Args:
         models: of the joint under one or several loads; they have the same servo.

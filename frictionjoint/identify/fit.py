@@ -121,34 +121,28 @@ class Fit:
         return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.error_unit
 
     @property
-    def _moving(self) -> NDArray[np.bool_]:
-        """Parameters off their bounds that move what is left, as far as one search may, shape (p,).
+    def open(self) -> NDArray[np.bool_]:
+        """Parameters that can still move in both directions, shape (p,).
 
-        Those of a law that has no level move next to nothing, in whatever direction that is.
+        A time at the end of its sample, which is no longer one of sampling, cannot. And what is
+        left must move with them, as far as one search may: the numbers of a law without a level
+        move next to nothing, in whatever direction that is.
         """
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
         moves = np.zeros(len(size))
         moves[size > 0.0] = (size * reach)[size > 0.0]
-        left = float(np.linalg.norm(self.residual * self.weight))
-        return np.asarray(~self.bound & (moves > _NOTHING * left))
-
-    @property
-    def open(self) -> NDArray[np.bool_]:
-        """Parameters that can still move in both directions, shape (p,).
-
-        A time at the end of its sample, which is no longer one of sampling, cannot.
-        """
-        found = self._moving
+        found = moves > _NOTHING * float(np.linalg.norm(self.residual * self.weight))
+        found &= ~self.bound
         for i, term in enumerate(self.terms):
             if isinstance(term, Timing):
                 found[self.layout.numbers(i)] &= not term.at_its_end
-        return found
+        return np.asarray(found)
 
     @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can still move in both directions, shape (n, free)."""
-        return with_load(self.jacobian, self.layout)[:, self._moving]
+        return with_load(self.jacobian, self.layout)[:, self.open]
 
     @property
     def friction(self) -> Array:

@@ -56,8 +56,9 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
 
     When a measured drive belongs to its position, or a command to its target, is one where no
     effect says so: channels are read one after the other. Of a target with a delay of its own, it
-    is when the drive acts, in ticks. Where an inertia is searched for, the
-    age of a controller's velocity is taken as nothing: the two are one to a log.
+    is when the drive acts, in ticks. The age of a velocity, that a controller's damping has read
+    or that goes with a simulation's own, is taken as nothing where an inertia is searched for: the
+    two are one to a log.
     """
     if any(isinstance(t, Timing) for t in terms):
         return terms
@@ -66,9 +67,9 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
     if not any(t.delay or _delays(t) for t in terms):
         of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
         found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
-    if (prepared.ages or law.steps) and not any(_holds_inertia(t) for t in terms):
-        found.append(VelocityAge(sample) if prepared.ages else DampingAge(sample))
-    return (*terms, *found)
+    if (prepared.damped or law.steps) and not any(_holds_inertia(t) for t in terms):
+        found.append(VelocityAge(sample) if prepared.damped else DampingAge(sample))
+    return (*terms, *(t for t in found if t.name not in prepared.nothing))
 
 
 def _ends(layout: Layout, k: int) -> tuple[int, int]:

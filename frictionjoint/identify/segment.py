@@ -13,7 +13,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import maximum_filter1d
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
@@ -178,7 +178,7 @@ def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDAr
     So far the filter brings it.
     """
     reach = max(1, int(1.0 / (bandwidth_hz * dt)))
-    return np.asarray(~binary_dilation(unknown, iterations=reach))
+    return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))
 
 
 @dataclass(frozen=True)
@@ -193,8 +193,8 @@ class Prepared:
         band: of the filters.
         let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
             acts without back-EMF, so that the two can be distinguished.
-        ageless: the age of a velocity that a controller read is taken as nothing: the inertia is
-            one that was found in these logs, or wrong by more than such an age may stand for.
+        nothing: names of times within a sample that are taken as nothing: see `starts.with_times`,
+            or the inertia is one that was found in these logs.
     """
 
     segments: tuple[Segment, ...]
@@ -203,7 +203,7 @@ class Prepared:
     drive: Drive
     band: Band
     let_go: bool = False
-    ageless: bool = False
+    nothing: frozenset[str] = frozenset()
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -229,10 +229,9 @@ class Prepared:
         return all(s.commanded is not None for s in self.segments)
 
     @property
-    def ages(self) -> bool:
-        """Whether the age of a velocity that a controller read may stand for an inertia."""
-        damped = any(s.commanded is not None and s.commanded.damped for s in self.segments)
-        return damped and not self.ageless
+    def damped(self) -> bool:
+        """Whether a controller made the drive that damps the joint."""
+        return any(s.commanded is not None and s.commanded.damped for s in self.segments)
 
     @cached_property
     def span(self) -> float:

@@ -15,7 +15,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
-from frictionjoint.identify.timing import VelocityAge
+from frictionjoint.identify.timing import TargetTiming, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import one_thread, side_by_side
 
@@ -61,18 +61,22 @@ def law_alone(
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Prepared, Fit]:
     """Fit a law alone for the first time, with what its logs held when they began."""
-    prepared, found = with_age(prepared, lambda own: fit(own, forms=forms, progress=progress))
+    prepared, found = with_times(prepared, lambda own: fit(own, forms=forms, progress=progress))
     return reweighed(*settled(*reweighed(prepared, found)))
 
 
-def with_age(prepared: Prepared, made: Callable[[Prepared], Fit]) -> tuple[Prepared, Fit]:
-    """Logs and a fit of them, with the age of a velocity unless that comes to its end.
+def with_times(prepared: Prepared, made: Callable[[Prepared], Fit]) -> tuple[Prepared, Fit]:
+    """Logs and a fit of them, without a controller's times that come to the end of their sample.
 
-    Then it is none of sampling: the inertia is wrong by more than such an age may stand for.
+    They are none of sampling: the inertia is wrong by more than such a time may stand for, or a
+    target has a delay.
     """
     found = made(prepared)
-    if any(t.at_its_end for t in found.terms if isinstance(t, VelocityAge)):
-        prepared = replace(prepared, ageless=True)
+    ended = {
+        t.name for t in found.terms if isinstance(t, TargetTiming | VelocityAge) and t.at_its_end
+    }
+    if ended:
+        prepared = replace(prepared, nothing=prepared.nothing | ended)
         found = made(prepared)
     return prepared, found
 

@@ -19,9 +19,9 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.starts import fit, law_alone, with_age
+from frictionjoint.identify.starts import fit, law_alone, with_times
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.timing import Timing
+from frictionjoint.identify.timing import Timing, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.along import Along
@@ -96,15 +96,18 @@ class FittedJoint:
     def refitted(self, anew: bool = False) -> "FittedJoint":
         """With the law fitted again, from where it is or from everywhere."""
         # a rotor's inertia is one with the age of a velocity to the logs
-        found_rotor = self.name in self.alongs[0].state.armature
-        prepared = replace(self.prepared, ageless=found_rotor)
+        rotor = self.name in self.alongs[0].state.armature
+        nothing = frozenset({VelocityAge.name} if rotor else ())
+        prepared = replace(self.prepared, nothing=nothing)
         if anew:
-            prepared, found = with_age(prepared, lambda own: fit(own, self.beside, _DAMPED))
+            prepared, found = with_times(prepared, lambda own: fit(own, self.beside, _DAMPED))
             prepared, found = reweighed(prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
         else:
             shape = self.fit.shape
-            prepared, found = with_age(prepared, lambda own: refit(own, self.beside, shape, ROUGH))
+            prepared, found = with_times(
+                prepared, lambda own: refit(own, self.beside, shape, ROUGH)
+            )
             prepared, found = reweighed(prepared, found, ROUGH)
         levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
         beyond = unreached(found)
