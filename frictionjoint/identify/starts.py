@@ -15,7 +15,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
-from frictionjoint.identify.timing import TargetTiming, VelocityAge
+from frictionjoint.identify.timing import Timing, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import one_thread, side_by_side
 
@@ -59,22 +59,30 @@ def law_alone(
     prepared: Prepared,
     forms: Sequence[Shape] = INTEGRATED,
     progress: Callable[[str], None] = lambda text: None,
+    open_times: tuple[type[Timing], ...] = (VelocityAge,),
 ) -> tuple[Prepared, Fit]:
-    """Fit a law alone for the first time, with what its logs held when they began."""
-    prepared, found = with_times(prepared, lambda own: fit(own, forms=forms, progress=progress))
+    """Fit a law alone for the first time, with what its logs held when they began.
+
+    Args:
+        open_times: see `with_times`.
+    """
+
+    def made(own: Prepared) -> Fit:
+        return fit(own, forms=forms, progress=progress)
+
+    prepared, found = with_times(prepared, made, open_times)
     return reweighed(*settled(*reweighed(prepared, found)))
 
 
-def with_times(prepared: Prepared, made: Callable[[Prepared], Fit]) -> tuple[Prepared, Fit]:
-    """Logs and a fit of them, without a controller's times that come to the end of their sample.
+def with_times(
+    prepared: Prepared, made: Callable[[Prepared], Fit], open_times: tuple[type[Timing], ...]
+) -> tuple[Prepared, Fit]:
+    """Logs and a fit of them, without those of some times that come to the end of their sample.
 
-    They are none of sampling: the inertia is wrong by more than such a time may stand for, or a
-    target has a delay.
+    They are none of sampling: the inertia is wrong by more than such a time may stand for.
     """
     found = made(prepared)
-    ended = {
-        t.name for t in found.terms if isinstance(t, TargetTiming | VelocityAge) and t.at_its_end
-    }
+    ended = {t.name for t in found.terms if isinstance(t, open_times) and t.at_its_end}
     if ended:
         prepared = replace(prepared, nothing=prepared.nothing | ended)
         found = made(prepared)

@@ -21,7 +21,7 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit, law_alone, with_times
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.timing import Timing, VelocityAge
+from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.along import Along
@@ -29,6 +29,8 @@ from frictionjoint.robot.corrections import Corrections
 
 # as free as the law may be: what any part of it explains speaks for no cause
 _DAMPED = tuple(replace(form, damped=True) for form in INTEGRATED)
+# times that, at the end of their sample, stand for a cause that is to be seen
+_OPEN_TIMES = (TargetTiming, VelocityAge)
 
 
 @dataclass(frozen=True)
@@ -100,13 +102,15 @@ class FittedJoint:
         nothing = frozenset({VelocityAge.name} if rotor else ())
         prepared = replace(self.prepared, nothing=nothing)
         if anew:
-            prepared, found = with_times(prepared, lambda own: fit(own, self.beside, _DAMPED))
+            prepared, found = with_times(
+                prepared, lambda own: fit(own, self.beside, _DAMPED), _OPEN_TIMES
+            )
             prepared, found = reweighed(prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
         else:
             shape = self.fit.shape
             prepared, found = with_times(
-                prepared, lambda own: refit(own, self.beside, shape, ROUGH)
+                prepared, lambda own: refit(own, self.beside, shape, ROUGH), _OPEN_TIMES
             )
             prepared, found = reweighed(prepared, found, ROUGH)
         levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
@@ -143,6 +147,6 @@ def first_fit(
     check_signs(prepared)
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
-    prepared, base = law_alone(prepared, _DAMPED)
+    prepared, base = law_alone(prepared, _DAMPED, open_times=_OPEN_TIMES)
     left = base.drive_rms * base.gain
     return FittedJoint(alongs, prepared, base, base.levels, base.rms, left, unreached(base))
