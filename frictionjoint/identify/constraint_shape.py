@@ -18,9 +18,10 @@ from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import Friction
 
-# s, 1/b = dmax timeconst / 2 of the default solimp and solref, and how far others may be from it
+# s, 1/b = dmax timeconst / 2 of the default solimp and solref, and what steps of up to 5 ms leave
+# of it: a lead of any size would take up much in the logs of robots
 LEAD = 0.5 * 0.95 * 0.02
-_LEADS = (0.1 * LEAD, 5.0 * LEAD)
+_LEADS = (0.7 * LEAD, 1.05 * LEAD)
 
 
 @dataclass(frozen=True)
