@@ -28,7 +28,6 @@ from frictionjoint.identify.terms import (
     Term,
     age_of,
     changing_drive,
-    damping_age_of,
     delay_of,
     drive_changes,
 )
@@ -100,7 +99,7 @@ class Balance:
     def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
         """Of the logs of a part; so are all that follow."""
         known, names = self._parts[i].load_and_velocity, self.layout.base
-        age = damping_age_of(terms)
+        age = age_of(terms, DampingAge)
         if age:
             known = known - np.outer(self._parts[i].rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]

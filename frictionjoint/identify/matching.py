@@ -92,10 +92,10 @@ def _check_range(log: JointLog, body: RigidBody) -> None:
 
 def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
     """How much of the logs lies at a limit of the joint, or beyond it."""
-    low, high = body.limits
-    beyond = np.array([np.max(np.maximum(low - q, q - high)) for q in positions])
+    beyond = np.array([np.max(body.beyond_limits(q)) for q in positions])
     if np.all(beyond < 0.0):
         return ()
+    low, high = body.limits
     at = [body.at_limit(q) for q in positions]
     unit = "m" if body.slide else "rad"
     said = [f"The joint reaches the end of its range in the MJCF, {low:.4g} to {high:.4g} {unit}."]

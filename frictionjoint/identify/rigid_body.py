@@ -100,13 +100,18 @@ class RigidBody:
         low, high = self.model.jnt_range[j]
         return float(low) + margin, float(high) - margin
 
+    def beyond_limits(self, position: Array) -> Array:
+        """How far the joint is beyond its nearer limit, rad (m), negative inside, shape (n,)."""
+        low, high = self.limits
+        return np.maximum(low - position, position - high)
+
     def at_limit(self, position: Array) -> NDArray[np.bool_]:
         """Where the joint stands at a limit, whose torque no motion determines, shape (n,).
 
         Nowhere if it moves far beyond: then it is not this joint's, or its zero is another.
         """
         low, high = self.limits
-        beyond = np.maximum(low - position, position - high)
+        beyond = self.beyond_limits(position)
         if np.max(beyond, initial=-np.inf) > _GIVES_WAY * (high - low):
             return np.zeros(len(position), dtype=bool)
         return np.asarray(beyond >= 0.0)

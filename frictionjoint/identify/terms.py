@@ -11,7 +11,7 @@ from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.timing import DampingAge, TargetTiming, VelocityAge
+from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 
 
 class Term(Protocol):
@@ -173,14 +173,9 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
 
 
-def age_of(terms: tuple[Term, ...]) -> float:
-    """Of the velocity that a controller read, s."""
-    return sum(t.shape[0] for t in terms if isinstance(t, VelocityAge))
-
-
-def damping_age_of(terms: tuple[Term, ...]) -> float:
-    """Of the velocity that viscous friction goes with, s."""
-    return sum(t.shape[0] for t in terms if isinstance(t, DampingAge))
+def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
+    """Of the velocity that a controller read, or of one of another kind, s."""
+    return sum(t.shape[0] for t in terms if isinstance(t, kind))
 
 
 def delay_of(terms: tuple[Term, ...]) -> float:

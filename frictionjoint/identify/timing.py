@@ -121,10 +121,10 @@ class VelocityAge(Timing):
 
     def says(self, size: str) -> str:
         """See `Timing`."""
-        way = "old" if self.shape[0] > 0.0 else "ahead of the position"
         return (
-            f"The velocity of the controller's damping is {size} {way}, less than a sample. "
-            "The fit accounts for it: an inertia below kd times a sample is not told from it."
+            f"The velocity of the controller's damping is {size} {_side(self)}, less than a "
+            "sample. The fit accounts for it: an inertia below kd times a sample is not told "
+            "from it."
         )
 
 
@@ -143,9 +143,12 @@ class DampingAge(Timing):
 
     def says(self, size: str) -> str:
         """See `Timing`."""
-        way = "old" if self.shape[0] > 0.0 else "ahead of the position"
         return (
-            f"Viscous friction goes with a velocity that is {size} {way}, as in the steps of a "
-            "simulation. The fit accounts for it: an inertia below its coefficient times half a "
-            "sample is not told from it."
+            f"Viscous friction goes with a velocity that is {size} {_side(self)}, as in the steps "
+            "of a simulation. The fit accounts for it: an inertia below its coefficient times half "
+            "a sample is not told from it."
         )
+
+
+def _side(age: Timing) -> str:
+    return "old" if age.shape[0] > 0.0 else "ahead of the position"
