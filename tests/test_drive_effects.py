@@ -129,8 +129,8 @@ def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
     assert protection.effect is duty_drop.EFFECT
     assert protection.shape == pytest.approx((0.35, 0.3), rel=0.05)
     assert state.fit.drive_rms < 0.7 * wrong.drive_rms
-    # and what is right stays, in numbers that settle
-    assert not [exchange_drive(state, rng) for _ in range(4)][-1]
+    # and what is right stays
+    assert not exchange_drive(state, rng)
     assert state.fit.effects[1].effect is duty_drop.EFFECT
     assert state.fit.effects[1].shape == pytest.approx((0.35, 0.3), rel=0.05)
 

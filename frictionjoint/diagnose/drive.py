@@ -16,6 +16,7 @@ from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
@@ -101,8 +102,8 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
 def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     """Models with another effect of the drive, or a form of this one, in the place of the i-th.
 
-    Forms of this one first, then the best others. The rest of the model is as it is beside that
-    effect, not as it would bend for want of it.
+    Forms of this one first, in the order of the catalogue, then the best others. The rest of the
+    model is as it is beside that effect, not as it would bend for want of it.
     """
     own = fitted.effects
     terms = drive_terms(prepared, all_but(own, own[i]))
@@ -110,6 +111,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     start = refit(coarse, own, fitted.shape, ROUGH, _STEPS)
     best = _best_of_each_form(coarse, start, all_but(start.effects, start.effects[i]), terms)
     forms = [term for _, term in best if term.name == own[i].name]
+    forms.sort(key=lambda term: DRIVE_EFFECTS.index(term.effect))
     others = [term for _, term in best if term.name != own[i].name]
     # forms are told apart by less than effects are: by all that each can explain
     found = [(term, CLOSE) for term in forms]

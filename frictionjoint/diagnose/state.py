@@ -96,9 +96,11 @@ class State:
         self.findings = [f for f in self.findings if f.term.name in names]
 
 
-def compared(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> Fit:
+def compared(
+    prepared: Prepared, terms: tuple[Term, ...], law: Shape, closeness: float = ROUGH
+) -> Fit:
     """A model fitted as closely as comparing it needs."""
-    return refit(prepared, terms, law, ROUGH, _TRIED_STEPS)
+    return refit(prepared, terms, law, closeness, _TRIED_STEPS)
 
 
 def without(state: State, term: Term) -> Fit:

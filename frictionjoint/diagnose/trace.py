@@ -33,7 +33,7 @@ from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.outcome import told
-from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.diagnose.score import Scored, left_elsewhere, scored
 from frictionjoint.diagnose.state import (
     State,
     apart,
@@ -44,12 +44,12 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.search import ROUGH, nearer
+from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit, law_alone
 from frictionjoint.identify.swing import swings
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import EffectTerm, Term, leaps
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
@@ -118,7 +118,7 @@ def trace(
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False
-        if not _of_joint(state, rng):
+        if not (_of_joint(state, rng) or _effect_for_law(state, rng)):
             break
     return told(state, base, replayed, law_by_motion, rng)
 
@@ -150,6 +150,30 @@ def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
     """One change of what is not the drive, as `_step` has it."""
     first = [] if state.fit.effects else _first(state)
     return _taken(state, first, rng) or _taken(state, state.candidates, rng)
+
+
+def _effect_for_law(state: State, rng: np.random.Generator) -> bool:
+    """Take an effect beside the law fitted first for another law, where that predicts better.
+
+    A law with more freedom may follow what an effect does, and beside it nothing is left of that.
+    """
+    first = state.laws.first_with(state.prepared, state.fit)
+    if first is None:
+        return False
+    prepared, fitted = reweighed(state.prepared, first)
+    beside = replace(state, prepared=prepared, fit=fitted, findings=list(state.findings))
+    if not _of_joint(beside, rng):
+        return False
+    prepared, fitted, blocks = beside.prepared, beside.fit, beside.blocks
+    now = compared(prepared, state.fit.terms, state.fit.shape)
+    better = needed(scored(fitted, blocks), scored(now, blocks))
+    # the two have different laws, and neither may follow what it is fitted to and nothing else
+    left = [left_elsewhere(prepared, f, blocks) for f in (fitted, now)] if better else [0.0, 0.0]
+    if left[0] >= left[1]:
+        return False
+    state.prepared, state.fit = prepared, fitted
+    state.findings, state.look = beside.findings, beside.look
+    return True
 
 
 def _first(state: State) -> list[Candidate]:
@@ -263,7 +287,9 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
     for c in move.added:
         if c.begun is not None:
             begun = swinging(begun, current, c.term, c.columns, c.begun)
-    found = compared(begun, move.terms, current.shape)
+    # where a torque leaps derivatives come to rest too early, and two effects do so more often
+    settles = len(move.added) > 1 and any(leaps(c.term) for c in move.added)
+    found = compared(begun, move.terms, current.shape, CLOSE if settles else ROUGH)
     return (prepared, found) if begun is prepared else settled(begun, found)
 
 

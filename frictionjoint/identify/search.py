@@ -24,7 +24,7 @@ from frictionjoint.identify.of_load import less_load, with_load, with_sizes
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, leaps
 from frictionjoint.identify.timing import DampingAge, DriveTiming, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import one_thread
 
@@ -242,7 +242,7 @@ class Search:
         return [
             k - first
             for i, t in enumerate(self.terms)
-            if isinstance(t, EffectTerm) and t.effect.leaps
+            if leaps(t)
             for k in range(*_ends(self.layout, i))
         ]
 

@@ -173,6 +173,11 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
 
 
+def leaps(term: Term) -> bool:
+    """Whether its torque leaps with a number of its shape, see `Effect.leaps`."""
+    return isinstance(term, EffectTerm) and term.effect.leaps
+
+
 def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
     """Of the velocity that a controller read, or of one of another kind, s."""
     return sum(t.shape[0] for t in terms if isinstance(t, kind))
