@@ -18,6 +18,7 @@ import numpy as np
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import (
     APART,
+    DISCREPANCY,
     DRIVE_DISCREPANCY,
     SIGNIFICANCE,
     SMALLEST_GAIN,
@@ -157,6 +158,8 @@ def _effect_for_law(state: State, rng: np.random.Generator) -> bool:
 
     A law with more freedom may follow what an effect does, and beside it nothing is left of that.
     """
+    if scored(state.fit, state.blocks).above_noise < DISCREPANCY:
+        return False
     first = state.laws.first_with(state.prepared, state.fit)
     if first is None:
         return False
