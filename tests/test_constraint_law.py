@@ -119,5 +119,5 @@ def test_the_lead_is_that_of_each_motion():
         v = np.gradient(q[some], time[some])
         ahead = v + LEAD * np.gradient(v, time[some])
         level = 1.0 + 0.3 * np.exp(-((np.abs(v) / np.exp(-1.0)) ** 1.5))
-        assert found[some] == pytest.approx(level * np.clip(ahead / np.exp(1.0), -1.0, 1.0))
+        assert found[some] == pytest.approx(level * np.clip(ahead / np.exp(1.0 - 1.0), -1.0, 1.0))
     assert found[200] == 0.0

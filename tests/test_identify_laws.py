@@ -80,6 +80,14 @@ def test_a_search_keeps_every_law_within_its_range(law):
             assert len(x) == len(shape.variables)
 
 
+def test_a_static_law_rises_to_its_static_friction_before_that_falls():
+    """Or a curve of any form is had from the two together, with a Fs that nothing ever feels."""
+    (shape,) = forms_of("static")
+    for x in shape.bounds(2.0, 1.5):
+        p = shape.moved(x).parameters(0.7, 0.1, 0.2)
+        assert 0.5 * p.Vs_pos >= p.V0 > 0.0
+
+
 def test_scaling_the_levels_scales_the_torque():
     """What lets a fit factor the Coulomb level out, in every law."""
     rng = np.random.default_rng(0)

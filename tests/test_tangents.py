@@ -27,7 +27,7 @@ TYPICAL = {
     "log length": np.log(3e-3),
     "log bend 1": np.log(0.4),
     "log bend 2": np.log(0.6),
-    "log V0": np.log(0.05),
+    "log V0 over Vs": np.log(0.05),
     "i": 1.4,
     "breakaway": 0.4,
     "log reach": np.log(20.0),
@@ -154,7 +154,8 @@ def test_at_equal_levels_the_derivative_by_the_excess_is_one_sided(law):
     # torque at the level to the last bits: the elasto-plastic kernel's slope has no digits there
     most = 2e-5 if law == "elastoplastic" else 1e-6
     np.testing.assert_allclose(derivatives[excess][0][smooth], fine[smooth], rtol=0, atol=most)
-    for name in ("log Vs", "delta"):
+    # the Stribeck curve is none then; of its speed a static law has that where it begins to creep
+    for name in ("delta",) if law == "static" else ("log Vs", "delta"):
         assert not derivatives[shape.variables.index(name)].any()
 
 
@@ -218,7 +219,7 @@ def test_a_law_scales_with_its_lengths_and_the_motion(name, seed):
     t, q = random_steps(seed)
     q_t = np.vstack([np.zeros((len(shape.variables), len(t))), q])
     names = [*shape.variables, "motion"]
-    together = [names.index(x) for x in ("log length", "log Vs", "log V0", "motion") if x in names]
+    together = [names.index(x) for x in ("log length", "log Vs", "motion") if x in names]
     for derivatives in shape.tangents(t, q, q_t)[2:]:
         scale = 1.0 + np.abs(derivatives).max()
         np.testing.assert_allclose(derivatives[together].sum(axis=0) / scale, 0.0, atol=1e-9)

@@ -129,21 +129,15 @@ class Laws:
         It was when effects were missing that have been found since. Of logs that are too short to
         tell of an effect none is clearly better: a swing that never turns has any level of any law.
         """
-        own = self.first_with(prepared, fitted)
-        if own is None:
-            return prepared, fitted
-        if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms and not too_short:
-            return prepared, fitted
-        return reweighed(prepared, own)
-
-    def first_with(self, prepared: Prepared, fitted: Fit) -> Fit | None:
-        """The law fitted first with the effects of a fit that has another; None if it has not."""
         if fitted.shape.variables == self.own:
-            return None
+            return prepared, fitted
         fits = [
             refit(prepared, fitted.effects, s, ROUGH) for s in self.starts(self.shapes[self.own])
         ]
-        return min(fits, key=lambda f: f.drive_rms)
+        own = min(fits, key=lambda f: f.drive_rms)
+        if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms and not too_short:
+            return prepared, fitted
+        return reweighed(prepared, own)
 
     def errors(self, fitted: Fit) -> Array:
         """The direction in which the law of a fit is wrong first of all, N m, shape (n, 1).

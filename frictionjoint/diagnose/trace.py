@@ -18,7 +18,6 @@ import numpy as np
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import (
     APART,
-    DISCREPANCY,
     DRIVE_DISCREPANCY,
     SIGNIFICANCE,
     SMALLEST_GAIN,
@@ -34,7 +33,7 @@ from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.outcome import told
-from frictionjoint.diagnose.score import Scored, left_elsewhere, scored
+from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
     apart,
@@ -119,7 +118,7 @@ def trace(
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False
-        if not (_of_joint(state, rng) or _effect_for_law(state, rng)):
+        if not _of_joint(state, rng):
             break
     return told(state, base, replayed, law_by_motion, rng)
 
@@ -151,32 +150,6 @@ def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
     """One change of what is not the drive, as `_step` has it."""
     first = [] if state.fit.effects else _first(state)
     return _taken(state, first, rng) or _taken(state, state.candidates, rng)
-
-
-def _effect_for_law(state: State, rng: np.random.Generator) -> bool:
-    """Take an effect beside the law fitted first for another law, where that predicts better.
-
-    A law with more freedom may follow what an effect does, and beside it nothing is left of that.
-    """
-    if scored(state.fit, state.blocks).above_noise < DISCREPANCY:
-        return False
-    first = state.laws.first_with(state.prepared, state.fit)
-    if first is None:
-        return False
-    prepared, fitted = reweighed(state.prepared, first)
-    beside = replace(state, prepared=prepared, fit=fitted, findings=list(state.findings))
-    if not _of_joint(beside, rng):
-        return False
-    prepared, fitted, blocks = beside.prepared, beside.fit, beside.blocks
-    now = compared(prepared, state.fit.terms, state.fit.shape)
-    better = needed(scored(fitted, blocks), scored(now, blocks))
-    # the two have different laws, and neither may follow what it is fitted to and nothing else
-    left = [left_elsewhere(prepared, f, blocks) for f in (fitted, now)] if better else [0.0, 0.0]
-    if left[0] >= left[1]:
-        return False
-    state.prepared, state.fit = prepared, fitted
-    state.findings, state.look = beside.findings, beside.look
-    return True
 
 
 def _first(state: State) -> list[Candidate]:

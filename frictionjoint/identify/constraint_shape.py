@@ -34,7 +34,7 @@ class ConstraintShape:
     static: RivalShape
     lead: float = LEAD
 
-    variables = ("excess", "log Vs", "delta", "log V0 of v + lead a", "log lead")
+    variables = ("excess", "log Vs", "delta", "log V0 of v + lead a over Vs", "log lead")
     damped = False
     steps = True
 
@@ -78,25 +78,27 @@ class ConstraintShape:
         """See `Shape`."""
         edges = edges_of(q, edges)
         level, saturated, v, a = self._parts(time, q, edges)
-        excess, _, delta, log_V0 = self.static.vector()
+        excess, log_Vs, delta, log_part = self.static.vector()
+        V0 = np.exp(log_Vs + log_part)
         inside = np.abs(saturated) < 1.0
         ratio = self._ratio(v)
         fall = np.exp(-(ratio**delta))
         steep = excess * fall * ratio**delta
+        wider = -level * saturated * inside
         by_number = np.array(
             [
                 fall * saturated,
-                steep * delta * saturated,
+                steep * delta * saturated + wider,
                 -steep * np.log(np.maximum(ratio, 1e-300)) * saturated,
-                -level * saturated * inside,
-                level * inside * self.lead * a / np.exp(log_V0),
+                wider,
+                level * inside * self.lead * a / V0,
             ]
         )
         if q_t is not None:
             v_t = np.array([gradient(row, time, edges) for row in q_t])
             u_t = v_t + self.lead * np.array([gradient(row, time, edges) for row in v_t])
             slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
-            moved = slope * saturated * v_t + level * inside * u_t / np.exp(log_V0)
+            moved = slope * saturated * v_t + level * inside * u_t / V0
             moved[: len(by_number)] += by_number
             by_number = moved
         zero = np.zeros_like(q)
@@ -106,9 +108,10 @@ class ConstraintShape:
         """Level over Fc, what is saturated, velocity and acceleration, each of shape (n,)."""
         v = gradient(q, time, edges)
         a = gradient(v, time, edges)
-        excess, _, delta, log_V0 = self.static.vector()
+        excess, log_Vs, delta, log_part = self.static.vector()
+        V0 = np.exp(log_Vs + log_part)
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
-        return level, np.clip((v + self.lead * a) / np.exp(log_V0), -1.0, 1.0), v, a
+        return level, np.clip((v + self.lead * a) / V0, -1.0, 1.0), v, a
 
     def _ratio(self, v: Array) -> Array:
         return np.asarray(np.abs(v) / np.exp(self.static.vector()[1]))

@@ -131,7 +131,7 @@ class Fit:
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
         moves = np.zeros(len(size))
-        moves[size > 0.0] = (size * reach)[size > 0.0]
+        np.multiply(size, reach, out=moves, where=size > 0.0)
         found = moves > _NOTHING * float(np.linalg.norm(self.residual * self.weight))
         found &= ~self.bound
         for i, term in enumerate(self.terms):

@@ -26,7 +26,7 @@ from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
 
 _LEVELS = ("excess", "log Vs", "delta")
 _VARIABLES: dict[str, tuple[str, ...]] = {
-    "static": (*_LEVELS, "log V0"),
+    "static": (*_LEVELS, "log V0 over Vs"),
     "armstrong": (*_LEVELS, "log length"),
     "dahl": ("log length", "i"),
     "dahl_stribeck": (*_LEVELS, "log length", "i"),
@@ -40,11 +40,13 @@ _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
 _ELEMENTS = 8
 # 1/s, a lag of 3 ms: below what a fit's bandwidth resolves
 _PROMPT = 300.0
+# of Vs: a static law has risen to its level before that falls, or its Fs would be nobody's torque
+_RISEN = 0.5
 _START = {
     "excess": 0.2,
     "log Vs": 0.0,
     "delta": 1.0,
-    "log V0": 0.0,
+    "log V0 over Vs": np.log(0.1),
     "log length": 0.0,
     "i": 1.0,
     "breakaway": 0.5,
@@ -94,7 +96,7 @@ class RivalShape:
         reach = {
             **dict(zip(_LEVELS, zip(low, high, strict=True), strict=True)),
             "log length": length_bounds(span),
-            "log V0": (np.log(1e-4 * vmax), np.log(0.3 * vmax)),
+            "log V0 over Vs": (np.log(1e-4), np.log(_RISEN)),
             "i": (0.0, 4.0),
             "breakaway": (0.0, 0.95),
             "log reach": (0.0, np.log(300.0)),
@@ -112,7 +114,7 @@ class RivalShape:
                 trial = {
                     "log Vs": np.log(Vs * vmax),
                     "log length": np.log(length * span),
-                    "log V0": np.log(length * vmax),
+                    "log V0 over Vs": np.log(length / Vs),
                 }
                 numbers = (
                     trial.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)
@@ -144,7 +146,9 @@ class RivalShape:
             values["C"] = Fc * x["C"]
         elif "length" in x:
             values["sigma0"] = Fs / x["length"]
-        values |= {name: x[name] for name in ("V0", "i", "breakaway") if name in x}
+        if "V0 over Vs" in x:
+            values["V0"] = x["V0 over Vs"] * x["Vs"]
+        values |= {name: x[name] for name in ("i", "breakaway") if name in x}
         if self.damped:
             values["sigma1"] = sigma1
         found: Friction = self.law.symmetric(**values)
@@ -183,8 +187,8 @@ class RivalShape:
             by["log length"][springs] = -P[springs]
             if "excess" in by:
                 by["excess"][springs] = P[springs] / P[1 + bristle.POSITIVE + FS]
-        if "log V0" in by:
-            by["log V0"][own] = P[own]
+        if "log V0 over Vs" in by:
+            by["log V0 over Vs"][own] = by["log Vs"][own] = P[own]
         for name in ("i", "breakaway"):
             if name in by:
                 by[name][own + 1] = 1.0
