@@ -80,6 +80,39 @@ def _mat(path: Path, **columns: np.ndarray) -> None:
     savemat(path, columns)
 
 
+def save_dates(path: Path, zone: str | None, **changed: object) -> None:
+    moments = pd.Timestamp("2026-01-05 23:59:59", tz=zone) + pd.to_timedelta(T, unit="s")
+    frame = pd.DataFrame(TABLE | {"t": moments}).assign(**changed)
+    frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+@pytest.mark.parametrize("zone", [None, "UTC", "Europe/Brussels"])
+def test_times_may_be_dates(tmp_path: Path, kind: str, zone: str | None) -> None:
+    path = tmp_path / f"log.{kind}"
+    save_dates(path, zone)
+    log = read_log(path, "elbow", MAPPING)
+    np.testing.assert_allclose(log.time, T, atol=1e-9)
+    np.testing.assert_array_equal(log.position, TABLE["q"])
+
+
+def test_of_dates_one_that_is_none_is_told_by_its_row(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    save_dates(path, None)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:9], "noon" + lines[9][lines[9].index(",") :], *lines[10:]]))
+    with pytest.raises(LogError, match=r"row 10, t: 'noon' is not a date with a time"):
+        read_log(path, "elbow", MAPPING)
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_nothing_but_the_time_is_a_date(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / f"log.{kind}"
+    save_dates(path, None, q=pd.Timestamp("2026-01-05 12:00"))
+    with pytest.raises(LogError, match=r"log.*q.*number"):
+        read_log(path, "elbow", MAPPING)
+
+
 @pytest.mark.parametrize("kind", SAVERS)
 def test_gains_that_stay_are_figures_of_the_log(tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"log.{kind}"

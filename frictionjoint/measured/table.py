@@ -54,7 +54,8 @@ def read_table(
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
     figures = choose_figures(table, joint)
-    raw = _load(path, sorted({*wanted.values(), *more.values(), *figures.values()}))
+    names = sorted({*wanted.values(), *more.values(), *figures.values()})
+    raw = _load(path, names, wanted["time_s"])
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
@@ -147,23 +148,24 @@ def column_names(path: Path) -> list[str]:
         raise corrupt(path, error) from None
 
 
-def _load(path: Path, names: list[str]) -> dict[str, Array]:
-    """Only the columns asked for, each of shape (n,)."""
+def _load(path: Path, names: list[str], time: str) -> dict[str, Array]:
+    """Only the columns asked for, each of shape (n,); that of time may be of dates."""
     kind = path.suffix.lower()
     if kind == ".npz":
         return npz_columns(path, names)
     if kind == ".mat":
         return mat_columns(path, names)
     if kind in text_table.ENDINGS:
-        return text_table.read_columns(path, names)
-    return {name: _parquet_column(path, name) for name in names}
+        return text_table.read_columns(path, names, time)
+    return {name: _parquet_column(path, name, name == time) for name in names}
 
 
-def _parquet_column(path: Path, name: str) -> Array:
+def _parquet_column(path: Path, name: str, of_time: bool) -> Array:
     try:
         x = pyarrow.parquet.read_table(path, columns=[name])[name]
     except (OSError, ValueError, KeyError, pa.ArrowException) as error:
         raise corrupt(path, error) from None
-    if not (pa.types.is_floating(x.type) or pa.types.is_integer(x.type)):
+    of_dates = of_time and pa.types.is_timestamp(x.type)
+    if not (pa.types.is_floating(x.type) or pa.types.is_integer(x.type) or of_dates):
         raise LogError(f"{path.name}, {name}: {x.type} is not a column of numbers")
     return text_table.owned(x)

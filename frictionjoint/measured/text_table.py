@@ -3,12 +3,14 @@
 The separator is the comma; a header without commas may use semicolons, tabs or single blanks, and
 numbers below it a comma for their point. Lines before the header that begin with # are remarks; the
 last of them is the header where only numbers follow, as numpy writes it. Blank lines hold no sample
-and count as lines in messages.
+and count as lines in messages. A column of dates with times, as ISO 8601 writes them, is read as
+seconds since its first.
 """
 
 import csv
+import io
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +30,11 @@ _SEPARATORS = ",;\t "
 _SOME = 20
 # What Arrow takes as a number or as an empty cell.
 _NUMBER = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I)
+# A date with a time, and its difference to universal time.
+_MOMENT = re.compile(
+    r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(Z|[+-]\d\d(:?\d\d)?)?\s*"
+)
+_ZONE = 3
 
 
 class _Layout(NamedTuple):
@@ -35,13 +42,14 @@ class _Layout(NamedTuple):
 
     Attributes:
         names: of its columns. separator: between cells. point: of decimal numbers.
-        before: lines before the first that may hold a sample.
+        before: lines before the first that may hold a sample. moments: type of columns of dates.
     """
 
     names: list[str]
     separator: str
     point: str
     before: int
+    moments: dict[str, pa.DataType]
 
 
 def header(path: Path) -> list[str]:
@@ -53,20 +61,23 @@ def header(path: Path) -> list[str]:
     return _layout(path).names
 
 
-def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
+def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
     """Some columns of a file, each of shape (n,).
 
     Only these are parsed: 8 bytes a number in the end, 16 at most meanwhile, plus small blocks.
 
+    Args:
+        time: the column that may be of dates with times.
     Raises:
         LogError: line-exact, for a cell that is no number or a line of another width.
     """
     layout = _layout(path)
+    moments = {name: kind for name, kind in layout.moments.items() if name == time}
     read = pa.csv.ReadOptions(column_names=layout.names, skip_rows=layout.before)
     parse = pa.csv.ParseOptions(delimiter=layout.separator)
     convert = pa.csv.ConvertOptions(
         include_columns=names,
-        column_types=dict.fromkeys(names, pa.float64()),
+        column_types=dict.fromkeys(names, pa.float64()) | moments,
         decimal_point=layout.point,
     )
     try:
@@ -76,7 +87,8 @@ def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
         try:
             table = pa.csv.read_csv(path, read, parse, convert)
         except (pa.ArrowException, UnicodeDecodeError) as error:
-            raise LogError(_first_fault(path, layout, names, one_line(error))) from None
+            fault = _first_fault(path, layout, names, moments, one_line(error))
+            raise LogError(fault) from None
     columns = {}
     for name in names:
         columns[name] = owned(table[name])
@@ -85,7 +97,13 @@ def read_columns(path: Path, names: list[str]) -> dict[str, Array]:
 
 
 def owned(column: pa.ChunkedArray) -> Array:
-    """An Arrow column of numbers as an array of its own, missing cells NaN; one copy at most."""
+    """An Arrow column of numbers as an array of its own, missing cells NaN; one copy at most.
+
+    Of dates with times, the seconds since the first.
+    """
+    if pa.types.is_timestamp(column.type):
+        moments = column.to_numpy()
+        return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"))
     x = np.asarray(column.to_numpy(), dtype=np.float64)
     return x if x.flags.writeable else x.copy()
 
@@ -130,7 +148,12 @@ def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
     names = [cell.strip() for cell in next(csv.reader([title], delimiter=separator))]
     some = first + "".join(islice(lines, _SOME))
     point = "," if separator != "," and re.search(r"\d,\d", some) else "."
-    return _Layout(names, separator, point, before)
+    sample = next(csv.reader(io.StringIO(some.lstrip("\r\n")), delimiter=separator), [])
+    cells = zip(names, map(_MOMENT.fullmatch, sample), strict=False)
+    moments = {
+        name: pa.timestamp("ns", "UTC" if cell[_ZONE] else None) for name, cell in cells if cell
+    }
+    return _Layout(names, separator, point, before, moments)
 
 
 def _numbers_only(line: str) -> bool:
@@ -150,7 +173,9 @@ def _data_lines(path: Path, before: int) -> Iterator[tuple[int, str]]:
                     yield number, line
 
 
-def _first_fault(path: Path, layout: _Layout, names: list[str], error: str) -> str:
+def _first_fault(
+    path: Path, layout: _Layout, names: list[str], moments: Container[str], error: str
+) -> str:
     """Find the cell Arrow stumbled over, to name its line and column."""
     all_names, number = layout.names, 0
     # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
@@ -167,8 +192,12 @@ def _first_fault(path: Path, layout: _Layout, names: list[str], error: str) -> s
                 f"{len(all_names)}: complete the row or leave it out"
             )
         for name, cell in zip(all_names, cells, strict=True):
-            if name in names and not _NUMBER.fullmatch(cell.replace(layout.point, ".")):
-                return f"{path.name}, row {number}, {name}: {cell[:40]!r} is not a number"
+            of_dates = name in moments
+            kind = _MOMENT if of_dates else _NUMBER
+            text = cell if of_dates else cell.replace(layout.point, ".")
+            if name in names and cell and not kind.fullmatch(text):
+                wanted = "date with a time, as that of the first row is" if of_dates else "number"
+                return f"{path.name}, row {number}, {name}: {cell[:40]!r} is not a {wanted}"
     if not number:
         return f"{path.name}: no samples under the header, record some"
     return f"{path.name}: cannot be read as a table: {error}"
