@@ -76,6 +76,31 @@ def test_what_is_no_column_of_numbers_is_refused(tmp_path: Path, kind: str) -> N
             read_log(path, columns=MAPPING)
 
 
+@pytest.mark.parametrize("kind", ["npz", "mat"])
+@pytest.mark.parametrize("across", [False, True], ids=["a row a sample", "a column a sample"])
+def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool) -> None:
+    path = tmp_path / f"log.{kind}"
+    q = np.column_stack([TABLE["q"], 2.0 * TABLE["q"], 3.0 * TABLE["q"]])
+    tau = np.column_stack([TABLE["tau"]] * 3)
+    save: Callable[..., None] = np.savez if kind == "npz" else _mat
+    save(path, t=T, q=q.T if across else q, tau=tau.T if across else tau)
+    joints = {"shoulder": 0, "elbow": 2}
+    mapping = {"time_s": "t"}
+    for joint, k in joints.items():
+        mapping |= {f"{joint}.position_rad": f"q[{k}]", f"{joint}.torque_nm": f"tau[{k}]"}
+    assert joints_with_drive(path, mapping) == sorted(joints)
+    for joint, k in joints.items():
+        np.testing.assert_array_equal(read_log(path, joint, mapping).position, q[:, k])
+    for wrong, what in (
+        ("q", r"log.*q: .* numbers, name one of q\[0\] to q\[2\]"),
+        ("q[3]", r"q\[3\]: .* numbers, name one of q\[0\] to q\[2\]"),
+        ("t[0]", r"t\[0\]: t is one column, name it without"),
+        ("v[0]", r"no column 'v\[0\]', it has"),
+    ):
+        with pytest.raises(LogError, match=what):
+            read_log(path, "elbow", MAPPING | {"torque_nm": "tau[0]", "position_rad": wrong})
+
+
 def _mat(path: Path, **columns: np.ndarray) -> None:
     savemat(path, columns)
 

@@ -1,6 +1,10 @@
-"""Named arrays from npz and MATLAB files, as real columns of float64 or an error."""
+"""Named arrays from npz and MATLAB files, as real columns of float64 or an error.
 
-from collections.abc import Iterable
+Of a matrix with one row a sample, or one column, the parts are named as in Python: ``q[0]``.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +14,8 @@ from scipy.io import loadmat, whosmat
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import matlab
+
+_PART = re.compile(r"(.+)\[(\d+)\]")
 
 
 def one_line(error: Exception) -> str:
@@ -22,19 +28,41 @@ def corrupt(path: Path, error: Exception) -> LogError:
     return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
 
 
+def whole(name: str) -> str:
+    """Name of the array that ``q[0]`` is a part of; any other name is its own."""
+    part = _PART.fullmatch(name)
+    return part[1] if part else name
+
+
 def column(path: Path, name: str, x: Any) -> Array:
     """A column of real numbers, shape (n,); a 1 x n or n x 1 matrix is one too.
 
     Raises:
-        LogError: text, complex numbers, objects or a matrix.
+        LogError: text, complex numbers, objects, or a matrix where no part of it is named.
     """
     array = np.asarray(x)
     if array.dtype.kind not in "fiub":
         raise LogError(f"{path.name}, {name}: {array.dtype} is not a column of numbers")
     if array.size != max(array.shape, default=1):
-        size = " x ".join(str(k) for k in array.shape)
-        raise LogError(f"{path.name}, {name}: {size} numbers, give one column a quantity")
+        array = _part(path, name, array)
+    elif whole(name) != name:
+        raise LogError(f"{path.name}, {name}: {whole(name)} is one column, name it without [...]")
     return array.astype(np.float64).ravel()
+
+
+def _part(path: Path, name: str, array: Array) -> Array:
+    """A row or a column of a matrix, whichever is the longer."""
+    size = " x ".join(str(k) for k in array.shape)
+    if array.ndim != 2 or array.shape[0] == array.shape[1]:
+        raise LogError(f"{path.name}, {name}: {size} numbers, give one column a quantity")
+    parts = array if array.shape[0] < array.shape[1] else array.T
+    named, last = _PART.fullmatch(name), len(parts) - 1
+    if not named or int(named[2]) > last:
+        own = whole(name)
+        raise LogError(
+            f"{path.name}, {name}: {size} numbers, name one of {own}[0] to {own}[{last}]"
+        )
+    return np.asarray(parts[int(named[2])])
 
 
 def npz_names(path: Path) -> list[str]:
@@ -46,11 +74,12 @@ def npz_names(path: Path) -> list[str]:
         raise corrupt(path, error) from None
 
 
-def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
+def npz_columns(path: Path, names: Sequence[str]) -> dict[str, Array]:
     """Columns of an .npz file; only those asked for are read. 8 bytes a number."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            return {name: column(path, name, archive[name]) for name in names}
+            arrays = {name: archive[name] for name in {*map(whole, names)}}
+            return {name: column(path, name, arrays[whole(name)]) for name in names}
     except LogError:
         raise
     except Exception as error:
@@ -72,8 +101,8 @@ def mat_names(path: Path) -> list[str]:
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Columns of a .mat file; only those asked for are read. 8 bytes a number."""
     wanted = list(names)
-    content = _load_mat(path, wanted)
-    return {name: column(path, name, content[name]) for name in wanted}
+    content = _load_mat(path, sorted({*map(whole, wanted)}))
+    return {name: column(path, name, content[whole(name)]) for name in wanted}
 
 
 def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> dict[str, float]:

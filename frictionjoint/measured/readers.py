@@ -119,7 +119,7 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
         return list(PANDA if is_panda(path) else TX40 if is_tx40(path) else ())
     if path.suffix.lower() not in _TABLES:
         return []
-    names = column_names(path)
+    names = column_names(path, columns)
     return driven_joints(check_names(path.name, names, dict(columns or {})))
 
 

@@ -17,7 +17,14 @@ import pyarrow.parquet
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
-from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, npz_columns, npz_names
+from frictionjoint.measured.arrays import (
+    corrupt,
+    mat_columns,
+    mat_names,
+    npz_columns,
+    npz_names,
+    whole,
+)
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -48,8 +55,7 @@ def read_table(
     Raises:
         LogError: see `validate`; also unknown columns or joints.
     """
-    names = column_names(path)
-    table = check_names(path.name, names, dict(columns or {}))
+    table = check_names(path.name, column_names(path, columns), dict(columns or {}))
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
@@ -133,13 +139,17 @@ def log_of(
     )
 
 
-def column_names(path: Path) -> list[str]:
-    """Names of a table's columns, without reading its rows."""
+def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+    """Names of a table's columns, without reading its rows.
+
+    Args:
+        columns: asked for, as `read_table` has them: of matrices, these parts are named.
+    """
     kind = path.suffix.lower()
-    if kind == ".npz":
-        return npz_names(path)
-    if kind == ".mat":
-        return mat_names(path)
+    if kind in (".npz", ".mat"):
+        names = npz_names(path) if kind == ".npz" else mat_names(path)
+        asked = dict.fromkeys((columns or {}).values())
+        return [*names, *(x for x in asked if x not in names and whole(x) in names)]
     if kind in text_table.ENDINGS:
         return text_table.header(path)
     try:
