@@ -108,7 +108,7 @@ def test_a_sensor_at_the_end_of_its_range_is_told_and_left_out(tmp_path):
         logged(tmp_path, np.clip(acted, -5.0, LIMIT), Q, state.prepared.band),
     ):
         (segment,) = log.segments
-        cut = segment.at_limit > 0.0
+        cut = segment.saturated > 0.0
         assert 0.02 < cut.mean() < 0.4
         assert not segment.mask[cut].any()
 
@@ -124,6 +124,6 @@ def test_a_drive_at_its_limit_that_acts_is_missing_nothing(tmp_path):
         rows.append((q, torque))
     position, torque = np.array(rows)[::4].T
     prepared = logged(tmp_path, torque, position)
-    assert prepared.segments[0].at_limit is not None
+    assert prepared.segments[0].saturated is not None
     size, _ = missing(prepared)
     assert size < 0.01

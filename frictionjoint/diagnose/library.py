@@ -303,7 +303,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
         excess = [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
         motion_hz = prepared.band.motion
         terms += [term for term in excess if term.shows(prepared.segments, motion_hz)]
-    if any(s.at_limit is not None for s in prepared.segments):
+    if any(s.saturated is not None for s in prepared.segments):
         terms.append(MissingTerm("torque"))
     if not prepared.slide:
         x = np.concatenate([s.signals[s.mask] for s in prepared.segments])

@@ -102,7 +102,7 @@ class MissingTerm(SmoothTerm):
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, 1)."""
-        where = segment.at_limit
+        where = segment.saturated
         return np.zeros((len(signals), 1)) if where is None else where[:, None]
 
     def says(self, coefficients: Array, unit: str) -> str:

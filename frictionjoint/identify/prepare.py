@@ -204,7 +204,7 @@ def _segment(
         noise=noise if commanded is None else replace(noise, torque=0.0),
         driven_along=path_of(signals, noise.resolution),
         unknown=rigid.unknown,
-        at_limit=_at_limit(log.time, values, t) if controller is None else None,
+        saturated=_saturated(log.time, values, t) if controller is None else None,
         sample=sample,
         corner_hz=band.motion,
         commanded=commanded,
@@ -212,7 +212,7 @@ def _segment(
     return found.without_limits() if band.sensor_saturates else found
 
 
-def _at_limit(time: Array, values: Array, grid: Array) -> Array | None:
+def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
     """Where a drive stands at its largest value, 1, or its least, -1; None: it stands at neither.
 
     Samples pile up there, within the noise. At the crest of a wave there are some more than below.

@@ -64,7 +64,7 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
         return terms
     sample = min(s.sample for s in prepared.segments)
     found: list[Timing] = []
-    if not any(t.delay or _delays(t) for t in terms):
+    if not any(map(_delays, terms)):
         of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
         found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
     if (prepared.damped or law.steps) and not any(_holds_inertia(t) for t in terms):

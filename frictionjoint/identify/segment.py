@@ -70,8 +70,8 @@ class Segment:
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
         driven_along: what a law is driven along, where it was made before; see `path`.
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
-        at_limit: shape (n,), 1 while a measured drive stands at its largest value, -1 at its least,
-            0 elsewhere; None: it stands at neither.
+        saturated: shape (n,), 1 while a measured drive stands at its largest value, -1 at its
+            least, 0 elsewhere; None: it stands at neither.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Segment:
     swing: tuple[float, float] = (0.0, 0.0)
     driven_along: Path | None = None
     unknown: Array | None = None
-    at_limit: Array | None = None
+    saturated: Array | None = None
 
     @cached_property
     def path(self) -> Path:
@@ -166,9 +166,9 @@ class Segment:
 
     def without_limits(self) -> Self:
         """The log without what stands at the end of its drive's range, see `Band`."""
-        if self.at_limit is None:
+        if self.saturated is None:
             return self
-        clear = clear_of(self.at_limit != 0.0, self.bandwidth_hz, self.dt)
+        clear = clear_of(self.saturated != 0.0, self.bandwidth_hz, self.dt)
         return replace(self, mask=self.mask & clear)
 
 
@@ -354,6 +354,6 @@ def _thinned(s: Segment, factor: float) -> Segment:
         mask=s.mask[::step],
         weight=None if s.weight is None else s.weight[::step],
         unknown=None if s.unknown is None else s.unknown[::step],
-        at_limit=None if s.at_limit is None else s.at_limit[::step],
+        saturated=None if s.saturated is None else s.saturated[::step],
         others={name: x[::step] for name, x in s.others.items()},
     )
