@@ -43,7 +43,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)
-        now = scored(compared(prepared, own, state.fit.shape), after)
+        now = scored(compared(prepared, state.fit.terms, state.fit.shape), after)
         instead = scored(other, after)
         if not as_much(instead, now):
             continue
