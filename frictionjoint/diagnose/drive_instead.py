@@ -16,7 +16,7 @@ from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, compared, numbers_of, without
+from frictionjoint.diagnose.state import State, as_much, numbers_of, without
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
@@ -43,7 +43,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)
-        now = scored(compared(prepared, state.fit.terms, state.fit.shape), after)
+        now = scored(state.under(prepared), after)
         instead = scored(other, after)
         if not as_much(instead, now):
             continue

@@ -102,7 +102,7 @@ def exchange_bent(state: State) -> bool:
             # weights that one model gives the logs favour it: the other one must do well there too
             prepared, other = reweighed(*settled(state.prepared, other))
             after = state.blocks_of(prepared, other)
-            same = scored(compared(prepared, state.fit.terms, state.fit.shape), after)
+            same = scored(state.under(prepared), after)
             if needed(scored(other, after), same):
                 _change(state, term, partial(_instead, candidate=candidate))
                 state.prepared, state.fit = prepared, other
@@ -138,7 +138,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
-            same = scored(compared(prepared, state.fit.terms, state.fit.shape), after)
+            same = scored(state.under(prepared), after)
             score = scored(other, after)
             if alike:
                 taken = _form_preferred(instead.term, score, term, same)

@@ -78,6 +78,10 @@ class State:
         """What the model as it is now may lack."""
         return self._model.candidates
 
+    def under(self, prepared: Prepared) -> Fit:
+        """The model fitted to its logs under other weights, from where it is, times and all."""
+        return compared(prepared, self.fit.terms, self.fit.shape)
+
     def _way(self, model: _Model) -> Blocks:
         errors = self.laws.errors(model.fit) if self.law_errs else None
         return replace(model.blocks, law_errors=errors)

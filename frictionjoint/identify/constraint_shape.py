@@ -78,8 +78,7 @@ class ConstraintShape:
         """See `Shape`."""
         edges = edges_of(q, edges)
         level, saturated, v, a = self._parts(time, q, edges)
-        excess, log_Vs, delta, log_part = self.static.vector()
-        V0 = np.exp(log_Vs + log_part)
+        excess, _, delta, _ = self.static.vector()
         inside = np.abs(saturated) < 1.0
         ratio = self._ratio(v)
         fall = np.exp(-(ratio**delta))
@@ -91,14 +90,14 @@ class ConstraintShape:
                 steep * delta * saturated + wider,
                 -steep * np.log(np.maximum(ratio, 1e-300)) * saturated,
                 wider,
-                level * inside * self.lead * a / V0,
+                level * inside * self.lead * a / self._V0,
             ]
         )
         if q_t is not None:
             v_t = np.array([gradient(row, time, edges) for row in q_t])
             u_t = v_t + self.lead * np.array([gradient(row, time, edges) for row in v_t])
             slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
-            moved = slope * saturated * v_t + level * inside * u_t / V0
+            moved = slope * saturated * v_t + level * inside * u_t / self._V0
             moved[: len(by_number)] += by_number
             by_number = moved
         zero = np.zeros_like(q)
@@ -108,10 +107,14 @@ class ConstraintShape:
         """Level over Fc, what is saturated, velocity and acceleration, each of shape (n,)."""
         v = gradient(q, time, edges)
         a = gradient(v, time, edges)
-        excess, log_Vs, delta, log_part = self.static.vector()
-        V0 = np.exp(log_Vs + log_part)
+        excess, _, delta, _ = self.static.vector()
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
-        return level, np.clip((v + self.lead * a) / V0, -1.0, 1.0), v, a
+        return level, np.clip((v + self.lead * a) / self._V0, -1.0, 1.0), v, a
+
+    @property
+    def _V0(self) -> float:
+        _, log_Vs, _, log_part = self.static.vector()
+        return float(np.exp(log_Vs + log_part))
 
     def _ratio(self, v: Array) -> Array:
         return np.asarray(np.abs(v) / np.exp(self.static.vector()[1]))
