@@ -4,7 +4,7 @@ import ast
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numba import njit
 
@@ -228,6 +228,7 @@ def test_a_law_scales_with_its_lengths_and_the_motion(name, seed):
 @pytest.mark.parametrize("name", SHAPES)
 @settings(max_examples=25)
 @given(seed=SEEDS, parts=st.integers(2, 5))
+@example(seed=5367, parts=2)  # comes back to where elements had slipped, but for rounding
 def test_a_step_at_constant_speed_may_be_cut(name, seed, parts):
     shape = SHAPES[name]
     t, q = random_steps(seed, 60)

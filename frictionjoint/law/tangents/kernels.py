@@ -895,7 +895,7 @@ def maxwell_slip_step(
             else:
                 f_t = sum3(1.0, f_t, dx, k_t, k, dx_t)
                 f = f + k * dx
-                if f >= level:
+                if f >= maxwell_slip.AT_LEVEL * level:
                     f_t = level_t
                     f = level
                     put(X_t, h + bristle.HEADER + i, scaled(direction, f_t))
