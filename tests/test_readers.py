@@ -101,6 +101,21 @@ def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool)
             read_log(path, "elbow", MAPPING | {"torque_nm": "tau[0]", "position_rad": wrong})
 
 
+def test_an_array_may_be_named_like_a_part(tmp_path: Path) -> None:
+    path = tmp_path / "log.npz"
+    np.savez(path, **{"t": T, "q[0]": TABLE["q"], "tau": TABLE["tau"]})
+    log = read_log(path, "elbow", MAPPING | {"position_rad": "q[0]"})
+    np.testing.assert_array_equal(log.position, TABLE["q"])
+
+
+@pytest.mark.parametrize("cell", ["1\r2", "x" * 200_000], ids=["a lone return", "a long cell"])
+def test_a_first_row_that_no_table_has_is_one_line(tmp_path: Path, cell: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(f"time_s,position_rad,torque_nm\n0,{cell},0\n", newline="")
+    with pytest.raises(LogError, match=r"log.csv, row 2"):
+        read_log(path)
+
+
 def _mat(path: Path, **columns: np.ndarray) -> None:
     savemat(path, columns)
 

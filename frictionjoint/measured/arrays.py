@@ -4,7 +4,7 @@ Of a matrix with one row a sample, or one column, the parts are named as in Pyth
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -34,35 +34,35 @@ def whole(name: str) -> str:
     return part[1] if part else name
 
 
-def column(path: Path, name: str, x: Any) -> Array:
+def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
     """A column of real numbers, shape (n,); a 1 x n or n x 1 matrix is one too.
 
+    Args:
+        source: name of the array where `name` is a part of it.
     Raises:
         LogError: text, complex numbers, objects, or a matrix where no part of it is named.
     """
     array = np.asarray(x)
     if array.dtype.kind not in "fiub":
         raise LogError(f"{path.name}, {name}: {array.dtype} is not a column of numbers")
+    part = None if source in (None, name) else _PART.fullmatch(name)
     if array.size != max(array.shape, default=1):
-        array = _part(path, name, array)
-    elif whole(name) != name:
-        raise LogError(f"{path.name}, {name}: {whole(name)} is one column, name it without [...]")
+        array = _part(f"{path.name}, {name}", source or name, part and int(part[2]), array)
+    elif part:
+        raise LogError(f"{path.name}, {name}: {source} is one column, name it without [...]")
     return array.astype(np.float64).ravel()
 
 
-def _part(path: Path, name: str, array: Array) -> Array:
+def _part(where: str, source: str, number: int | None, array: Array) -> Array:
     """A row or a column of a matrix, whichever is the longer."""
     size = " x ".join(str(k) for k in array.shape)
     if array.ndim != 2 or array.shape[0] == array.shape[1]:
-        raise LogError(f"{path.name}, {name}: {size} numbers, give one column a quantity")
+        raise LogError(f"{where}: {size} numbers, give one column a quantity")
     parts = array if array.shape[0] < array.shape[1] else array.T
-    named, last = _PART.fullmatch(name), len(parts) - 1
-    if not named or int(named[2]) > last:
-        own = whole(name)
-        raise LogError(
-            f"{path.name}, {name}: {size} numbers, name one of {own}[0] to {own}[{last}]"
-        )
-    return np.asarray(parts[int(named[2])])
+    last = len(parts) - 1
+    if number is None or number > last:
+        raise LogError(f"{where}: {size} numbers, name one of {source}[0] to {source}[{last}]")
+    return np.asarray(parts[number])
 
 
 def npz_names(path: Path) -> list[str]:
@@ -74,12 +74,14 @@ def npz_names(path: Path) -> list[str]:
         raise corrupt(path, error) from None
 
 
-def npz_columns(path: Path, names: Sequence[str]) -> dict[str, Array]:
+def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Columns of an .npz file; only those asked for are read. 8 bytes a number."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in {*map(whole, names)}}
-            return {name: column(path, name, arrays[whole(name)]) for name in names}
+            # an array may have such a name itself
+            sources = {x: x if x in archive.files else whole(x) for x in names}
+            arrays = {source: archive[source] for source in {*sources.values()}}
+            return {name: column(path, name, arrays[x], x) for name, x in sources.items()}
     except LogError:
         raise
     except Exception as error:
@@ -102,7 +104,7 @@ def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Columns of a .mat file; only those asked for are read. 8 bytes a number."""
     wanted = list(names)
     content = _load_mat(path, sorted({*map(whole, wanted)}))
-    return {name: column(path, name, content[whole(name)]) for name in wanted}
+    return {name: column(path, name, content[whole(name)], whole(name)) for name in wanted}
 
 
 def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> dict[str, float]:

@@ -8,7 +8,6 @@ seconds since its first.
 """
 
 import csv
-import io
 import re
 from collections.abc import Container, Iterator
 from itertools import islice
@@ -148,12 +147,24 @@ def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
     names = [cell.strip() for cell in next(csv.reader([title], delimiter=separator))]
     some = first + "".join(islice(lines, _SOME))
     point = "," if separator != "," and re.search(r"\d,\d", some) else "."
-    sample = next(csv.reader(io.StringIO(some.lstrip("\r\n")), delimiter=separator), [])
+    return _Layout(names, separator, point, before, _moments(names, separator, some))
+
+
+def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataType]:
+    """Type of each column that begins with a date and a time.
+
+    Args:
+        some: the first lines that may hold samples.
+    """
+    first = next(filter(None, re.split(r"[\r\n]", some)), "")
+    try:
+        sample = next(csv.reader([first], delimiter=separator), [])
+    except csv.Error:  # said where its cells are read
+        return {}
     cells = zip(names, map(_MOMENT.fullmatch, sample), strict=False)
-    moments = {
+    return {
         name: pa.timestamp("ns", "UTC" if cell[_ZONE] else None) for name, cell in cells if cell
     }
-    return _Layout(names, separator, point, before, moments)
 
 
 def _numbers_only(line: str) -> bool:
