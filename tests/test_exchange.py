@@ -50,6 +50,11 @@ def test_one_that_explains_less_is_a_tie_unless_the_logs_tell_them_apart(after):
     assert after(rich=0.1, simple=0.6, none=1.0) == ("spring", ())
 
 
+def test_of_effects_that_explain_the_same_the_catalogues_first_is_named(after):
+    """An inertia is less rare than a spring, and both are said."""
+    assert after(rich=0.4, simple=0.4, none=0.41) == ("inertia-error", ("spring",))
+
+
 def test_one_that_the_model_does_as_well_without_takes_no_place(after):
     """Or an effect that is needed would give way to one that is dropped next, and both be gone."""
     assert after(rich=0.65, simple=0.7, none=1.0) == ("spring", ("inertia-error",))
@@ -61,9 +66,9 @@ def test_of_two_waves_one_is_changed():
     findings = [Finding(t, None, None, 0.5, (), (), None) for t in (RICH, *waves)]
     # the search has moved them since they came in
     now = (EffectTerm(wave, (3.1,)), RICH, EffectTerm(wave, (7.2,)))
-    tied = partial(exchange._tied, candidate=SimpleNamespace(term=SIMPLE))
+    tied = partial(Finding.tied_with, term=SIMPLE)
     for k, ties in ((0, [(), (SIMPLE.name,), ()]), (2, [(), (), (SIMPLE.name,)])):
         changed = with_changed(findings, now, now[k], tied)
         assert [f.ties for f in changed] == ties
-    same = partial(exchange._tied, candidate=SimpleNamespace(term=waves[0]))
+    same = partial(Finding.tied_with, term=waves[0])
     assert with_changed(findings, now, now[2], same) == findings

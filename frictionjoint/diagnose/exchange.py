@@ -25,7 +25,7 @@ from frictionjoint.diagnose.state import (
     without,
 )
 from frictionjoint.diagnose.unbent import bends, unbent
-from frictionjoint.effects.catalogue import DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import DriveTerm, Term, in_place
@@ -38,18 +38,25 @@ _MOST = 2
 def best_forms(state: State) -> bool:
     """Give each effect the form that predicts best: the first look saw them beside a bent law.
 
+    Of forms that predict as well the simplest.
+
     Returns:
         whether any has another form now: what stood in for that may be idle.
     """
     before = state.fit
     for i in range(len(state.fit.effects)):
-        others = other_forms(state.prepared, state.fit, state.fit.effects[i])
-        if not others:
-            continue
-        blocks = state.blocks
-        other = _in_place_of(state, blocks, i, others)[1]
-        if scored(other, blocks).better(scored(state.fit, blocks)):
-            state.prepared, state.fit = reweighed(state.prepared, other)
+        for simpler in (False, True):
+            own = state.fit.effects[i]
+            others = other_forms(state.prepared, state.fit, own)
+            if simpler:
+                others = [c for c in others if numbers_of(c.term) < numbers_of(own)]
+            if not others:
+                continue
+            blocks = state.blocks
+            now = scored(state.fit, blocks)
+            other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
+            if not now.better(other) if simpler else other.better(now):
+                state.prepared, state.fit = reweighed(state.prepared, other.fit)
     return state.fit is not before
 
 
@@ -57,7 +64,7 @@ def weigh_others(state: State) -> None:
     """Exchange each effect for the best other one of no more numbers, beside all others.
 
     A simpler one that explains as much stays, unless the model would do as well without it; one as
-    simple is a tie.
+    simple is a tie, of which the catalogue's first is named.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -71,7 +78,11 @@ def weigh_others(state: State) -> None:
             _change(state, own[i], partial(_instead, candidate=best))
             state.prepared, state.fit = reweighed(state.prepared, other)
         elif not apart(now, instead):
-            _change(state, own[i], partial(_tied, candidate=best))
+            if _precedes(best.term, own[i]) and not now.better(instead):
+                _change(state, own[i], partial(_first_of_tie, candidate=best))
+                state.prepared, state.fit = reweighed(state.prepared, other)
+            else:
+                _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
 
 def exchange_bent(state: State) -> bool:
@@ -134,7 +145,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             if apart(now, before) and not simpler:
                 continue
             if now.better(before) and not (simpler or alike):
-                _change(state, term, partial(_tied, candidate=instead))
+                _change(state, term, partial(Finding.tied_with, term=instead.term))
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
@@ -193,12 +204,15 @@ def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> N
     state.findings = with_changed(state.findings, state.fit.effects, term, change)
 
 
-def _tied(finding: Finding, candidate: Candidate) -> Finding:
-    """A finding with an effect that explains as much; another wave of it is no other."""
-    name = candidate.term.name
-    if name in (finding.term.name, *finding.ties):
-        return finding
-    return replace(finding, ties=(*finding.ties, name))
+def _first_of_tie(finding: Finding, candidate: Candidate) -> Finding:
+    """A finding of one effect as that of another one, with which it is tied."""
+    return _instead(finding, candidate).tied_with(finding.term)
+
+
+def _precedes(one: Term, other: Term) -> bool:
+    """Whether an effect comes before another in the catalogue."""
+    names = [effect.name for effect in CATALOGUE]
+    return names.index(one.name) < names.index(other.name)
 
 
 def _with_form(finding: Finding, other: Term) -> Finding:

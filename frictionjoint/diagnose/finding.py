@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from scipy.special import chdtri
@@ -48,6 +49,13 @@ class Finding:
         """Gain beyond the runner-up's."""
         runner = self.runner_up
         return self.look.gain(self.row) - (self.look.gain(runner) if runner else 0.0)
+
+    def tied_with(self, term: Term) -> Self:
+        """The same with an effect that explains as much; another wave of it is no other."""
+        if term.name in (self.term.name, *self.ties):
+            return self
+        rivals = tuple(t for t in self.rivals if t.name != term.name)
+        return replace(self, ties=(*self.ties, term.name), rivals=(*rivals, term))
 
 
 def with_changed(

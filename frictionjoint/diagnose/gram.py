@@ -175,7 +175,7 @@ def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
 def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) -> Screen:
     """The columns of a fit and of candidates, ready to be asked."""
     w = fitted.weight[:, None]
-    layout, free = fitted.layout, fitted.open
+    layout, free = fitted.layout, fitted.open.copy()
     for i in range(len(fitted.terms)):
         # of a term one on its bound acts too, and may leave it where a fold is missing
         free[layout.coefficients(i)] = True

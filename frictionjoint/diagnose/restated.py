@@ -4,10 +4,12 @@ When an effect came in it was seen beside another law and other effects. In the 
 at as if it alone were missing, with all candidates beside it and the law as it was found, for one
 that is fitted without the effect has bent for want of it. The best candidates are fitted in its
 place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
-half of the halves of the data choose before these and before nothing, goes. The p-value is only
-stated: beside a law that has bent for want of a slow effect it may be high.
+half of the halves of the data choose before these and before nothing, goes; a candidate that
+explains as much as the effect is a tie. The p-value is only stated: beside a law that has bent for
+want of a slow effect it may be high.
 """
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +21,7 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import State, as_much, numbers_of, with_fewer, without
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.terms import EffectTerm, Term, all_but
@@ -46,10 +48,13 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
 def _of_terms(state: State) -> list[Finding]:
     """The finding of each effect: harmonics of a periodic one came one by one."""
     found: list[Finding] = []
+    names = {term.name for term in state.fit.effects}
     for term in state.fit.effects:
         own = [f for f in state.findings if f.term.name == term.name]
         before = sum(f.term.name == term.name for f in found)
-        found.append(replace(own[min(before, len(own) - 1)], term=term))
+        as_came = own[min(before, len(own) - 1)]
+        ties = tuple(name for name in as_came.ties if name not in names)
+        found.append(replace(as_came, term=term, ties=ties))
     return found
 
 
@@ -61,19 +66,25 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     if not isinstance(finding.term, EffectTerm):
         return finding
     rest = replace(state, fit=without(state, finding.term))
-    alike = replace(state, fit=_as_it_is(state, finding.term))
-    seen, _ = look(alike.fit, alike.blocks, alike.candidates, rng)
+    as_it_is = replace(state, fit=_as_it_is(state, finding.term))
+    seen, _ = look(as_it_is.fit, as_it_is.blocks, as_it_is.candidates, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
-    instead = [with_fewer(rest, (*rest.fit.effects, t)) for t in _rivals(seen, finding)]
+    rivals = _rivals(seen, finding)
+    instead = [with_fewer(rest, (*rest.fit.effects, t)) for t in rivals]
     now, bare, *others = (scored(f, rest.blocks) for f in (state.fit, rest.fit, *instead))
+    alike = [as_much(now, other) and as_much(other, now) for other in others]
+    for term in itertools.compress(rivals, alike):
+        finding = finding.tied_with(term)
+    others = [other for other, same in zip(others, alike, strict=True) if not same]
     half = halves(rest.blocks.count, rng)
     ahead = [half @ now.squares < half @ other.squares for other in (bare, *others)]
     chosen = float(np.mean(np.all(ahead, axis=0)))
     # shapes were chosen on all of the data for the one gain, without each fold for the other
     gain = min(now.gain(bare), seen.gain(row))
-    return replace(finding, look=seen, row=row._replace(frequency=chosen), gain=gain)
+    row = row._replace(frequency=chosen)
+    return replace(finding, look=seen, row=row, gain=gain)
 
 
 def _as_it_is(state: State, term: Term) -> Fit:

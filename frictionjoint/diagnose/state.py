@@ -147,5 +147,5 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 
 def numbers_of(term: Term) -> int:
-    """How many numbers it takes: the fewer, the simpler."""
-    return len(term.coefficients) + len(term.shape)
+    """How many numbers are estimated: the fewer, the simpler."""
+    return len(term.coefficients) + len(term.free_shape)

@@ -44,6 +44,7 @@ CATALOGUE: tuple[Effect, ...] = (
     torque_bias.EFFECT,
     inertia_error.EFFECT,
     gravity_error.EFFECT,
+    gravity_error.ALONG_CENTRE,
     torque_gain.EFFECT,
     spring.EFFECT,
     *load_dependent.FORMS,

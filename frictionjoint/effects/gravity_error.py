@@ -1,16 +1,44 @@
 """gravity-error: a payload or an offset mass that the MJCF lacks."""
 
+from dataclasses import replace
+
+import numpy as np
 from numba import njit
 
-from frictionjoint.arrays import Vector
-from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import GX, GY
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.signals import GX, GY, LOAD, A
+
+# of the larger one, what a model's first moment of mass must be to have a direction
+_NOTHING = 1e-6
 
 
 @njit(cache=True)
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """mx Gx + my Gy, first moments of mass about the joint times unit gravity torques."""
     return P[e] * sig[GX] + P[e + 1] * sig[GY]
+
+
+@njit(cache=True)
+def centred_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """m (cx Gx + cy Gy), the direction (cx, cy) that of the MJCF's own first moment."""
+    return P[e + 2] * (P[e] * sig[GX] + P[e + 1] * sig[GY])
+
+
+def first_moment(signals: Array) -> Array:
+    """First moments of mass about the joint in the MJCF's own torque, kg m, shape (2,)."""
+    known = signals[:, [A, GX, GY]]
+    return np.asarray(np.linalg.lstsq(known, signals[:, LOAD], rcond=None)[0][1:])
+
+
+def _directions(signals: Array) -> list[Shape]:
+    """Of the MJCF's own first moment; none of a joint whose load gravity does not change."""
+    moment = first_moment(signals)
+    torque = np.ptp(signals[:, [GX, GY]] @ moment)
+    if torque <= _NOTHING * np.ptp(signals[:, LOAD]):
+        return []
+    cx, cy = (moment / np.linalg.norm(moment)).tolist()
+    return [(cx, cy)]
 
 
 EFFECT = Effect(
@@ -25,4 +53,18 @@ EFFECT = Effect(
     signature="same sign in both directions, smooth in position with the period of one turn",
     separating_motion="slow motion over at least half a turn, both directions",
     needs=(GX, GY),
+)
+
+# what is simply heavier: one number, as a wrong motor constant is
+ALONG_CENTRE = replace(
+    EFFECT,
+    effect_id=31,
+    coefficients=("moment",),
+    units=("kg m",),
+    form="m (cx Gx + cy Gy), towards the model's own centre of mass",
+    shape=("cx", "cy"),
+    shape_units=("1", "1"),
+    shape_fixed=2,
+    shapes=_directions,
+    needs=(GX, GY, LOAD),
 )

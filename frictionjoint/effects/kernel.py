@@ -37,6 +37,7 @@ MEMORY = 3
 
 _bias = torque_bias.torque
 _gravity = gravity_error.torque
+_gravity_along = gravity_error.centred_torque
 _inertia = inertia_error.torque
 _spring = spring.torque
 _asymmetry = direction_asymmetry.torque
@@ -127,6 +128,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _temperature_apart(P, e, sig, X, x)
     if effect_id == 30:
         return _motor_temperature(P, e, sig, X, x)
+    if effect_id == 31:
+        return _gravity_along(P, e, sig, X, x)
     return np.nan
 
 
