@@ -1,10 +1,14 @@
 """Logs of a joint that reaches the limits of its MJCF: what a limit gives no log tells."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
 
 from frictionjoint import close_loop
+from frictionjoint.diagnose.notes import _held_note
+from frictionjoint.effects.signals import N_SIGNALS, Q
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -21,10 +25,10 @@ BELIEVED = MODEL.format(RANGE.format(-LIMIT, LIMIT))
 TRUE = MODEL.format(RANGE.format(-LIMIT, LIMIT) + f' damping="0.2" frictionloss="{LOSS}"')
 
 
-def pressed(seed: int, seconds: float = 10.0) -> JointLog:
+def pressed(seed: int, true: str = TRUE, seconds: float = 10.0) -> JointLog:
     """The joint led along sines that go beyond its range, its torque logged."""
     rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(TRUE)
+    model = mujoco.MjModel.from_xml_string(true)
     data = mujoco.MjData(model)
     n = int(seconds / model.opt.timestep)
     t, q, torque = np.zeros((3, n))
@@ -52,6 +56,42 @@ def test_torque_against_a_limit_is_neither_friction_nor_a_drive_that_saturates()
     (said,) = [note for note in report.notes if "end of its range" in note]
     assert "-0.55 to 0.55 rad" in said
     assert "left out" in said
+
+
+def test_a_limit_that_the_model_lacks_is_an_end_stop_and_no_drive_that_saturates():
+    true = TRUE.replace(RANGE.format(-LIMIT, LIMIT), RANGE.format(-5.0, 0.4))
+    report = close_loop([pressed(1, true)], MODEL.format(""), "j", [pressed(3, true)])
+    # MuJoCo's limit brakes as well: more may be named beside it, and it begins to act a bit early
+    assert report.added[0].effect == "end-stop"
+    assert report.added[0].parameters["position"].value == pytest.approx(0.4, abs=0.02)
+    assert not [note for note in report.notes if "saturates" in note]
+
+
+def test_limits_at_both_ends_that_the_model_lacks_are_one_end_stop():
+    report = close_loop([pressed(1)], MODEL.format(""), "j", [pressed(3)])
+    (stop,) = report.added
+    assert stop.effect == "end-stop"
+    assert stop.parameters["upper"].value == pytest.approx(LIMIT, abs=0.02)
+    assert stop.parameters["lower"].value == pytest.approx(-LIMIT, abs=0.02)
+    assert not [note for note in report.notes if "saturates" in note]
+
+
+def test_a_joint_that_more_than_friction_holds_is_told_where_it_stands():
+    """Its torque is no part of a fit, for friction at rest hardly depends on the position."""
+    signals = np.zeros((6, N_SIGNALS))
+    signals[:, Q] = [-0.5, -0.5, 0.0, 0.1, 0.5, 0.5]
+    segment = SimpleNamespace(signals=signals, step=1, kept=np.ones(6, dtype=bool))
+    rest = np.array([True, True, False, False, True, True])
+    fitted = SimpleNamespace(
+        friction=LOSS * np.array([0.5, -0.5, 1.0, -1.0, 0.5, 0.2]), in_drive_units=False
+    )
+    found = SimpleNamespace(final=fitted, prepared=SimpleNamespace(segments=[segment], slide=False))
+    fitted.residual = np.array([-4.0, -3.0, 0.0, 0.0, 3.0, 0.1])
+    (said,) = _held_note(found, rest, 3.0)
+    assert "0.5 rad (pressed forward) and -0.5 rad (pressed back)" in said
+    fitted.residual = np.abs(fitted.residual)
+    assert "back" not in _held_note(found, rest, 3.0)[0]
+    assert not _held_note(found, rest, 0.9 * LOSS)
 
 
 def test_samples_at_a_limit_and_close_by_do_not_count():

@@ -1,10 +1,11 @@
 """What a reader must know of a result besides its figures, in a sentence or two each."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.effects.signals import GX, GY, LOAD, A
+from frictionjoint.effects.signals import GX, GY, LOAD, A, Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
@@ -135,6 +136,31 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
         f"In {rest.mean():.0%} of the samples the joint sticks or reverses, where the position "
         f"hardly determines the torque. They count little in the fit; their error, {error:.3g} "
         f"{unit} rms, is not part of the torque errors above, which are those of the motion.",
+        *_held_note(found, rest, error),
+    )
+
+
+def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str, ...]:
+    """That a joint at rest is held by more than its friction, and where it stands then."""
+    fitted = found.final
+    level = float(np.max(np.abs(fitted.friction)))
+    if error <= level:
+        return ()
+    unit, of_position = units_of(fitted, found.prepared.slide)
+    position = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in found.prepared.segments])
+    sides = (
+        ("forward", rest & (fitted.residual > level)),
+        ("back", rest & (fitted.residual < -level)),
+    )
+    where = [
+        f"{np.median(position[held]):.3g} {of_position} (pressed {side})"
+        for side, held in sides
+        if held.any()
+    ]
+    return (
+        f"That is more than friction holds, {level:.2g} {unit}: a stop, a brake or a contact holds "
+        f"the joint at {' and '.join(where)}. Tell it by the joint's range in the MJCF, or leave "
+        "that part of the log out.",
     )
 
 

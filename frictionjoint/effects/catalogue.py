@@ -63,6 +63,7 @@ CATALOGUE: tuple[Effect, ...] = (
     dwell_time.EFFECT,
     end_stop.UPPER,
     end_stop.LOWER,
+    end_stop.BOTH,
     back_emf.EFFECT,
     motor_saturation.EFFECT,
     motor_temperature.EFFECT,

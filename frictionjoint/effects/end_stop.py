@@ -1,4 +1,4 @@
-"""end-stop: a spring that acts only beyond a position; one form an end of the range."""
+"""end-stop: a spring that acts only beyond a position; a form for each end and one for both."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,8 +11,8 @@ from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
-# how deep into the range a search starts
-_DEPTHS = (0.02, 0.05, 0.1, 0.15, 0.2)
+# how deep into the range a search starts; a hard stop is hardly entered
+_DEPTHS = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2)
 
 
 @njit(cache=True)
@@ -27,10 +27,21 @@ def lower_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return -P[e + 1] * max(0.0, P[e] - sig[Q])
 
 
+@njit(cache=True)
+def both_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """k ((q - qmax)+ - (qmin - q)+)."""
+    return P[e + 2] * (max(0.0, sig[Q] - P[e]) - max(0.0, P[e + 1] - sig[Q]))
+
+
 def _positions(end: Callable[[Array], float], signals: Array) -> list[Shape]:
     q = signals[:, Q]
     inward = 0.5 * float(q.min() + q.max()) - end(q)
     return [(float(end(q) + 2.0 * depth * inward),) for depth in _DEPTHS]
+
+
+def _pairs(signals: Array) -> list[Shape]:
+    upper, lower = (_positions(end, signals) for end in (np.max, np.min))
+    return [(*u, *w) for u, w in zip(upper, lower, strict=True)]
 
 
 UPPER = Effect(
@@ -51,3 +62,14 @@ UPPER = Effect(
 )
 
 LOWER = replace(UPPER, effect_id=24, form="-k (qmin - q)+", shapes=partial(_positions, np.min))
+
+BOTH = replace(
+    UPPER,
+    effect_id=32,
+    form="k ((q - qmax)+ - (qmin - q)+)",
+    signature="acts near both ends of the range only",
+    separating_motion="approach each end slowly and dwell before it",
+    shape=("upper", "lower"),
+    shape_units=("x", "x"),
+    shapes=_pairs,
+)

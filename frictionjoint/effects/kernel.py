@@ -57,6 +57,7 @@ _gain = torque_gain.torque
 _delay = measurement_delay.torque
 _upper_stop = end_stop.upper_torque
 _lower_stop = end_stop.lower_torque
+_both_stops = end_stop.both_torque
 _lag = frictional_lag.torque
 _dwell = dwell_time.torque
 _backlash = backlash.torque
@@ -130,6 +131,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return _motor_temperature(P, e, sig, X, x)
     if effect_id == 31:
         return _gravity_along(P, e, sig, X, x)
+    if effect_id == 32:
+        return _both_stops(P, e, sig, X, x)
     return np.nan
 
 

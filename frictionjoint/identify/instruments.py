@@ -17,6 +17,9 @@ from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
 # what the filter of the motion may change of a torque that does not act, and noise make of one
 _ABOUT = 0.1
+# of half the range, how far from an end the joint presses against it; and how much of what exceeds
+# a level may do so
+_END, _MOSTLY = 0.1, 0.5
 
 
 @dataclass(frozen=True)
@@ -45,15 +48,22 @@ class ExcessTerm(TunedTerm):
     def shows(self, segments: Sequence[Segment], motion_hz: float) -> bool:
         """Whether it can be told from the torque's own noise, which exceeds a level too.
 
+        And from torque that an end of the joint's range takes up, which moves nothing either.
+
         Args:
             motion_hz: corner of the filter that the torque passed.
         """
-        noise, squares = 0.0, 0.0
-        for s in segments:
-            excess = self.columns(s, s.signals)[s.mask]
+        noise, squares, pressing = 0.0, 0.0, 0.0
+        q = [s.signals[s.mask, Q] for s in segments]
+        low, high = min(x.min() for x in q), max(x.max() for x in q)
+        end = 0.5 * _END * (high - low)
+        for s, x in zip(segments, q, strict=True):
+            excess = self.columns(s, s.signals)[s.mask, 0]
             noise += s.noise.torque * min(motion_hz, 0.5 / s.dt) * np.count_nonzero(excess)
             squares += float(np.sum(excess**2))
-        return noise < _ABOUT * squares
+            outward = np.where(excess > 0.0, x > high - end, x < low + end)
+            pressing += float(np.sum(excess[outward] ** 2))
+        return noise < _ABOUT * squares and pressing < _MOSTLY * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
         """The level, and how much did not act: more than all cannot be missing."""
