@@ -225,6 +225,16 @@ def test_several_effects_are_listed_without_their_causes(found):
     assert f"{both}: with them, {law}, the error falls" in text
 
 
+def test_a_tie_is_said_with_the_effect_that_is_named(found):
+    step, tie = found.added[0], "which these logs cannot distinguish from torque-gain)"
+    for effect, said in (
+        ("spring", f"spring, cable or balancer (spring, {tie}"),
+        ("end-stop", f"end stop ({tie}"),
+    ):
+        tied = replace(step, effect=effect, evidence=replace(step.evidence, ties=("torque-gain",)))
+        assert f"lacked {said}: with it" in sentence(replace(found, added=(tied,)))
+
+
 def test_every_look_at_the_candidates_is_drawn(found):
     (first,) = found.rankings
     looks = (first, replace(first, chosen=first.rows[1][0], runner_up=None))

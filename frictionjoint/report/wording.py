@@ -161,8 +161,11 @@ def _listed(names: list[str]) -> str:
 
 def _with_ties(report: Report, i: int) -> str:
     added = report.added[i]
-    ties = "".join(f" or {known_as(name)}" for name in added.evidence.ties)
-    return known_as(added.effect) + ties
+    known, ties = known_as(added.effect), " or ".join(added.evidence.ties)
+    if not ties:
+        return known
+    opened = f"{known[:-1]}, " if known.endswith(")") else f"{known} ("
+    return f"{opened}which these logs cannot distinguish from {ties})"
 
 
 def _ratio(report: Report, error: float) -> float:
