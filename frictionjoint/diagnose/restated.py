@@ -23,7 +23,7 @@ from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, numbers_of, with_fewer, without
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.search import Search
 from frictionjoint.identify.terms import EffectTerm, Term, all_but
 from frictionjoint.identify.weights import reweighed
 
@@ -88,8 +88,12 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
 
 
 def _as_it_is(state: State, term: Term) -> Fit:
-    """The model without one of its effects, its law and the shapes of the others as they are."""
-    return refit(state.prepared, all_but(state.fit.terms, term), state.fit.shape, ROUGH, steps=1)
+    """The model without one of its effects, its law and the shapes of the others as they are.
+
+    Its times too: one that another fit would open could stand for the inertia that is left out.
+    """
+    as_it_is = Search(state.prepared, all_but(state.fit.terms, term), state.fit.shape)
+    return as_it_is.result(as_it_is.start)
 
 
 def _rivals(seen: Look, finding: Finding) -> list[Term]:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Drive
@@ -17,8 +16,6 @@ from frictionjoint.identify.timing import Timing
 
 # of what is left, torque below which a parameter moves nothing
 _NOTHING = 1e-3
-# of the largest direction of the columns, below which one is rounding
-_DEPENDENT = 1e-10
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
 
@@ -128,10 +125,9 @@ class Fit:
     def open(self) -> NDArray[np.bool_]:
         """Parameters that can still move in both directions, shape (p,).
 
-        A time at the end of its sample, which is no longer one of sampling, cannot, nor one that
-        what is left would take beyond it. And what is left must move with them, as far as one
-        search may: the numbers of a law without a level move next to nothing, in whatever direction
-        that is.
+        A time at the end of its sample, which is no longer one of sampling, cannot. And what is
+        left must move with them, as far as one search may: the numbers of a law without a level
+        move next to nothing, in whatever direction that is.
         """
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
@@ -139,27 +135,10 @@ class Fit:
         np.multiply(size, reach, out=moves, where=size > 0.0)
         found = moves > _NOTHING * float(np.linalg.norm(self.residual * self.weight))
         found &= ~self.bound
-        times = []
         for i, term in enumerate(self.terms):
             if isinstance(term, Timing):
-                times.append(self.layout.numbers(i))
-                found[times[-1]] &= not term.at_its_end
-        step = self._step(found) if times else np.zeros(len(found))
-        for at in times:
-            found[at] &= (self.low[at] < step[at]) & (step[at] < self.high[at])
+                found[self.layout.numbers(i)] &= not term.at_its_end
         return np.asarray(found)
-
-    def _step(self, moved: NDArray[np.bool_]) -> Array:
-        """How far, to first order, some parameters must move to leave least, shape (p,)."""
-        w = self.weight[:, None]
-        columns = with_load(self.jacobian, self.layout)[:, moved] * w
-        size = np.linalg.norm(columns, axis=0)
-        size[size == 0.0] = 1.0
-        columns /= size
-        inverse = pseudo_inverse(columns.T @ columns, _DEPENDENT)
-        step = np.zeros(len(moved))
-        step[moved] = inverse @ (columns.T @ (self.residual * self.weight)) / size
-        return step
 
     @property
     def free_jacobian(self) -> Array:
