@@ -85,6 +85,27 @@ def weigh_others(state: State) -> None:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
 
+def settle_ties(state: State) -> None:
+    """Exchange each effect for a richer one that it is tied with, if that explains clearly more.
+
+    Before all effects are found the simpler one stands: what it leaves may be another effect.
+    """
+    for i in range(len(state.fit.effects)):
+        own, blocks = state.fit.effects, state.blocks
+        ties = {n for f in state.findings if f.term.name == own[i].name for n in f.ties}
+        richer = [
+            c
+            for c in _seen_with(state, own[i])
+            if c.term.name in ties and numbers_of(c.term) > numbers_of(own[i])
+        ]
+        if not richer:
+            continue
+        best, other = _in_place_of(state, blocks, i, richer)
+        if not as_much(scored(state.fit, blocks), scored(other, blocks)):
+            _change(state, own[i], partial(_first_of_tie, candidate=best))
+            state.prepared, state.fit = reweighed(state.prepared, other)
+
+
 def exchange_bent(state: State) -> bool:
     """Try others in the place of each effect that a law bends for, with the law fitted anew.
 
@@ -255,10 +276,11 @@ def _most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -
 
 def _no_richer(state: State, term: Term) -> list[Candidate]:
     """Candidates with a name and no more numbers than an effect of the model."""
+    return [c for c in _seen_with(state, term) if numbers_of(c.term) <= numbers_of(term)]
+
+
+def _seen_with(state: State, term: Term) -> list[Candidate]:
+    """Candidates with a name that were seen when an effect of the model was."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
-    return [
-        c
-        for c in state.candidates
-        if not c.unnamed and numbers_of(c.term) <= numbers_of(term)
-        if all(look.holds(c) for look in looks)
-    ]
+    named = [c for c in state.candidates if not c.unnamed]
+    return [c for c in named if all(look.holds(c) for look in looks)]

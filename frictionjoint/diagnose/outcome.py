@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import weigh_others
+from frictionjoint.diagnose.exchange import settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Trace, sight
 from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import named_of
@@ -59,6 +59,7 @@ def told(
     drop_what_moves_worse(state, replayed)
     # beside another law, or fewer effects, others may explain as much now
     weigh_others(state)
+    settle_ties(state)
     findings = restated(state, rng)
     if not findings and sight(state.prepared, state.fit, state.look).too_short:
         state.prepared, state.fit = state.laws.first(state.prepared, state.fit, too_short=True)

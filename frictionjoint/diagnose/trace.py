@@ -37,7 +37,6 @@ from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
     apart,
-    as_much,
     compared,
     needed,
     numbers_of,
@@ -356,8 +355,7 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         and not apart(best.score, t.score)
         and t.score.gain(now) >= (1.0 - TIE) * gain
     ]
-    as_good = [t for t in near if as_much(t.score, best.score)]
-    simplest = min(as_good, key=lambda t: (numbers_of(t.move.added[0].term), _total(t)))
+    simplest = min(near, key=lambda t: (numbers_of(t.move.added[0].term), _total(t)))
     (own,) = simplest.move.added
     others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
     ties = [other.term.name for other in others if not other.contains(own)]
