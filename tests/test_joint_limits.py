@@ -83,7 +83,9 @@ def test_a_joint_that_more_than_friction_holds_is_told_where_it_stands():
     segment = SimpleNamespace(signals=signals, step=1, kept=np.ones(6, dtype=bool))
     rest = np.array([True, True, False, False, True, True])
     fitted = SimpleNamespace(
-        friction=LOSS * np.array([0.5, -0.5, 1.0, -1.0, 0.5, 0.2]), in_drive_units=False
+        friction=LOSS * np.array([0.5, -0.5, 1.0, -1.0, 0.5, 0.2]),
+        in_drive_units=False,
+        rms_in_motion=0.1 * LOSS,
     )
     found = SimpleNamespace(final=fitted, prepared=SimpleNamespace(segments=[segment], slide=False))
     fitted.residual = np.array([-4.0, -3.0, 0.0, 0.0, 3.0, 0.1])
@@ -92,6 +94,8 @@ def test_a_joint_that_more_than_friction_holds_is_told_where_it_stands():
     fitted.residual = np.abs(fitted.residual)
     assert "back" not in _held_note(found, rest, 3.0)[0]
     assert not _held_note(found, rest, 0.9 * LOSS)
+    fitted.rms_in_motion = 2.0
+    assert not _held_note(found, rest, 3.0)
 
 
 def test_samples_at_a_limit_and_close_by_do_not_count():

@@ -232,7 +232,7 @@ def _first_of_tie(finding: Finding, candidate: Candidate) -> Finding:
 
 def _precedes(one: Term, other: Term) -> bool:
     """Whether an effect comes before another in the catalogue."""
-    names = [effect.name for effect in CATALOGUE]
+    names = [effect.name for effect in (*CATALOGUE, *DRIVE_EFFECTS)]
     return names.index(one.name) < names.index(other.name)
 
 

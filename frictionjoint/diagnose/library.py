@@ -13,7 +13,7 @@ from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import GX, GY, LOAD, TEMP, A, Q
+from frictionjoint.effects.signals import TEMP, Q, parts_of_load
 from frictionjoint.identify.basis import without
 from frictionjoint.identify.design import lengths, term_bounds
 from frictionjoint.identify.fit import Fit
@@ -307,7 +307,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
         terms.append(MissingTerm("torque"))
     if not prepared.slide:
         x = np.concatenate([s.signals[s.mask] for s in prepared.segments])
-        inertia, *arms = np.linalg.lstsq(x[:, [A, GX, GY]], x[:, LOAD], rcond=None)[0].tolist()
+        inertia, *arms = parts_of_load(x).tolist()
         _, viscosity = fitted.levels
         of_joint = (inertia, (arms[0], arms[1]), viscosity)
         taken = {term.order for term in fitted.terms if isinstance(term, EncoderTerm)}

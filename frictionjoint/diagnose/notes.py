@@ -13,7 +13,7 @@ from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.timing import Timing
 
-# standard errors beyond which an offset of the clocks is more than chance
+# standard errors, or rms errors, beyond which something is more than chance
 _BEYOND = 2.0
 DIVERGES = (
     "The simulation diverges: restarted from the log and driven as it says, it leaves the logged "
@@ -144,7 +144,8 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
     """That a joint at rest is held by more than its friction, and where it stands then."""
     fitted = found.final
     level = float(np.max(np.abs(fitted.friction)))
-    if error <= level:
+    # what the model leaves in motion it may leave at rest too
+    if error <= level + _BEYOND * fitted.rms_in_motion:
         return ()
     unit, of_position = units_of(fitted, found.prepared.slide)
     position = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in found.prepared.segments])
@@ -159,7 +160,7 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
     ]
     return (
         f"That is more than friction holds, {level:.2g} {unit}: a stop, a brake or a contact holds "
-        f"the joint at {' and '.join(where)}. Tell it by the joint's range in the MJCF, or leave "
+        f"the joint at {' and '.join(where)}. Give the joint's range in the MJCF, or leave "
         "that part of the log out.",
     )
 

@@ -7,7 +7,7 @@ from numba import njit
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import GX, GY, LOAD, A
+from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 
 # of the larger one, what a model's first moment of mass must be to have a direction
 _NOTHING = 1e-6
@@ -25,15 +25,9 @@ def centred_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return P[e + 2] * (P[e] * sig[GX] + P[e + 1] * sig[GY])
 
 
-def first_moment(signals: Array) -> Array:
-    """First moments of mass about the joint in the MJCF's own torque, kg m, shape (2,)."""
-    known = signals[:, [A, GX, GY]]
-    return np.asarray(np.linalg.lstsq(known, signals[:, LOAD], rcond=None)[0][1:])
-
-
 def _directions(signals: Array) -> list[Shape]:
     """Of the MJCF's own first moment; none of a joint whose load gravity does not change."""
-    moment = first_moment(signals)
+    moment = parts_of_load(signals)[1:]
     torque = np.ptp(signals[:, [GX, GY]] @ moment)
     if torque <= _NOTHING * np.ptp(signals[:, LOAD]):
         return []

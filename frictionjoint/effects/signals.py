@@ -17,6 +17,19 @@ ASKED  torque the motor would give if nothing saturated, N m; zero in a log
 LOSS   power that friction takes, W, for `heating`; zero in a log
 """
 
+import numpy as np
+
+from frictionjoint.arrays import Array
+
 TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
 LOSS = 17
 N_SIGNALS = 18
+
+
+def parts_of_load(signals: Array) -> Array:
+    """Inertia, kg m^2, and first moments of mass about the joint, kg m, in LOAD; shape (3,).
+
+    Args:
+        signals: shape (n, N_SIGNALS).
+    """
+    return np.asarray(np.linalg.lstsq(signals[:, [A, GX, GY]], signals[:, LOAD], rcond=None)[0])
