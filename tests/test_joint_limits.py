@@ -80,14 +80,14 @@ def test_a_joint_that_more_than_friction_holds_is_told_where_it_stands():
     """Its torque is no part of a fit, for friction at rest hardly depends on the position."""
     signals = np.zeros((6, N_SIGNALS))
     signals[:, Q] = [-0.5, -0.5, 0.0, 0.1, 0.5, 0.5]
-    segment = SimpleNamespace(signals=signals, step=1, kept=np.ones(6, dtype=bool))
+    logs = SimpleNamespace(at_kept=lambda column: signals[:, column], slide=False)
     rest = np.array([True, True, False, False, True, True])
     fitted = SimpleNamespace(
         friction=LOSS * np.array([0.5, -0.5, 1.0, -1.0, 0.5, 0.2]),
         in_drive_units=False,
         rms_in_motion=0.1 * LOSS,
     )
-    found = SimpleNamespace(final=fitted, prepared=SimpleNamespace(segments=[segment], slide=False))
+    found = SimpleNamespace(final=fitted, prepared=logs)
     fitted.residual = np.array([-4.0, -3.0, 0.0, 0.0, 3.0, 0.1])
     (said,) = _held_note(found, rest, 3.0)
     assert "0.5 rad (pressed forward) and -0.5 rad (pressed back)" in said

@@ -211,10 +211,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:
     """Kind of motion of each block, or log: speed, acceleration, mean position and direction."""
-    q, v, a = (
-        np.concatenate([s.signals[:: s.step, k][s.kept] for s in prepared.segments])
-        for k in (Q, V, A)
-    )
+    q, v, a = (prepared.at_kept(k) for k in (Q, V, A))
     count = np.bincount(of_sample)
 
     def mean(x: Array) -> Array:

@@ -45,13 +45,13 @@ def best_forms(state: State) -> bool:
     """
     before = state.fit
     for i in range(len(state.fit.effects)):
+        others = other_forms(state.prepared, state.fit, state.fit.effects[i])
         for simpler in (False, True):
-            own = state.fit.effects[i]
-            others = other_forms(state.prepared, state.fit, own)
             if simpler:
-                others = [c for c in others if numbers_of(c.term) < numbers_of(own)]
+                most = numbers_of(state.fit.effects[i])
+                others = [c for c in others if numbers_of(c.term) < most]
             if not others:
-                continue
+                break
             blocks = state.blocks
             now = scored(state.fit, blocks)
             other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
@@ -75,12 +75,10 @@ def weigh_others(state: State) -> None:
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
-            _change(state, own[i], partial(_instead, candidate=best))
-            state.prepared, state.fit = reweighed(state.prepared, other)
+            _take(state, own[i], partial(_instead, candidate=best), other)
         elif not apart(now, instead):
             if _precedes(best.term, own[i]) and not now.better(instead):
-                _change(state, own[i], partial(_first_of_tie, candidate=best))
-                state.prepared, state.fit = reweighed(state.prepared, other)
+                _take(state, own[i], partial(_first_of_tie, candidate=best), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
@@ -102,8 +100,7 @@ def settle_ties(state: State) -> None:
             continue
         best, other = _in_place_of(state, blocks, i, richer)
         if not as_much(scored(state.fit, blocks), scored(other, blocks)):
-            _change(state, own[i], partial(_first_of_tie, candidate=best))
-            state.prepared, state.fit = reweighed(state.prepared, other)
+            _take(state, own[i], partial(_first_of_tie, candidate=best), other)
 
 
 def exchange_bent(state: State) -> bool:
@@ -223,6 +220,12 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
 def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:
     """Change the finding of an effect of the model."""
     state.findings = with_changed(state.findings, state.fit.effects, term, change)
+
+
+def _take(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:
+    """Change the finding of an effect, and take a model with another one in its place."""
+    _change(state, term, change)
+    state.prepared, state.fit = reweighed(state.prepared, other)
 
 
 def _first_of_tie(finding: Finding, candidate: Candidate) -> Finding:

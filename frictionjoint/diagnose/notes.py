@@ -60,7 +60,7 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     """That a drive's scale rests on the inertia of the MJCF, where gravity does not show."""
     if "load" not in fitted.names or fitted.in_drive_units:
         return ()
-    signals = np.concatenate([s.signals[:: s.step][s.kept] for s in prepared.segments])
+    signals = np.concatenate([s.at_kept(s.signals) for s in prepared.segments])
     # of a slide gravity is one force, of a hinge it turns with the link
     pull = np.ones((len(signals), 1)) if prepared.slide else signals[:, [GX, GY]]
     both = np.column_stack([signals[:, A], pull])
@@ -148,7 +148,7 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
     if error <= level + _BEYOND * fitted.rms_in_motion:
         return ()
     unit, of_position = units_of(fitted, found.prepared.slide)
-    position = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in found.prepared.segments])
+    position = found.prepared.at_kept(Q)
     sides = (
         ("forward", rest & (fitted.residual > level)),
         ("back", rest & (fitted.residual < -level)),

@@ -134,10 +134,10 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
         before = [m - g + b * scale for m, g, b in zip(measured, given, base, strict=True)]
         rows = zip(prepared.segments, given, measured, before, after, friction, moving, strict=True)
         for s, g, m, b, a, f, in_motion in rows:
-            kept = s.signals[:: s.step][s.kept]
+            kept = s.at_kept(s.signals)
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
             for name, x in s.others.items():
-                quantities[name] = x[:: s.step][s.kept]
+                quantities[name] = s.at_kept(x)
             curves.append(
                 Curve(
                     s.name,

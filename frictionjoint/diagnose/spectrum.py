@@ -33,7 +33,7 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     Returns:
         also how many independent lines that is of.
     """
-    times = [(s.signals[:: s.step, TIME])[s.kept] for s in prepared.segments]
+    times = [s.at_kept(s.signals[:, TIME]) for s in prepared.segments]
     longest = max(float(np.ptp(t)) for t in times)
     rate = min(1.0 / (s.dt * s.step) for s in prepared.segments)
     cells = int(longest * rate) + 1

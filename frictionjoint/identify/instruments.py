@@ -55,7 +55,8 @@ class ExcessTerm(TunedTerm):
         """
         noise, squares, pressing = 0.0, 0.0, 0.0
         q = [s.signals[s.mask, Q] for s in segments]
-        low, high = np.min(np.concatenate(q)), np.max(np.concatenate(q))
+        whole = np.concatenate(q)
+        low, high = whole.min(), whole.max()
         end = 0.5 * _END * (high - low)
         for s, x in zip(segments, q, strict=True):
             excess = self.columns(s, s.signals)[s.mask, 0]

@@ -147,12 +147,16 @@ class Segment:
         """The balance's filter, with all samples given back."""
         return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)
 
+    def at_kept(self, x: Array) -> Array:
+        """A quantity of all samples at the kept ones, not filtered."""
+        return np.asarray(x[:: self.step][self.kept])
+
     @property
     def kept_weight(self) -> Array:
         """Weights of the kept samples."""
         if self.weight is None:
             return np.ones(int(self.kept.sum()))
-        return self.weight[:: self.step][self.kept]
+        return self.at_kept(self.weight)
 
     @property
     def filter(self) -> LowPass:
@@ -233,6 +237,10 @@ class Prepared:
         """Whether a controller made the drive that damps the joint."""
         return any(s.commanded is not None and s.commanded.damped for s in self.segments)
 
+    def at_kept(self, column: int) -> Array:
+        """One of the signals at the kept samples of all logs in turn, shape (n,)."""
+        return np.concatenate([s.at_kept(s.signals[:, column]) for s in self.segments])
+
     @cached_property
     def span(self) -> float:
         """Longest travel of a log, rad (m)."""
@@ -241,8 +249,7 @@ class Prepared:
     @cached_property
     def usual_travel(self) -> float:
         """Of all logs without the outermost tenth of the samples, rad (m)."""
-        q = np.concatenate([s.signals[:: s.step, Q][s.kept] for s in self.segments])
-        return float(np.subtract(*np.quantile(q, (0.95, 0.05)))) or self.span
+        return float(np.subtract(*np.quantile(self.at_kept(Q), (0.95, 0.05)))) or self.span
 
     @cached_property
     def top_speed(self) -> float:

@@ -64,7 +64,7 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
 
 def regimes(prepared: Prepared) -> NDArray[np.int64]:
     """Range of speed and direction that each kept sample belongs to, shape (n,)."""
-    v = np.concatenate([s.signals[:: s.step, V][s.kept] for s in prepared.segments])
+    v = prepared.at_kept(V)
     edges = np.quantile(np.abs(v), np.arange(1, _SPEEDS) / _SPEEDS)
     return np.asarray(2 * np.digitize(np.abs(v), edges) + (v > 0.0), dtype=np.int64)
 

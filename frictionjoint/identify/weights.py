@@ -44,7 +44,7 @@ def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tupl
 def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
     """What a fit leaves of its logs."""
     whole = zip(prepared.segments, _sticking(prepared, fitted), strict=True)
-    stuck = np.concatenate([x[:: s.step][s.kept] for s, x in whole])
+    stuck = np.concatenate([s.at_kept(x) for s, x in whole])
     e = fitted.residual
     sliding, sticking = e[stuck < _SLIDING], e[stuck > _STICKING]
     base = float(np.sqrt(np.mean(sliding**2))) if sliding.size else fitted.rms

@@ -39,10 +39,12 @@ def title(effect: str) -> str:
     return next((e.title for e in CATALOGUE if e.name == effect and e.title), effect)
 
 
-def known_as(effect: str) -> str:
-    """What a person calls an effect, with its canonical name."""
+def known_as(effect: str, remark: str = "") -> str:
+    """What a person calls an effect, with its canonical name and a remark in brackets."""
     plain = title(effect)
-    return plain if plain.lower().replace(" ", "-") == effect else f"{plain} ({effect})"
+    name = "" if plain.lower().replace(" ", "-") == effect else effect
+    inside = ", ".join(filter(None, (name, remark)))
+    return f"{plain} ({inside})" if inside else plain
 
 
 def drive(report: Report) -> str:
@@ -161,11 +163,9 @@ def _listed(names: list[str]) -> str:
 
 def _with_ties(report: Report, i: int) -> str:
     added = report.added[i]
-    known, ties = known_as(added.effect), " or ".join(added.evidence.ties)
-    if not ties:
-        return known
-    opened = f"{known[:-1]}, " if known.endswith(")") else f"{known} ("
-    return f"{opened}which these logs cannot distinguish from {ties})"
+    ties = " or ".join(added.evidence.ties)
+    remark = f"which these logs cannot distinguish from {ties}" if ties else ""
+    return known_as(added.effect, remark)
 
 
 def _ratio(report: Report, error: float) -> float:

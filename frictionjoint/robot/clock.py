@@ -88,7 +88,7 @@ def _of_sample(
     found, ends = [], np.append(first[1:], count)
     for place, s in by_place(joint.prepared.segments).items():
         i = number[place]
-        t = s.signals[:: s.step, TIME][s.kept]
+        t = s.at_kept(s.signals[:, TIME])
         found.append(np.minimum(first[i] + (t / length[i]).astype(np.int64), ends[i] - 1))
     return np.concatenate(found)
 
@@ -114,10 +114,7 @@ def _kinds(
     rows = []
     for joint in joints:
         of_sample = _of_sample(joint, number, length, first, count)
-        q, v, a = (
-            np.concatenate([s.signals[:: s.step, k][s.kept] for s in joint.prepared.segments])
-            for k in (Q, V, A)
-        )
+        q, v, a = (joint.prepared.at_kept(k) for k in (Q, V, A))
         size = np.maximum(np.bincount(of_sample, minlength=count), 1)
         for x in (v**2, a**2, q, np.sign(v)):
             rows.append(np.bincount(of_sample, x, count) / size)
