@@ -188,9 +188,10 @@ def show_robot(report: "RobotReport") -> None:
 
     out = console()
     for row in shared_rows(report):
-        out.print(f"shared: {row.cause}{row.place}: {row.values}", soft_wrap=True, markup=False)
-        ties = f", or {', '.join(row.ties)}" if row.ties else ""
-        out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}{ties}", markup=False)
+        ties = f" (or {', '.join(row.ties)})" if row.ties else ""
+        cause = f"{row.cause}{row.place}{ties}"
+        out.print(f"shared: {cause}: {row.values}", soft_wrap=True, markup=False)
+        out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}", markup=False)
     errors = ("torque before", "after", "replay before", "after")
     table = Table("joint", "effects added", *errors, "verdict")
     joints = joint_rows(report)

@@ -11,6 +11,7 @@ from frictionjoint.identify.held import Pose
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
+from frictionjoint.simulate.uninstall import said_of
 
 
 class Bodies:
@@ -67,6 +68,8 @@ class Bodies:
         for body in self._bodies.values():
             mine, theirs = ([x for x in some if self._of(x) is body] for some in (logs, held_out))
             said += check_logs(mine, body, theirs)
+            if body.carried:
+                said.append(said_of([body.joint]))
             if body.native:
                 said.append(
                     f"Joint {body.joint!r} has {body.native} of its own in the MJCF, left out "

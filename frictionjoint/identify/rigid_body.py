@@ -19,6 +19,7 @@ from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_p
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.native_friction import native_friction
+from frictionjoint.simulate.uninstall import before_friction
 
 # of a joint's range, how far a limit may give way: a joint that moves beyond does not meet it
 _GIVES_WAY = 0.1
@@ -55,6 +56,7 @@ class RigidBody:
         fixed: assumed poses of other joints by name, see `held.Pose`; a joint given by neither a
             log nor this stays at its initial position, qpos0.
     Attributes:
+        mjcf: without friction that an earlier run put on the joint. carried: whether it had some.
         native: friction that the MJCF itself declares at the joint, in words; empty for none.
         joint_names: of the other hinges and slides. poses: of the fixed joints, by their number.
     Raises:
@@ -68,8 +70,9 @@ class RigidBody:
         expect(mjcf, (str, Path), "model", "give the path of an MJCF, or its text")
         expect(joint, str, "joint", "give its name in the MJCF")
         expect(fixed, (Mapping, type(None)), "fixed", 'give poses by name, {"shoulder": 0.3}')
-        self.mjcf = mjcf
-        self.model = compile_model(mjcf)
+        self.mjcf, taken_out = before_friction(mjcf, [joint])
+        self.carried = bool(taken_out)
+        self.model = compile_model(self.mjcf)
         self.joint = joint
         self.joint_id = _joint_id(self.model, joint)
         self.poses = resolve(self.model, self.joint_id, fixed)

@@ -1,5 +1,6 @@
 """What may explain what joints leave: a cause of the robot, or an effect of one joint or of all."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,7 +58,9 @@ class Candidate:
     @property
     def label(self) -> str:
         """What it is and where."""
-        if self.cause is None:
-            return f"{self.effect} of {', '.join(self.joints)}"
-        place = ", ".join(self.cause.place.values())
-        return f"{self.cause.name} of {place}" if place else self.cause.name
+        return self.cause.label if self.cause else f"{self.effect} of {', '.join(self.joints)}"
+
+
+def columns_of(candidates: Iterable[Candidate]) -> Columns:
+    """Their columns of the stack, in turn."""
+    return np.concatenate([*(c.at for c in candidates), []]).astype(np.int64)

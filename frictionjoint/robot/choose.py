@@ -15,9 +15,17 @@ from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.chance import FLIPS, over_family
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.compare import better, enough, gain_of, harms, joint_gain, left_of
+from frictionjoint.robot.compare import (
+    NEARER,
+    better,
+    enough,
+    gain_of,
+    harms,
+    joint_gain,
+    left_of,
+)
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 
@@ -62,11 +70,16 @@ class Choice:
 
 @dataclass(frozen=True)
 class _Row:
-    """A candidate added to what is taken: squares by joint and block, (J, B)."""
+    """A candidate added to what is taken: squares by joint and block, (J, B).
+
+    Attributes:
+        strayed: squares over what is presumed of bodies, of all that is taken.
+    """
 
     candidate: Candidate
     left: Array = field(repr=False)
     p_value: float
+    strayed: float
 
     @property
     def total(self) -> float:
@@ -174,12 +187,13 @@ def _next(
     found = np.array(
         [stack.surprise(c.at, known, c.room, signs) - np.log(c.among) for c in open_ones]
     )
-    rows = [
-        _Row(c, stack.held_out(np.concatenate([known, c.at])), float(p))
-        for c, p in zip(open_ones, over_family(found), strict=True)
-    ]
+    rows = []
+    for c, p in zip(open_ones, over_family(found), strict=True):
+        both = np.concatenate([known, c.at])
+        rows.append(_Row(c, stack.held_out(both), float(p), stack.strayed(both)))
     rows.sort(key=lambda r: r.total)
-    good = [r for r in rows if _justified(stack, r, now)]
+    strayed = stack.strayed(known)
+    good = [r for r in rows if _justified(stack, r, now, strayed)]
     best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
     if best is None or not (shared or gain_of(now, best.left) > _BENT):
@@ -240,10 +254,11 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
     return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
 
 
-def _justified(stack: Stack, row: _Row, now: Array) -> bool:
+def _justified(stack: Stack, row: _Row, now: Array, strayed: float) -> bool:
+    """Whether a candidate takes enough away, or bodies that stood in for it come back."""
     if row.p_value > SIGNIFICANCE or not better(row.left, now) or harms(row.left, now):
         return False
-    return enough(stack, now, row.left)
+    return enough(stack, now, row.left) or row.strayed < strayed - NEARER
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:
@@ -256,7 +271,3 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
     names, left = list(best), np.array(list(best.values()))
     first = np.argmin(halves(left.shape[1], rng) @ left.T, axis=1)
     return float(np.mean(np.array(names)[first] == thing))
-
-
-def columns_of(taken: Sequence[Candidate]) -> Columns:
-    return np.concatenate([*(c.at for c in taken), []]).astype(np.int64)

@@ -40,6 +40,7 @@ from frictionjoint.robot.report_data import (
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers
+from frictionjoint.simulate.uninstall import before_friction, said_of
 from frictionjoint.threads import one_thread
 
 
@@ -70,6 +71,7 @@ def close_loop_robot(
         FrictionJointError: bad logs or model, in one line.
     """
     begin = time.perf_counter()
+    model, carried = before_friction(model, logs.joints)
     compiled = compile_model(model)
     user = State(model)
     tasks = {
@@ -123,7 +125,7 @@ def close_loop_robot(
         excitation=excitation,
         mjcf=model_text(spec, corrected.mjcf),
         seconds=time.perf_counter() - begin,
-        notes=(*logs.notes, *notes_of(results)),
+        notes=(*([said_of(carried)] if carried else ()), *logs.notes, *notes_of(results)),
     )
 
 

@@ -12,6 +12,10 @@ from frictionjoint.robot.stack import Stack
 # part of a joint's squares that a cause may add to them: a cause that is there harms no joint
 HARM = 0.05
 
+# squares over presumed variances by which a model's numbers are nearer to its own figures: about
+# as far as one of them is presumed to be off
+NEARER = 1.0
+
 
 def enough(stack: Stack, before: Array, after: Array) -> bool:
     """Whether more is taken away than the laws' own errors might feign."""

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.corrections import Corrections
@@ -23,6 +25,14 @@ class Found:
     def state(self) -> Corrections:
         """The model with them."""
         return composed(self.causes, self.numbers, self.original)
+
+    @property
+    def strayed(self) -> float:
+        """Squares of the numbers over what is presumed of each."""
+        return sum(
+            float(np.sum((x / c.prior) ** 2))
+            for c, x in zip(self.causes, self.numbers, strict=True)
+        )
 
     def without(self, *out: int) -> "Found":
         """All but some, by number."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
@@ -128,6 +128,14 @@ def screened(
     return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
 
 
+def squares_left(
+    joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
+) -> Array:
+    """Squares of each joint and block under causes and beside some effects of joints, (J, B)."""
+    seen = screened(joints, blocks, found, beside)
+    return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
+
+
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
     """Squares left over those left before, joints counted alike."""
     return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
@@ -135,9 +143,8 @@ def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:
     """Of each cause's numbers."""
-    own = [c.at for c in seen.taken]
-    cov = covariance(seen.stack, _all([*own, *(c.at for c in seen.candidates)]))
-    ends = np.cumsum([0, *(len(a) for a in own)])
+    cov = covariance(seen.stack, columns_of((*seen.taken, *seen.candidates)))
+    ends = np.cumsum([0, *(len(c.at) for c in seen.taken)])
     return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
 
 
@@ -155,10 +162,6 @@ def covariance(stack: Stack, at: Columns) -> Array:
     open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > _OPEN
     cov[open_ones, open_ones] = np.inf
     return np.asarray(cov)
-
-
-def _all(parts: Sequence[Columns]) -> Columns:
-    return np.concatenate([*parts, []]).astype(np.int64)
 
 
 def numbers_of(candidate: Candidate, numbers: Array, start: Array) -> Array:

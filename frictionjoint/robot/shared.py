@@ -12,13 +12,14 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.links import parts_of
-from frictionjoint.robot.choose import Choice, choose, columns_of, idle
+from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
-from frictionjoint.robot.compare import HARM
+from frictionjoint.robot.compare import HARM, NEARER
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
@@ -34,6 +35,7 @@ from frictionjoint.robot.settle import (
 )
 from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
+from frictionjoint.robot.ties import restated
 
 _MOST_ROUNDS = 10
 
@@ -131,7 +133,8 @@ def shared_causes(
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
         now = _settled(now, here, now.choices, each, beside)
-    return Shared(now.settled, now.choices, common)
+    choices = restated(now.joints, now.clock, now.settled.found, now.choices, open_ones, beside)
+    return Shared(now.settled, choices, common)
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
@@ -243,11 +246,23 @@ def _simplified(
     for out, several in proposed:
         choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
         rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-        trial = _without_idle(_with(rest, several, each, beside), each, beside)
-        # fewer numbers leave a joint a little more of the data they are fitted to
-        if float(_left(trial, now, beside).mean()) < 1.0 + HARM:
-            return trial, True
+        trial = _with(rest, several, each, beside)
+        if _as_near(trial, now, beside):
+            fewer = _without_idle(trial, each, beside)
+            return (fewer if _as_near(fewer, now, beside) else trial), True
     return now, False
+
+
+def _as_near(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
+    """Whether fewer numbers leave the joints about as little: of the data that they are fitted to
+    they leave a little more. Bodies do not stand in for what is gone.
+    """
+    return not _strays(after, before) and float(_left(after, before, beside).mean()) < 1.0 + HARM
+
+
+def _strays(after: _Now, before: _Now) -> bool:
+    """Whether bodies go noticeably farther from the model's own figures."""
+    return after.settled.found.strayed > before.settled.found.strayed + NEARER
 
 
 def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
@@ -290,6 +305,6 @@ def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[st
         choices = now.choices[:i] + now.choices[i + 1 :]
         trial = _settled(now, found.without(i), choices, each, beside)
         most = (1.0 + HARM) * max(1.0, float(promised.mean()))
-        if float(_left(trial, now, beside).mean()) <= most:
+        if not _strays(trial, now) and float(_left(trial, now, beside).mean()) <= most:
             return trial
     return None

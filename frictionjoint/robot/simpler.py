@@ -14,16 +14,16 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.choose import Choice, columns_of, within_bounds
+from frictionjoint.robot.choose import Choice, within_bounds
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.compare import as_much, gain_of
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
-from frictionjoint.robot.settle import screened
+from frictionjoint.robot.settle import squares_left
 from frictionjoint.robot.stack import Columns
 
 # single causes of which pairs are tried, those that explain most
@@ -48,11 +48,12 @@ def simpler(
         causes: all that may come; common: effects of all joints alike that may.
         beside: labels of effects of single joints that compete.
     """
-    left = _left(joints, clock, found, beside)
+    left = squares_left(joints, clock, found, beside)
     for out in _ones_and_twos(len(found.causes)):
         gone = [found.causes[i] for i in out]
         rest, size = found.without(*out), sum(len(c.start) for c in gone)
-        fewer = [c for c in causes if len(c.start) < size and c not in rest.causes]
+        # what stays in the model anyway is for a smaller set to be replaced
+        fewer = [c for c in causes if len(c.start) < size and c not in found.causes]
         # effects of all joints alike come one at a time
         terms = () if joints[0].beside else [t for t in common if len(t.coefficients) < size]
         if not fewer and not terms:
@@ -76,14 +77,6 @@ def simpler(
 def _ones_and_twos(count: int) -> Iterator[tuple[int, ...]]:
     """Sets of one and of two of so many."""
     return itertools.chain(*(itertools.combinations(range(count), k) for k in (1, 2)))
-
-
-def _left(
-    joints: Sequence[FittedJoint], clock: Clock, found: Found, beside: frozenset[str]
-) -> Array:
-    """Squares of joints under causes, (J, B)."""
-    seen = screened(joints, clock, found, beside)
-    return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
 
 
 def _opened(
@@ -119,7 +112,7 @@ def _settled(
     assert candidate.cause is not None
     start = rest.with_cause(candidate.cause, candidate.cause.start)
     found = descended(joints, clock, start, beside.__contains__)
-    return _left([j.corrected(found.state) for j in joints], clock, found, beside)
+    return squares_left([j.corrected(found.state) for j in joints], clock, found, beside)
 
 
 def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tuple[Candidate, ...]:

@@ -5,7 +5,7 @@ leaves, so that joints count alike. A sum of squares over joints is then one of 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,18 +106,6 @@ class Stack:
         G[:-1, -1] += self.pull
         return G
 
-    def restored(self, at: Columns, x: Array) -> "Stack":
-        """The stack as it was before columns with these coefficients had explained their part."""
-        joints = []
-        for k, joint in enumerate(self.joints):
-            own, weights = self._own(k, at, x)
-            T = np.eye(len(joint.columns) + 1)
-            T[own, -1] = weights
-            joints.append(replace(joint, grams=T.T @ joint.grams @ T))
-        pull = self.pull.copy()
-        pull[at] += self.precision[at] * x
-        return Stack(joints, self.clock, self.precision, pull)
-
     def held_out(self, at: Columns) -> Array:
         """Squares of each joint and block under coefficients fitted without its fold, (J, B)."""
         left = self.squares.copy()
@@ -135,6 +123,13 @@ class Stack:
     def solution(self, at: Columns) -> Array:
         """Coefficients of columns fitted to all that is left, shape (k,)."""
         return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
+
+    def strayed(self, at: Columns) -> float:
+        """Squares of coefficients fitted together, over the variance presumed of each."""
+        own = self.precision[at] > 0.0
+        precision = self.precision[at][own]
+        x = self.solution(at)[own] - self.pull[at][own] / precision
+        return float(precision @ x**2) / self.clock.alike
 
     def presumed_apart(self, at: Columns) -> Array:
         """Gram matrix of columns by the logs alone, without priors, (k, k)."""
@@ -182,11 +177,6 @@ class Stack:
         free = np.full(len(at), np.inf)
         low, high = room.T * scale if len(room) else (-free, free)
         return surprise(A, b, elsewhere, total, (low, high), signs, self.clock.log)
-
-    def _own(self, k: int, at: Columns, beta: Array) -> tuple[Columns, Array]:
-        """Where joint k has some columns of the stack, and their coefficients."""
-        places = self._places[k, at]
-        return places[places >= 0], beta[places >= 0]
 
 
 def least_squares(A: Array, b: Array) -> Array:

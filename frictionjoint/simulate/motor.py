@@ -46,11 +46,15 @@ class Motor:
 
 
 def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
-    """Put a motor on a joint: the actuator ``JOINT_voltage`` or ``JOINT_current``.
+    """Put a motor on a joint: the actuator ``JOINT_voltage`` or ``JOINT_current``, in the place of
+    one of an earlier run.
 
     Raises:
         ModelError: the model's actuators take all groups.
     """
+    earlier = spec.actuator(f"{joint}_{motor.drive}")
+    if earlier is not None:
+        spec.delete(earlier)
     free = sorted(set(range(_GROUPS)) - {a.group for a in spec.actuators})
     if not free:
         raise ModelError("the model's actuators take all 31 groups: leave one for the motor")

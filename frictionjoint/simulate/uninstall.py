@@ -1,10 +1,15 @@
 """Take friction out of a model again."""
 
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
 import mujoco
 import numpy as np
 
 from frictionjoint.arguments import require_spec
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import ModelError, few
+from frictionjoint.model_files import read_spec
+from frictionjoint.model_text import model_text
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import remove_waves
@@ -25,21 +30,72 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
         TypeError: no spec.
     """
     require_spec(spec, "uninstall")
-    ours = [numeric for numeric in spec.numerics if TAG in numeric.name]
-    if not ours:
+    joints = carrying(spec)
+    if not joints:
         raise ModelError("the model carries no friction: there is nothing to take out")
+    remove_waves(spec)
+    take_out(spec, joints)
+    return joints
+
+
+def carrying(spec: mujoco.MjSpec) -> list[str]:
+    """Names of the joints that carry friction."""
+    found = (_carrier(numeric.name) for numeric in spec.numerics)
+    return [name for name in found if name is not None]
+
+
+def _carrier(numeric: str) -> str | None:
+    """The joint whose friction a numeric holds, by its name; None for another numeric."""
+    prefix, tag, rest = numeric.partition(TAG)
+    return prefix + rest if tag else None
+
+
+def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
+    """Take the friction that joints carry out of a spec; changed in place.
+
+    Raises:
+        ModelError: a block is damaged.
+    """
+    ours = [numeric for numeric in spec.numerics if _carrier(numeric.name) in joints]
     rows = 0
     for numeric in ours:
         block = np.asarray(numeric.data)
         if len(block) <= HEAD or block[0] != MAGIC or len(block) != HEAD + 5 * block[COUNT]:
             raise ModelError(f"numeric {numeric.name} is damaged: delete it in the MJCF by hand")
         rows += rows_of_block(block.tolist())
-    remove_waves(spec)
-    joints = ["".join(numeric.name.split(TAG, 1)) for numeric in ours]
     for numeric in ours:
         spec.delete(numeric)
     for joint in joints:
         remove_mechanism(spec, joint)
     # the rows lie behind the user's own data
     spec.nuserdata = max(0, spec.nuserdata - rows)
-    return joints
+
+
+def before_friction(
+    model: str | Path, joints: Collection[str]
+) -> tuple[str | Path, tuple[str, ...]]:
+    """A model as it was before joints got friction, for a loop that finds it anew.
+
+    Args:
+        model: path or text of an MJCF or URDF.
+    Returns:
+        the model itself where none of the joints carries friction, else an MJCF's text; and which
+        of them did.
+    Raises:
+        ModelError: it does not compile, or a block is damaged.
+    """
+    spec = read_spec(model)
+    there = [name for name in carrying(spec) if name in joints]
+    if not there:
+        return model, ()
+    take_out(spec, there)
+    return model_text(spec, model), tuple(there)
+
+
+def said_of(joints: Sequence[str]) -> str:
+    """What a report says of friction that was taken out, a sentence."""
+    which = "joint" if len(joints) == 1 else "joints"
+    return (
+        f"The model carries friction at {which} {few(joints)} from an earlier run: it is left out "
+        "here and found anew."
+    )

@@ -34,10 +34,16 @@ class Cause(ABC):
         """Where it acts: a body, or one or two joints, by key of the report."""
 
     @property
+    def label(self) -> str:
+        """What it is and where."""
+        place = ", ".join(self.place.values())
+        return f"{self.name} of {place}" if place else self.name
+
+    @property
     def changed(self) -> str:
         """What it changes, of which a model has one change: a body's inertia, or its own place."""
         body = self.place.get("body")
-        return f"inertia of {body}" if body else " of ".join([self.name, *self.place.values()])
+        return f"inertia of {body}" if body else self.label
 
     @property
     @abstractmethod

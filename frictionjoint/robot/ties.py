@@ -1,0 +1,78 @@
+"""What else would explain what a shared cause does, restated on the final model.
+
+While causes are missing, much is alike: what was as good as a cause when it came in may be far from
+it beside all the others, or be in the model itself by then.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.candidate import Candidate, columns_of
+from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.choose import Choice
+from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.compare import as_much
+from frictionjoint.robot.found import Found
+from frictionjoint.robot.joint import FittedJoint
+from frictionjoint.robot.screen import Screened, screen
+from frictionjoint.robot.settle import squares_left
+
+# part of the squares within which a column beside another one adds nothing
+_SAME = 1e-6
+
+
+def restated(
+    joints: Sequence[FittedJoint],
+    clock: Clock,
+    found: Found,
+    choices: Sequence[Choice],
+    causes: Sequence[Cause],
+    beside: frozenset[str],
+) -> tuple[Choice, ...]:
+    """The choices with the ties that remain.
+
+    Args:
+        joints: with their laws fitted under `found`. choices: of its causes, with what tied with
+            each when it came in.
+        causes: all that may come. beside: labels of effects of single joints that are there too.
+    """
+    left = squares_left(joints, clock, found, beside)
+    there = {c.label for c in found.causes} | beside
+    kept = []
+    for i, choice in enumerate(choices):
+        wanted = frozenset(choice.ties) - there
+        ties: tuple[str, ...] = ()
+        if wanted:
+            own, rest = found.causes[i], found.without(i)
+            rivals = [c for c in causes if c.label in wanted and c.changed != own.changed]
+            at = [j.corrected(rest.state) for j in joints]
+            named, here = (beside | wanted).__contains__, joints[0].beside
+            seen = screen(at, clock, rest, [own, *rivals], named, here, joints)
+            ties = tuple(c.label for c in _as_good(seen, own, wanted, left))
+        kept.append(replace(choice, ties=tuple(dict.fromkeys(ties))))
+    return tuple(kept)
+
+
+def _as_good(
+    seen: Screened, own: Cause, wanted: frozenset[str], left: Array
+) -> Iterator[Candidate]:
+    """Candidates that leave as little as a cause in the model does.
+
+    Args:
+        seen: without the cause, which is among the candidates. wanted: labels of those to compare.
+        left: squares under the model, (J, B).
+    """
+    open_ones = [c for c in seen.candidates if c.label in wanted]
+    itself = next(c for c in seen.candidates if c.cause == own)
+    stand = [c for c in seen.candidates if c is not itself and c.label not in wanted]
+
+    def squares(*several: Candidate) -> Array:
+        return seen.stack.held_out(columns_of((*seen.taken, *stand, *several)))
+
+    alone = float(squares(itself).sum())
+    for c in open_ones:
+        # a column that adds nothing is the same thing by the name of a joint's effect
+        same = abs(float(squares(itself, c).sum()) - alone) <= _SAME * alone
+        if not same and as_much(seen.stack, squares(c), left):
+            yield c
