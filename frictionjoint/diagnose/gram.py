@@ -19,6 +19,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, Folds, whitened
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
+from frictionjoint.eigen import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
@@ -166,7 +167,7 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
 
 def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
     """Coefficients within their range where the free ones are not."""
-    values, vectors = np.linalg.eigh(A)
+    values, vectors = eigh(A)
     roots = np.sqrt(np.maximum(values, _RCOND * values.max()))
     rows, target = roots[:, None] * vectors.T, vectors.T @ b / roots
     return np.asarray(lsq_linear(rows, target, (low, high), method="bvls").x)

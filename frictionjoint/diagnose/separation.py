@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
@@ -152,7 +153,7 @@ def _left(sums: Moments, target: int, on: NDArray[np.int64]) -> tuple[float, flo
     G, S = (x / np.outer(scale, scale) for x in (sums.gram, sums.noise))
     w = np.zeros(len(G))
     w[target] = 1.0
-    w[on] = -np.linalg.pinv(G[np.ix_(on, on)], rcond=_RCOND, hermitian=True) @ G[on, target]
+    w[on] = -pseudo_inverse(G[np.ix_(on, on)], _RCOND) @ G[on, target]
     square = scale[target] ** 2
     return max(0.0, float(w @ G @ w)) * square, max(0.0, float(w @ S @ w)) * square
 
@@ -172,7 +173,7 @@ def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
     dead = scale <= 0.0
     scale[dead] = 1.0
     both = np.outer(scale, scale)
-    bread = np.linalg.pinv(total / both, rcond=_RCOND, hermitian=True) / both
+    bread = pseudo_inverse(total / both, _RCOND) / both
     found = np.asarray(bread @ (old @ known @ old + further.noise) @ bread)
     found[dead, dead] = np.inf
     return found

@@ -3,6 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.eigen import eigh
 
 # of the largest eigenvalue of the Gram matrix, below which a direction is rounding
 _DEPENDENT = 1e-10
@@ -14,7 +15,7 @@ def orthonormal(X: Array) -> Array:
     Args:
         X: columns of about the same norm, or none, shape (n, k).
     """
-    values, vectors = np.linalg.eigh(X.T @ X)
+    values, vectors = eigh(X.T @ X)
     independent = values > _DEPENDENT * values.max(initial=0.0)
     return np.asarray(X @ (vectors[:, independent] / np.sqrt(values[independent])))
 
@@ -25,7 +26,7 @@ def pseudo_inverse(A: Array, rcond: float) -> Array:
     Args:
         rcond: eigenvalues below this fraction of the largest count as zero.
     """
-    values, vectors = np.linalg.eigh(A)
+    values, vectors = eigh(A)
     size = np.abs(values)
     large = size > rcond * size.max(axis=-1, keepdims=True, initial=0.0)
     inverse = np.divide(1.0, values, out=np.zeros_like(values), where=large)

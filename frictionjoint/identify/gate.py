@@ -23,6 +23,7 @@ from scipy.optimize import nnls
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
+from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.refusals import driven, too_large, turned_round, unexplained
@@ -299,7 +300,7 @@ def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Ar
 
 def _errors(X: Array, residual: Array, block: NDArray[np.int64]) -> Array:
     """Covariance of the coefficients of X, by blocks."""
-    bread = np.linalg.pinv(X.T @ X, rcond=1e-12, hermitian=True)
+    bread = pseudo_inverse(X.T @ X, 1e-12)
     scores = np.zeros((_BLOCKS, X.shape[1]))
     np.add.at(scores, block, X * residual[:, None])
     return np.asarray(bread @ (scores.T @ scores) @ bread)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
+from frictionjoint.eigen import eigh
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Prepared
@@ -49,7 +50,7 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
     dead = scale < 1e-12 * scale.max()
     scale[dead] = 1.0
     # columns of Y are orthonormal combinations of those of the jacobian: Y = J / scale @ R
-    squares, U = np.linalg.eigh((J / scale).T @ (J / scale))
+    squares, U = eigh((J / scale).T @ (J / scale))
     known = squares > _RCOND * squares.max()
     R = U[:, known] / np.sqrt(squares[known])
     Y = (J / scale) @ R
@@ -83,7 +84,7 @@ def _jackknife(Y: Array, e: Array, group: NDArray[np.int64]) -> Array:
     """
     moves = []
     for y, own in _parts(Y, e, group):
-        share, U = np.linalg.eigh(y.T @ y)
+        share, U = eigh(y.T @ y)
         moves.append(U @ ((U.T @ (y.T @ own)) / (1.0 - np.minimum(share, _MOST))))
     n = len(moves)
     D = np.array(moves)
@@ -98,10 +99,10 @@ def _parts(Y: Array, e: Array, group: NDArray[np.int64]) -> list[tuple[Array, Ar
 
 def _wider(first: Array, second: Array) -> Array:
     """The least covariance above two others along the axes in which both are diagonal."""
-    squares, U = np.linalg.eigh(first)
+    squares, U = eigh(first)
     floor = max(float(squares.max()), float(np.trace(second))) * _RCOND
     L = U * np.sqrt(np.maximum(squares, floor))
     inverse = np.linalg.inv(L)
-    ratio, W = np.linalg.eigh(inverse @ second @ inverse.T)
+    ratio, W = eigh(inverse @ second @ inverse.T)
     M = L @ W
     return np.asarray((M * np.maximum(ratio, 1.0)) @ M.T)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.eigen import eigh
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.simulate.carrier import JointFriction
@@ -40,7 +41,7 @@ class Posterior:
     @classmethod
     def of(cls, values: Array, cov: Array, made: Callable[[Array], JointFriction]) -> "Posterior":
         """From a fit's numbers, their covariance and the friction that they make."""
-        squares, U = np.linalg.eigh(0.5 * (cov + cov.T))
+        squares, U = eigh(0.5 * (cov + cov.T))
         known = np.isfinite(squares) & (squares > 0.0)
         moves = (U[:, known] * np.sqrt(squares[known])).T
         content = _content(made(values))

@@ -19,6 +19,7 @@ from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import (
     NEARER,
+    as_much,
     better,
     enough,
     gain_of,
@@ -255,10 +256,12 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array, strayed: float) -> bool:
-    """Whether a candidate takes enough away, or bodies that stood in for it come back."""
+    """Whether a candidate takes enough away, or leaves as much of bodies that stood in for it."""
+    if row.strayed < strayed - NEARER and as_much(stack, row.left, now):
+        return True
     if row.p_value > SIGNIFICANCE or not better(row.left, now) or harms(row.left, now):
         return False
-    return enough(stack, now, row.left) or row.strayed < strayed - NEARER
+    return enough(stack, now, row.left)
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:

@@ -55,9 +55,10 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
 
     By what is less than the laws' own errors one explanation is no better than another.
     """
+    if _moved(stack, after, before) < DISCREPANCY:
+        return True
     least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
-    apart = better(before, after) and _moved(stack, after, before) >= DISCREPANCY
-    return least and not apart and not harms(after, before)
+    return least and not better(before, after) and not harms(after, before)
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:

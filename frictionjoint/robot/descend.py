@@ -13,6 +13,8 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from frictionjoint.arrays import Array
+from frictionjoint.eigen import eigh
+from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import gram_of, own_effects
@@ -222,7 +224,7 @@ def _squares(
     G = _apart(np.sum(grams, axis=0), n)
     A, b = G[:n, :n], G[:n, -1]
     scale = roots(A)
-    values, vectors = np.linalg.eigh(A / np.outer(scale, scale))
+    values, vectors = eigh(A / np.outer(scale, scale))
     kept = values > _NOTHING * values[-1]
     root = np.sqrt(values[kept])
     factor = root[:, None] * vectors[:, kept].T * scale
@@ -235,5 +237,5 @@ def _apart(G: Array, first: int) -> Array:
     kept = np.r_[:first, len(G) - 1]
     if not len(inner):
         return G
-    through = np.linalg.pinv(inner, rcond=1e-9, hermitian=True) @ own
+    through = pseudo_inverse(inner, 1e-9) @ own
     return np.asarray((G - own.T @ through)[np.ix_(kept, kept)])

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.linalg import qr
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.basis import without
+from frictionjoint.eigen import eigh
+from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import kept, lengths
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
 from frictionjoint.robot.columns import law_columns
@@ -22,6 +23,7 @@ from frictionjoint.robot.joint import FittedJoint
 
 # singular values below this fraction of the largest: exact columns of a parameter that never shows
 _STRUCTURAL = 1e-7
+_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,7 @@ def base_parameters(found: Information) -> BaseParameters:
 
     The factor comes of the Gram matrix, so that directions below the root of rounding do not count.
     """
-    values, vectors = np.linalg.eigh(found.gram)
+    values, vectors = eigh(found.gram)
     keep = values > _STRUCTURAL**2 * values[-1]
     root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
     size = np.linalg.norm(root, axis=0)
@@ -162,4 +164,4 @@ def base_parameters(found: Information) -> BaseParameters:
 def errors(found: Information, base: Sequence[int]) -> Array:
     """Standard errors of base parameters over their sizes, for independent samples, shape (b,)."""
     at = list(base)
-    return np.asarray(np.sqrt(np.diag(np.linalg.pinv(found.gram[np.ix_(at, at)], hermitian=True))))
+    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], _ROUNDING))))

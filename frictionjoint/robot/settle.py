@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.eigen import eigh
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.clock import Clock, clock
@@ -152,7 +153,7 @@ def covariance(stack: Stack, at: Columns) -> Array:
     """Of coefficients fitted together, (k, k): blocks of time are independent, samples are not."""
     G = stack.presumed_apart(at)
     scale = roots(G)
-    values, vectors = np.linalg.eigh(G / np.outer(scale, scale))
+    values, vectors = eigh(G / np.outer(scale, scale))
     determined = values > _DETERMINED * values[-1]
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
     scores = stack.products(at, np.zeros(0, dtype=np.int64))[1] / scale

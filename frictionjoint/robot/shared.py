@@ -15,7 +15,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.causes.links import parts_of
+from frictionjoint.robot.causes.together import parts_of
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms

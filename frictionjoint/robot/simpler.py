@@ -60,16 +60,24 @@ def simpler(
             continue
         at = [j.corrected(rest.state) for j in joints]
         known, seen = _opened(at, joints, clock, rest, fewer, terms, beside)
-        tried = []
+        tried, nearest = [], []
         for several in _sets(seen, known, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # far from the model's own figures its forms are not linear in their numbers
-                squares = _settled(at, clock, rest, several[0], beside)
+                squares = _settled(at, clock, rest, several, beside)
             else:
                 squares = seen.stack.held_out(_with(known, several))
+            total = float(squares.sum())
             if as_much(seen.stack, squares, left):
-                numbers = sum(len(c.at) for c in several)
-                tried.append((numbers, float(squares.sum()), several))
+                tried.append((_size(several), total, several))
+            elif len(several) > 1 and all(c.cause for c in several):
+                nearest.append((total, several))
+        if not tried and nearest:
+            # nor are two that change together
+            _, several = min(nearest, key=lambda one: one[0])
+            squares = _settled(at, clock, rest, several, beside)
+            if as_much(seen.stack, squares, left):
+                tried.append((_size(several), float(squares.sum()), several))
         if tried:
             yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
 
@@ -105,14 +113,21 @@ def _settled(
     joints: Sequence[FittedJoint],
     clock: Clock,
     rest: Found,
-    candidate: Candidate,
+    several: Sequence[Candidate],
     beside: frozenset[str],
 ) -> Array:
-    """Squares of joints with a cause beside others, its numbers as exact as theirs, (J, B)."""
-    assert candidate.cause is not None
-    start = rest.with_cause(candidate.cause, candidate.cause.start)
+    """Squares of joints with causes beside others, their numbers as exact as those, (J, B)."""
+    start = rest
+    for candidate in several:
+        assert candidate.cause is not None
+        start = start.with_cause(candidate.cause, candidate.cause.start)
     found = descended(joints, clock, start, beside.__contains__)
     return squares_left([j.corrected(found.state) for j in joints], clock, found, beside)
+
+
+def _size(several: Sequence[Candidate]) -> int:
+    """Numbers of all together."""
+    return sum(len(c.at) for c in several)
 
 
 def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tuple[Candidate, ...]:

@@ -13,9 +13,9 @@ from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
 from frictionjoint.robot.causes.joint_offset import JointOffset
-from frictionjoint.robot.causes.links import Links
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
+from frictionjoint.robot.causes.together import Links, Rotors
 from frictionjoint.robot.inertia import of_model, possible
 from frictionjoint.robot.kinematics import Tree
 
@@ -34,10 +34,12 @@ def catalogue(
         joints: whose drive the logs hold. moving: whose motion they hold.
         velocity: of each of `joints` along the logs, rad/s (m/s), each of shape (n,).
     """
-    found: list[Cause] = [
+    rotors = [
         RotorInertia(name, float(model.joint(name).armature[0]), is_slide(model, name))
         for name in joints
     ]
+    none = [rotor for rotor in rotors if not rotor.armature]
+    found: list[Cause] = [*rotors, *([Rotors(tuple(none))] if len(none) > 1 else [])]
     links = rigid_links(model, joints, moving)
     found += [Payload(b, body_label(model, b)) for b in _hands(links)]
     phi = of_model(model)

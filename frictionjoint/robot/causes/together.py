@@ -1,0 +1,86 @@
+"""Causes of one kind all at once: wrong links, each by a little, or rotors that no joint has."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.robot.causes.cause import Cause, composed
+from frictionjoint.robot.corrections import Corrections
+
+
+@dataclass(frozen=True)
+class Together(Cause):
+    """Numbers: those of each cause, one after the other.
+
+    Attributes:
+        members: the causes. where: key of their places in the report.
+    """
+
+    members: Sequence[Cause]
+    where: ClassVar[str]
+
+    @property
+    def place(self) -> dict[str, str]:
+        """See `Cause`."""
+        return {self.where: ", ".join(place_of(x) for x in self.members)}
+
+    @property
+    def steps(self) -> Array:
+        """See `Cause`."""
+        return np.concatenate([x.steps for x in self.members])
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `Cause`."""
+        return tuple(b for x in self.members for b in x.bounds)
+
+    @property
+    def prior(self) -> Array:
+        """See `Cause`."""
+        return np.concatenate([x.prior for x in self.members])
+
+    def parts(self, x: Array) -> tuple[Array, ...]:
+        """Numbers of each member."""
+        return tuple(np.split(x, np.cumsum([len(c.start) for c in self.members])[:-1]))
+
+    def applied(self, state: Corrections, x: Array) -> Corrections:
+        """See `Cause`."""
+        return composed(tuple(self.members), self.parts(x), state)
+
+    def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
+        """See `Cause`."""
+        found = {}
+        for member, own in zip(self.members, self.parts(x), strict=True):
+            for name, value in member.values(state, own).items():
+                found[f"{place_of(member)}.{name}"] = value
+        return found
+
+
+class Links(Together):
+    """Wrong inertial parameters of all links."""
+
+    name: ClassVar[str] = "body-inertia"
+    where: ClassVar[str] = "bodies"
+
+
+class Rotors(Together):
+    """Rotors of all joints that have none in the model, as in any URDF."""
+
+    name: ClassVar[str] = "rotor-inertia"
+    where: ClassVar[str] = "joints"
+
+
+def place_of(cause: Cause) -> str:
+    """The body or the joint of a cause."""
+    return next(iter(cause.place.values()))
+
+
+def parts_of(cause: Cause, x: Array) -> Iterator[tuple[Cause, Array]]:
+    """The causes that one is made of, each of one body or joint, with their numbers."""
+    if isinstance(cause, Together):
+        yield from zip(cause.members, cause.parts(x), strict=True)
+    else:
+        yield cause, x
