@@ -19,6 +19,8 @@ from tests.arms.arm import (
     hide_tilt,
     hide_warming,
     random_arm,
+    reread,
+    written,
 )
 from tests.arms.fitted import fitted_joints
 
@@ -221,3 +223,21 @@ def test_a_cause_that_laws_can_do_without_once_they_follow_is_none(monkeypatch, 
     choice = SimpleNamespace(candidate=SimpleNamespace(cause=cause))
     grown = shared._grown(now(), [choice], map, frozenset())
     assert (grown is not None) == kept
+
+
+def test_a_model_without_any_rotor_gets_all_of_them_and_links_stay_near_their_own_mass():
+    """As any URDF: one body of six times its mass stood in for two rotors."""
+    arm = random_arm(104, 3)
+    spec, believed = reread(arm.true), reread(arm.believed)
+    for joint, rotor in zip(arm.joints, (1.3, 0.384, 0.006), strict=True):
+        spec.joint(joint).armature = believed.joint(joint).armature = rotor
+    arm.true, arm.believed = written(spec), written(believed)
+    for joint in arm.joints:
+        hide_rotor(arm, joint)
+    hide_mass(arm, "link2", 1.5, (0.01, -0.01, 0.01))
+    found = values(found_in(arm))
+    rotors = {place["joint"]: v["added"] for name, place, v in found if name == "rotor-inertia"}
+    assert rotors == pytest.approx(arm.hidden["rotor-inertia"], rel=0.1)
+    ((body, mass),) = [(p["body"], v["mass"]) for name, p, v in found if name == "body-inertia"]
+    assert body == "link2"
+    assert mass == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)

@@ -246,18 +246,12 @@ def _simplified(
     for out, several in proposed:
         choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
         rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-        trial = _with(rest, several, each, beside)
-        if _as_near(trial, now, beside):
-            fewer = _without_idle(trial, each, beside)
-            return (fewer if _as_near(fewer, now, beside) else trial), True
+        trial = _without_idle(_with(rest, several, each, beside), each, beside)
+        # fewer numbers leave a joint a little more of the data they are fitted to
+        nearly = float(_left(trial, now, beside).mean()) < 1.0 + HARM
+        if nearly and not _strays(trial, now):
+            return trial, True
     return now, False
-
-
-def _as_near(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
-    """Whether fewer numbers leave the joints about as little: of the data that they are fitted to
-    they leave a little more. Bodies do not stand in for what is gone.
-    """
-    return not _strays(after, before) and float(_left(after, before, beside).mean()) < 1.0 + HARM
 
 
 def _strays(after: _Now, before: _Now) -> bool:

@@ -18,7 +18,7 @@ from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, within_bounds
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.compare import as_much, gain_of
+from frictionjoint.robot.compare import NEARER, as_much, gain_of
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
@@ -64,7 +64,8 @@ def simpler(
         for several in _sets(seen, known, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # far from the model's own figures its forms are not linear in their numbers
-                squares = _settled(at, clock, rest, several, beside)
+                after = _settled(at, clock, rest, several, beside)
+                squares = _left(at, clock, after, beside)
             else:
                 squares = seen.stack.held_out(_with(known, several))
             total = float(squares.sum())
@@ -73,10 +74,12 @@ def simpler(
             elif len(several) > 1 and all(c.cause for c in several):
                 nearest.append((total, several))
         if not tried and nearest:
-            # nor are two that change together
+            # nor are two that change together: they count where bodies come back by them
             _, several = min(nearest, key=lambda one: one[0])
-            squares = _settled(at, clock, rest, several, beside)
-            if as_much(seen.stack, squares, left):
+            after = _settled(at, clock, rest, several, beside)
+            squares = _left(at, clock, after, beside)
+            near = after.strayed < found.strayed - NEARER
+            if near and as_much(seen.stack, squares, left):
                 tried.append((_size(several), float(squares.sum()), several))
         if tried:
             yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
@@ -115,13 +118,19 @@ def _settled(
     rest: Found,
     several: Sequence[Candidate],
     beside: frozenset[str],
-) -> Array:
-    """Squares of joints with causes beside others, their numbers as exact as those, (J, B)."""
+) -> Found:
+    """Causes beside others, their numbers as exact as those."""
     start = rest
     for candidate in several:
         assert candidate.cause is not None
         start = start.with_cause(candidate.cause, candidate.cause.start)
-    found = descended(joints, clock, start, beside.__contains__)
+    return descended(joints, clock, start, beside.__contains__)
+
+
+def _left(
+    joints: Sequence[FittedJoint], clock: Clock, found: Found, beside: frozenset[str]
+) -> Array:
+    """Squares of joints with causes that they were not corrected by, (J, B)."""
     return squares_left([j.corrected(found.state) for j in joints], clock, found, beside)
 
 
