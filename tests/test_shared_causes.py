@@ -235,7 +235,11 @@ def test_a_model_without_any_rotor_gets_all_of_them_and_links_stay_near_their_ow
     for joint in arm.joints:
         hide_rotor(arm, joint)
     hide_mass(arm, "link2", 1.5, (0.01, -0.01, 0.01))
-    found = values(found_in(arm))
+    shown = found_in(arm)
+    found = values(shown)
+    for cause, choice in zip(shown.settled.found.causes, shown.choices, strict=True):
+        if cause.name == "rotor-inertia":
+            assert choice.candidate.joints == (cause.place["joint"],)
     rotors = {place["joint"]: v["added"] for name, place, v in found if name == "rotor-inertia"}
     assert rotors == pytest.approx(arm.hidden["rotor-inertia"], rel=0.1)
     ((body, mass),) = [(p["body"], v["mass"]) for name, p, v in found if name == "body-inertia"]

@@ -66,7 +66,8 @@ class Choice:
 
     def of(self, cause: Cause) -> "Choice":
         """The same choice of a part of its cause."""
-        return replace(self, candidate=replace(self.candidate, cause=cause))
+        joints = tuple(j for j in self.candidate.joints if cause.acts_on(j))
+        return replace(self, candidate=replace(self.candidate, cause=cause, joints=joints))
 
 
 @dataclass(frozen=True)

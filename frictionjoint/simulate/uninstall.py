@@ -33,8 +33,8 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
     joints = carrying(spec)
     if not joints:
         raise ModelError("the model carries no friction: there is nothing to take out")
-    remove_waves(spec)
     take_out(spec, joints)
+    remove_waves(spec)
     return joints
 
 

@@ -45,6 +45,10 @@ class Cause(ABC):
         body = self.place.get("body")
         return f"inertia of {body}" if body else self.label
 
+    def acts_on(self, joint: str) -> bool:
+        """Whether a joint's torque may change by it."""
+        return True
+
     @property
     @abstractmethod
     def steps(self) -> Array:

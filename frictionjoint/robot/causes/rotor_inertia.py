@@ -28,6 +28,10 @@ class RotorInertia(Cause):
         """See `Cause`."""
         return {"joint": self.joint}
 
+    def acts_on(self, joint: str) -> bool:
+        """See `Cause`."""
+        return joint == self.joint
+
     @property
     def steps(self) -> Array:
         """See `Cause`."""
