@@ -2,6 +2,7 @@
 
     python scripts/robot_trials.py --n 100 --out robot_trials.jsonl
     python scripts/robot_trials.py --n 0 --out robot_trials.jsonl        the table alone
+    python scripts/robot_trials.py --n 20 --without-rotors --out F       as a URDF, one link wrong
 
 Arm number i has 2 to 7 joints and is drawn from the seed and i alone; a number that has a row is
 not run again. Two logs of 12 s each. Judged: every hidden cause is named, on its body or joint,
@@ -15,6 +16,7 @@ import json
 import sys
 import time
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,7 @@ from frictionjoint.errors import FrictionJointError
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
+    geared,
     hide_coupling,
     hide_load_dependence,
     hide_mass,
@@ -55,6 +58,18 @@ def arm_of(seed: int, number: int) -> Arm:
     arm = random_arm(int(rng.integers(1 << 31)), int(rng.integers(2, 8)))
     for kind in rng.permutation(KINDS)[: number % 3]:
         _hide(arm, str(kind), rng)
+    return arm
+
+
+def arm_without_rotors(seed: int, number: int) -> Arm:
+    """An arm whose model has no rotor, as any URDF, and one link of another mass and centre."""
+    rng = np.random.default_rng([seed, number])
+    arm = random_arm(int(rng.integers(1 << 31)), int(rng.integers(2, 8)))
+    geared(arm, rng.uniform(0.3, 1.5, len(arm.joints)))
+    for joint in arm.joints:
+        hide_rotor(arm, joint)
+    body = f"link{rng.integers(2, len(arm.joints) + 1)}"
+    hide_mass(arm, body, rng.uniform(1.3, 1.8), rng.uniform(-0.02, 0.02, 3))
     return arm
 
 
@@ -145,10 +160,10 @@ def judged(row: dict[str, Any]) -> dict[str, Any]:
     return {"hidden": len(row["expected"]), "right": right, "false": len(open_ones)}
 
 
-def one(seed: int, number: int) -> dict[str, Any]:
+def one(make: Callable[[int, int], Arm], seed: int, number: int) -> dict[str, Any]:
     """A row of the file."""
     warnings.simplefilter("ignore")
-    begin, arm = time.process_time(), arm_of(seed, number)
+    begin, arm = time.process_time(), make(seed, number)
     row = {"number": number, "joints": len(arm.joints), "kinds": sorted(arm.hidden)}
     try:
         row |= {"expected": expected(arm), "said": said(searched(arm, number))}
@@ -162,7 +177,7 @@ def table(rows: list[dict[str, Any]]) -> str:
     """Counts by number of hidden causes."""
     lines = ["| hidden | arms | all right, nothing false | causes right | causes false |"]
     lines.append("|---|---|---|---|---|")
-    for count in (0, 1, 2):
+    for count in sorted({r["hidden"] for r in rows if "hidden" in r}):
         own = [r for r in rows if r.get("hidden") == count]
         clean = sum(r["right"] == count and not r["false"] for r in own)
         right, false = (sum(r[key] for r in own) for key in ("right", "false"))
@@ -180,13 +195,15 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--without-rotors", action="store_true")
     asked = parser.parse_args()
     rows = [json.loads(x) for x in asked.out.read_text().splitlines()] if asked.out.exists() else []
     done = {r["number"] for r in rows}
     for number in range(asked.first, asked.first + asked.n):
         if number in done:
             continue
-        row = one(asked.seed, number)
+        make = arm_without_rotors if asked.without_rotors else arm_of
+        row = one(make, asked.seed, number)
         rows.append(row)
         with asked.out.open("a") as file:
             file.write(json.dumps(row) + "\n")

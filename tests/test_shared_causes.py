@@ -10,6 +10,7 @@ from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
+    geared,
     hide_coupling,
     hide_load_dependence,
     hide_mass,
@@ -19,8 +20,6 @@ from tests.arms.arm import (
     hide_tilt,
     hide_warming,
     random_arm,
-    reread,
-    written,
 )
 from tests.arms.fitted import fitted_joints
 
@@ -228,10 +227,7 @@ def test_a_cause_that_laws_can_do_without_once_they_follow_is_none(monkeypatch, 
 def test_a_model_without_any_rotor_gets_all_of_them_and_links_stay_near_their_own_mass():
     """As any URDF: one body of six times its mass stood in for two rotors."""
     arm = random_arm(104, 3)
-    spec, believed = reread(arm.true), reread(arm.believed)
-    for joint, rotor in zip(arm.joints, (1.3, 0.384, 0.006), strict=True):
-        spec.joint(joint).armature = believed.joint(joint).armature = rotor
-    arm.true, arm.believed = written(spec), written(believed)
+    geared(arm, (1.0, 0.8, 0.6))
     for joint in arm.joints:
         hide_rotor(arm, joint)
     hide_mass(arm, "link2", 1.5, (0.01, -0.01, 0.01))

@@ -1,5 +1,6 @@
 """Random serial arms, and what can be hidden in them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -115,6 +116,18 @@ def hide_payload(arm: Arm, mass: float, place, size: float = 0.04) -> None:
     body.mass, body.ipos, body.inertia = mass, np.zeros(3), np.full(3, 0.4 * mass * size**2)
     arm.true = written(spec)
     arm.hidden["payload"] = (last.name, mass, at)
+
+
+def geared(arm: Arm, parts: Sequence[float]) -> None:
+    """Give each joint a rotor as large as a part of the inertia that it turns at rest."""
+    model = mujoco.MjModel.from_xml_string(arm.true)
+    data, M = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, M)
+    true, believed = reread(arm.true), reread(arm.believed)
+    for joint, inertia, part in zip(arm.joints, np.diag(M), parts, strict=True):
+        true.joint(joint).armature = believed.joint(joint).armature = inertia * part
+    arm.true, arm.believed = written(true), written(believed)
 
 
 def hide_rotor(arm: Arm, joint: str) -> None:
