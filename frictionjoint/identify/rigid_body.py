@@ -18,6 +18,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
+from frictionjoint.simulate.carrier import blocks
 from frictionjoint.simulate.native_friction import native_friction
 from frictionjoint.simulate.uninstall import before_friction
 
@@ -70,9 +71,12 @@ class RigidBody:
         expect(mjcf, (str, Path), "model", "give the path of an MJCF, or its text")
         expect(joint, str, "joint", "give its name in the MJCF")
         expect(fixed, (Mapping, type(None)), "fixed", 'give poses by name, {"shoulder": 0.3}')
-        self.mjcf, taken_out = before_friction(mjcf, [joint])
-        self.carried = bool(taken_out)
-        self.model = compile_model(self.mjcf)
+        self.mjcf = mjcf
+        self.model = compile_model(mjcf)
+        self.carried = joint in blocks(self.model)
+        if self.carried:
+            self.mjcf, _ = before_friction(mjcf, [joint])
+            self.model = compile_model(self.mjcf)
         self.joint = joint
         self.joint_id = _joint_id(self.model, joint)
         self.poses = resolve(self.model, self.joint_id, fixed)

@@ -18,7 +18,6 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import (
-    NEARER,
     as_much,
     better,
     enough,
@@ -26,6 +25,7 @@ from frictionjoint.robot.compare import (
     harms,
     joint_gain,
     left_of,
+    nearer,
 )
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
@@ -72,16 +72,11 @@ class Choice:
 
 @dataclass(frozen=True)
 class _Row:
-    """A candidate added to what is taken: squares by joint and block, (J, B).
-
-    Attributes:
-        strayed: squares over what is presumed of bodies, of all that is taken.
-    """
+    """A candidate added to what is taken: squares by joint and block, (J, B)."""
 
     candidate: Candidate
     left: Array = field(repr=False)
     p_value: float
-    strayed: float
 
     @property
     def total(self) -> float:
@@ -189,13 +184,15 @@ def _next(
     found = np.array(
         [stack.surprise(c.at, known, c.room, signs) - np.log(c.among) for c in open_ones]
     )
-    rows = []
-    for c, p in zip(open_ones, over_family(found), strict=True):
-        both = np.concatenate([known, c.at])
-        rows.append(_Row(c, stack.held_out(both), float(p), stack.strayed(both)))
+    rows = [
+        _Row(c, stack.held_out(np.concatenate([known, c.at])), float(p))
+        for c, p in zip(open_ones, over_family(found), strict=True)
+    ]
     rows.sort(key=lambda r: r.total)
     strayed = stack.strayed(known)
-    good = [r for r in rows if _justified(stack, r, now, strayed)]
+    good = [
+        r for r in rows if _justified(stack, r, now) or _brings_back(stack, r, now, known, strayed)
+    ]
     best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
     if best is None or not (shared or gain_of(now, best.left) > _BENT):
@@ -256,13 +253,21 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
     return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
 
 
-def _justified(stack: Stack, row: _Row, now: Array, strayed: float) -> bool:
-    """Whether a candidate takes enough away, or leaves as much of bodies that stood in for it."""
-    if row.strayed < strayed - NEARER and as_much(stack, row.left, now):
-        return True
+def _justified(stack: Stack, row: _Row, now: Array) -> bool:
     if row.p_value > SIGNIFICANCE or not better(row.left, now) or harms(row.left, now):
         return False
     return enough(stack, now, row.left)
+
+
+def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, strayed: float) -> bool:
+    """Whether a candidate leaves as much, and bodies that stood in for it come back.
+
+    Args:
+        strayed: how far they are from the model's own figures without it.
+    """
+    if not nearer(0.0, strayed) or not as_much(stack, row.left, now):
+        return False
+    return nearer(stack.strayed(np.concatenate([known, row.candidate.at])), strayed)
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:

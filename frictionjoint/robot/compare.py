@@ -12,9 +12,8 @@ from frictionjoint.robot.stack import Stack
 # part of a joint's squares that a cause may add to them: a cause that is there harms no joint
 HARM = 0.05
 
-# squares over presumed variances by which a model's numbers are nearer to its own figures: about
-# as far as one of them is presumed to be off
-NEARER = 1.0
+# squares over presumed variances: about as far as one number is presumed to be off
+_NEARER = 1.0
 
 
 def enough(stack: Stack, before: Array, after: Array) -> bool:
@@ -59,6 +58,15 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
         return True
     least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
     return least and not better(before, after) and not harms(after, before)
+
+
+def nearer(strayed: float, other: float) -> bool:
+    """Whether bodies are noticeably nearer to the model's own figures than others.
+
+    Args:
+        strayed, other: squares of their numbers over the variances presumed of each.
+    """
+    return strayed < other - _NEARER
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:

@@ -23,6 +23,7 @@ from frictionjoint.robot.joint import FittedJoint
 
 # singular values below this fraction of the largest: exact columns of a parameter that never shows
 _STRUCTURAL = 1e-7
+# of the largest eigenvalue, below which one is rounding
 _ROUNDING = 1e-15
 
 

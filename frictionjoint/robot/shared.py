@@ -19,7 +19,7 @@ from frictionjoint.robot.causes.together import parts_of
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
-from frictionjoint.robot.compare import HARM, NEARER
+from frictionjoint.robot.compare import HARM, nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
@@ -256,7 +256,7 @@ def _simplified(
 
 def _strays(after: _Now, before: _Now) -> bool:
     """Whether bodies go noticeably farther from the model's own figures."""
-    return after.settled.found.strayed > before.settled.found.strayed + NEARER
+    return nearer(before.settled.found.strayed, after.settled.found.strayed)
 
 
 def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:

@@ -18,7 +18,7 @@ from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, within_bounds
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.compare import NEARER, as_much, gain_of
+from frictionjoint.robot.compare import as_much, gain_of, nearer
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
@@ -78,8 +78,7 @@ def simpler(
             _, several = min(nearest, key=lambda one: one[0])
             after = _settled(at, clock, rest, several, beside)
             squares = _left(at, clock, after, beside)
-            near = after.strayed < found.strayed - NEARER
-            if near and as_much(seen.stack, squares, left):
+            if nearer(after.strayed, found.strayed) and as_much(seen.stack, squares, left):
                 tried.append((_size(several), float(squares.sum()), several))
         if tried:
             yield out, _choices(seen, known, _simplest(tried), choices[out[0]])

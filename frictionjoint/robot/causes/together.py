@@ -1,6 +1,6 @@
 """Causes of one kind all at once: wrong links, each by a little, or rotors that no joint has."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -19,7 +19,7 @@ class Together(Cause):
         members: the causes. where: key of their places in the report.
     """
 
-    members: Sequence[Cause]
+    members: tuple[Cause, ...]
     where: ClassVar[str]
 
     @property
@@ -48,7 +48,7 @@ class Together(Cause):
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """See `Cause`."""
-        return composed(tuple(self.members), self.parts(x), state)
+        return composed(self.members, self.parts(x), state)
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """See `Cause`."""
