@@ -1,5 +1,7 @@
 """What a search says in the end."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
@@ -21,10 +23,12 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.search import refit
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.weights import reweighed
+from frictionjoint.threads import side_by_side
 
 
 def told(
@@ -68,9 +72,7 @@ def told(
         base = state.fit
     else:
         # under the weights of the last model the law alone may fit best elsewhere
-        anew = fit(state.prepared, forms=forms_like(base.shape))
-        fits = (refit(state.prepared, (), base.shape), anew)
-        base = min((with_damping(state.prepared, f) for f in fits), key=lambda f: f.drive_rms)
+        base = _law_alone(state.prepared, base)
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -83,6 +85,23 @@ def told(
         other=other,
         sight=sight(state.prepared, state.fit, state.look),
     )
+
+
+def _law_alone(prepared: Prepared, before: Fit) -> Fit:
+    """The law of a fit without effects, from where it was and from everywhere."""
+
+    def near() -> Fit:
+        return refit(prepared, (), before.shape)
+
+    def anew() -> Fit:
+        return fit(prepared, forms=forms_like(before.shape))
+
+    def damped(make: Callable[[], Fit]) -> Fit:
+        return with_damping(prepared, make())
+
+    with side_by_side() as each:
+        fits: list[Fit] = list(each(damped, (near, anew)))
+    return min(fits, key=lambda f: f.drive_rms)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

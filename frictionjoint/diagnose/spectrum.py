@@ -7,7 +7,6 @@ from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks
-from frictionjoint.diagnose.columns import columns_of
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
@@ -129,8 +128,8 @@ def periodic_terms(
         for line in sorted(lines):
             N = np.pi * (line + first) / span
             reach = (_LEVEL_REACH * span,) if effect.memory else ()
-            term = EffectTerm(effect, (float(N), *reach))
-            found.append(_sharpened(prepared, signals, term, e, span))
+            N = _sharpened(float(N), q, weight, e, span)
+            found.append(EffectTerm(effect, (N, *reach)))
     return found, max(1.0, (last - first) / 2.0)
 
 
@@ -144,18 +143,12 @@ def _peaks(power: Array, count: int) -> list[int]:
     return found
 
 
-def _sharpened(
-    prepared: Prepared, signals: list[Array], term: EffectTerm, e: Array, span: float
-) -> EffectTerm:
-    """The frequency near a spectral line that explains most."""
-    N, *others = term.shape
-    trials = [
-        term.with_shape((float(N + x), *others)) for x in np.linspace(-1, 1, 5) * np.pi / span / 2
-    ]
+def _sharpened(N: float, q: Array, weight: Array, e: Array, span: float) -> float:
+    """The frequency near a spectral line at which a wave explains most of an error."""
+    trials = N + np.linspace(-1.0, 1.0, 5) * np.pi / span / 2.0
     gains = []
     for trial in trials:
-        X = columns_of(prepared, signals, trial)
-        G = X.T @ X
+        X = np.column_stack([np.sin(trial * q), np.cos(trial * q)]) * weight[:, None]
         s = X.T @ e
-        gains.append(float(s @ np.linalg.lstsq(G, s, rcond=1e-9)[0]))
-    return trials[int(np.argmax(gains))]
+        gains.append(float(s @ np.linalg.lstsq(X.T @ X, s, rcond=1e-9)[0]))
+    return float(trials[np.argmax(gains)])

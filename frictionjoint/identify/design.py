@@ -235,9 +235,9 @@ class Balance:
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """By the numbers of the law, shape (n, number)."""
         part, layout = self._parts[i], self.layout
-        dH, drate = part.tracks.tangents(law)
+        dH, drate = part.tracks.tangents(law, of_rate="sigma1" in layout.base)
         torque = beta[layout.base.index("Fc")] * dH
-        if "sigma1" in layout.base:
+        if drate is not None:
             torque += beta[layout.base.index("sigma1")] * drate * part.velocity
         for k, term in enumerate(terms):
             if not term.follows_law:

@@ -9,14 +9,20 @@ each step. Elsewhere point and mean are the same.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
-from scipy.sparse import csr_array
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import TIME, Q, V
 
 # points a step around a reversal, and steps before and after that of the reversal
 _POINTS, _BEFORE, _AFTER = 8, 1, 2
+
+
+# weights of the points of a mean over a step: the trapezoidal rule
+_RULE = np.full(_POINTS + 1, 1.0 / _POINTS)
+_RULE[[0, -1]] *= 0.5
 
 
 @dataclass(frozen=True)
@@ -25,17 +31,14 @@ class Path:
 
     Attributes:
         time, position: shape (m,), m at least n.
-        mean: takes what belongs to those points to the n samples of the grid, shape (n, m); None
-            where they are the same.
+        samples: places among those points of the n samples of the grid.
+        averaged: shape (n,), where a sample is the mean over the step around it.
     """
 
     time: Array
     position: Array
-    mean: csr_array | None
-
-    def on_grid(self, x: Array) -> Array:
-        """Mean over each step, along axis 0."""
-        return x if self.mean is None else np.asarray(self.mean @ x)
+    samples: Index
+    averaged: NDArray[np.bool_]
 
 
 def path_of(signals: Array, resolution: float) -> Path:
@@ -52,7 +55,7 @@ def path_of(signals: Array, resolution: float) -> Path:
     moved = np.abs(np.diff(v)) * step / 8.0
     turns = np.flatnonzero((v[:-1] * v[1:] < 0.0) & (moved > resolution))
     if not len(turns):
-        return Path(time, q, None)
+        return Path(time, q, np.arange(n), np.zeros(n, dtype=bool))
     fine = np.zeros(n - 1, dtype=bool)
     for k in range(-_BEFORE, _AFTER + 1):
         fine[np.clip(turns + k, 0, n - 2)] = True
@@ -62,28 +65,24 @@ def path_of(signals: Array, resolution: float) -> Path:
     all_times = np.concatenate([time, extra])
     order = np.argsort(all_times, kind="stable")
     t, x = all_times[order], np.concatenate([q, spline(extra)])[order]
-    return Path(t, x, _mean(t, time, fine))
+    averaged = np.append(fine, False) & np.append(False, fine)
+    return Path(t, x, np.searchsorted(t, time), averaged)
 
 
-def _mean(t: Array, grid: Array, fine: Array) -> csr_array:
-    """Means over a step by the trapezoidal rule, where it is fine on both sides of its sample.
+@compiled
+def fill_grid(x: Array, samples: Index, averaged: NDArray[np.bool_], out: Array) -> None:
+    """Take what belongs to the points of paths to the samples of their grids.
 
-    Elsewhere the sample itself.
+    Args:
+        x: rows, shape (k, m). samples, averaged: see `Path`. out: shape (k, n).
     """
-    n = len(grid)
-    own = np.searchsorted(t, grid)
-    at = np.flatnonzero(np.append(fine, False) & np.append(False, fine))
-    half = _POINTS // 2
-    rule = np.full(_POINTS + 1, 1.0 / _POINTS)
-    rule[[0, -1]] *= 0.5
-    plain = np.ones(n)
-    plain[at] = 0.0
-    rows, columns, weights = [np.arange(n)], [own], [plain]
-    for j, weight in enumerate(rule):
-        rows.append(at)
-        columns.append(own[at] + j - half)
-        weights.append(np.full(len(at), weight))
-    return csr_array(
-        (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(n, len(t)),
-    )
+    for i in range(len(x)):
+        for j in range(len(samples)):
+            at = samples[j]
+            if averaged[j]:
+                total = 0.0
+                for k in range(len(_RULE)):
+                    total += _RULE[k] * x[i, at + k - _POINTS // 2]
+                out[i, j] = total
+            else:
+                out[i, j] = x[i, at]

@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_diag, csr_array, eye_array
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.identify.reversals import Path
+from frictionjoint.identify.reversals import Path, fill_grid
 from frictionjoint.identify.shape import Shape
 
 # displacements, over the travel, over which friction may have come to what it held at first
@@ -50,19 +49,22 @@ class Tracks:
 
     def along(self, law: Shape) -> Array:
         """H and dz/dq along all logs in turn, shape (2, n)."""
-        time, q, edges, own = self._whole(law)
-        return self._on_grid(np.stack(law.hysteresis(time, q, edges)), own)
+        time, q, edges, samples = self._whole(law)
+        return self._on_grid(np.stack(law.hysteresis(time, q, edges)), samples)
 
-    def tangents(self, law: Shape) -> tuple[Array, Array]:
-        """Derivatives of H and dz/dq by the numbers of a law along them, shape (k, n) each."""
-        time, q, edges, own = self._whole(law)
+    def tangents(self, law: Shape, of_rate: bool) -> tuple[Array, Array | None]:
+        """Derivatives of H and, if asked for, dz/dq by the numbers of a law, shape (k, n) each."""
+        time, q, edges, samples = self._whole(law)
         _, _, dH, drate = law.tangents(time, q, edges=edges)
-        return self._on_grid(dH, own), self._on_grid(drate, own)
+        return self._on_grid(dH, samples), self._on_grid(drate, samples) if of_rate else None
 
-    def _on_grid(self, x: Array, own: NDArray[np.bool_] | None) -> Array:
+    def _on_grid(self, x: Array, samples: Index) -> Array:
         """Rows along whole paths to those on the grids of the logs."""
-        x = x if own is None else x[:, own]
-        return x if self._mean is None else np.asarray((self._mean @ x.T).T)
+        if x.shape[1] == len(samples):
+            return x
+        found = np.empty((len(x), len(samples)))
+        fill_grid(x, samples, self._averaged, found)
+        return found
 
     @cached_property
     def _paths(self) -> tuple[Array, Array, Index]:
@@ -72,39 +74,40 @@ class Tracks:
         return time, q, np.cumsum([0, *(len(path.time) for path in self.paths)])
 
     @cached_property
-    def _mean(self) -> csr_array | None:
+    def _averaged(self) -> NDArray[np.bool_]:
         """Of all logs, see `Path`."""
-        if all(path.mean is None for path in self.paths):
-            return None
-        parts = [
-            eye_array(len(path.time), format="csr") if path.mean is None else path.mean
-            for path in self.paths
-        ]
-        return csr_array(block_diag(parts, format="csr"))
+        return np.concatenate([path.averaged for path in self.paths])
 
-    def _whole(self, law: Shape) -> tuple[Array, Array, Index, NDArray[np.bool_] | None]:
-        """Time, position and edges that a law is driven along, and which of it are the logs.
+    def _samples(self, begin: Index) -> Index:
+        """Places of all samples, where the path of each log begins there."""
+        parts = zip(self.paths, begin.tolist(), strict=True)
+        return np.concatenate([first + path.samples for path, first in parts])
 
-        Before a log that held something comes the approach to that; where none did: None.
+    @cached_property
+    def _own_samples(self) -> Index:
+        """Where nothing comes before the logs."""
+        return self._samples(self._paths[2][:-1])
+
+    def _whole(self, law: Shape) -> tuple[Array, Array, Index, Index]:
+        """Time, position and edges that a law is driven along, and the samples' places in it.
+
+        Before a log that held something comes the approach to that.
         """
         time, q, edges = self._paths
         held = [i for i, start in enumerate(self.starts) if start.held]
         if not held:
-            return time, q, edges, None
+            return time, q, edges, self._own_samples
         before = dict(zip(held, _approaches(law, [self.starts[i] for i in held]), strict=True))
-        times, positions, own, lengths = [], [], [], [0]
+        times, positions, begin, lengths = [], [], [], [0]
         for i, path in enumerate(self.paths):
             way = before.get(i, np.zeros(0))
             times += [path.time[0] + np.arange(-len(way), 0.0), path.time]
             positions += [way, path.position]
-            own += [np.zeros(len(way), dtype=bool), np.ones(len(path.time), dtype=bool)]
+            begin.append(len(way))
             lengths.append(len(way) + len(path.time))
-        return (
-            np.concatenate(times),
-            np.concatenate(positions),
-            np.cumsum(lengths),
-            np.concatenate(own),
-        )
+        edges = np.cumsum(lengths)
+        samples = self._samples(edges[:-1] + begin)
+        return np.concatenate(times), np.concatenate(positions), edges, samples
 
 
 def _approaches(law: Shape, starts: list[Start]) -> list[Array]:
