@@ -4,7 +4,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
-from frictionjoint.identify.design import full_signals, kept
+from frictionjoint.identify.design import columns_of_term, full_signals, term_key
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -36,5 +36,11 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     if not term.coefficients:
         parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
         return np.concatenate(parts)[:, None]
-    parts = [kept(s, term.columns(s, x)) for s, x in zip(prepared.segments, signals, strict=True)]
-    return np.concatenate(parts)
+    (whole,) = prepared.bundles(1)
+
+    def made() -> Array:
+        return columns_of_term(term, signals, whole)
+
+    # what no fit changes is looked at again and again
+    fixed = isinstance(term, EffectTerm) and not (term.follows_law or term.effect.on_motor)
+    return whole.known.get(term_key(term, None), made) if fixed else made()

@@ -163,12 +163,11 @@ def _centred(out: Array) -> None:
 
 # Other threads go on: a search asks for columns side by side.
 @njit(cache=True, nogil=True)
-def _fill(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Array) -> None:
-    """Columns of one effect: its torque for one coefficient at a time, the others zero."""
-    P, X, start = pointer(numbers, 0), room(MEMORY), whole(0)
-    for c in range(out.shape[1]):
-        numbers[n_shape:] = 0.0
-        numbers[n_shape + c] = 1.0
+def _fill(effect_id: int, numbers: Array, signals: Array, out: Array) -> None:
+    """Torque of one effect, in each column of `out` with another row of its numbers."""
+    X, start = room(MEMORY), whole(0)
+    for c in range(len(numbers)):
+        P = pointer(numbers, c * numbers.shape[1])
         for i in range(MEMORY):
             X[i] = 0.0
         for k in range(signals.shape[0]):
@@ -178,9 +177,18 @@ def _fill(effect_id: int, numbers: Array, n_shape: int, signals: Array, out: Arr
         _centred(out)
 
 
+def torques(effect_id: int, shape: tuple[float, ...], coefficients: Array, signals: Array) -> Array:
+    """Torque along a log, shape (n, m).
+
+    Args:
+        coefficients: linear ones, shape (m, k). signals: shape (n, N_SIGNALS).
+    """
+    numbers = np.column_stack([np.tile(np.array(shape), (len(coefficients), 1)), coefficients])
+    out = np.empty((len(signals), len(coefficients)))
+    _fill(effect_id, numbers, np.ascontiguousarray(signals), out)
+    return out
+
+
 def columns(effect_id: int, shape: tuple[float, ...], n_coefficients: int, signals: Array) -> Array:
     """Torque per unit of each coefficient along a log, shape (n, n_coefficients)."""
-    numbers = np.array([*shape, *([0.0] * n_coefficients)])
-    out = np.empty((len(signals), n_coefficients))
-    _fill(effect_id, numbers, len(shape), np.ascontiguousarray(signals), out)
-    return out
+    return torques(effect_id, shape, np.eye(n_coefficients), signals)

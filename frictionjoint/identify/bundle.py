@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
+from frictionjoint.identify.remembered import Remembered
 from frictionjoint.identify.reversals import Path
 from frictionjoint.identify.tracks import Start, Tracks
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
@@ -51,6 +52,10 @@ class Log(Protocol):
         """What its controller made the drive of."""
 
 
+# bytes of what searches made of the logs that are kept: most of it stays from one point of a search
+# to the next, and where one search ends others begin
+_KEPT = 64_000_000
+
 _Log = TypeVar("_Log", bound=Log)
 # drives of the logs with each filter
 Spectra = list[Spectrum]
@@ -61,6 +66,7 @@ class Bundle(Generic[_Log]):
 
     Attributes:
         logs: at least one. places: of each among the n samples of all.
+        known: columns and targets of balances, and laws along the logs.
     """
 
     def __init__(self, logs: Sequence[_Log]) -> None:
@@ -68,6 +74,7 @@ class Bundle(Generic[_Log]):
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
+        self.known = Remembered(_KEPT)
 
     @cached_property
     def tracks(self) -> Tracks:

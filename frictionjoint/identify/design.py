@@ -7,9 +7,8 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
-from threading import Lock
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -30,6 +29,7 @@ from frictionjoint.identify.terms import (
     changing_drive,
     delay_of,
     drive_changes,
+    torque_of,
 )
 from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import side_by_side, threads_here
@@ -43,8 +43,6 @@ _STEP = 0.015
 _TIME_STEP = 0.1
 # of H along a law's tangent
 _SMALL = 1e-4
-# columns of the latest points of a search are kept: most stay from one point to the next
-_KEPT_A_PART = 24
 
 
 class Balance:
@@ -59,9 +57,7 @@ class Balance:
         self.layout: Layout = layout_of(prepared, law, terms)
         self.span = prepared.span
         self._parts = prepared.bundles(threads_here())
-        self._kept: dict[object, Array] = {}
         self._latest: dict[int, tuple[object, Spectra]] = {}
-        self._lock = Lock()
 
     def columns(
         self, law: Shape, terms: tuple[Term, ...], beta: Array | None = None
@@ -103,11 +99,12 @@ class Balance:
         if age:
             known = known - np.outer(self._parts[i].rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
-        parts.append(self._get(("law", i, law), partial(self._law, law, i)))
+        known_of = self._parts[i].known.get
+        parts.append(known_of(("law", names, law), partial(self._law, law, i)))
         for term in terms:
             if term.coefficients:
-                key = (i, id_of(term), law if term.follows_law else None)
-                parts.append(self._get(key, partial(self._term, term, law, i)))
+                key = term_key(term, law if term.follows_law else None)
+                parts.append(known_of(key, partial(self._term, term, law, i)))
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
@@ -124,7 +121,7 @@ class Balance:
             some = self._columns_of(track, part) @ beta[at]
             for k, term in enumerate(terms):
                 if term.follows_law:
-                    columns = _columns_of_term(term, with_track(track, part), part)
+                    columns = columns_of_term(term, with_track(track, part), part)
                     some += columns @ beta[self.layout.coefficients(k)]
             found.append(some)
             first += len(part.logs)
@@ -136,7 +133,7 @@ class Balance:
         def make() -> Array:
             return self._target_of(self._driven(terms, i), terms, i)
 
-        return self._get(("target", i, delay, age, changes), make)
+        return self._parts[i].known.get(("target", delay, age, changes), make)
 
     def _target_of(self, driven: Spectra, terms: tuple[Term, ...], i: int) -> Array:
         """What the columns are to add up to with the drive that the terms make."""
@@ -148,8 +145,9 @@ class Balance:
 
     def _damping_rate(self, terms: tuple[Term, ...], i: int) -> Array:
         """Of the drive that the terms make, see `Bundle`."""
-        key = "damping rate", i, _changes(terms)
-        return self._get(key, lambda: self._parts[i].damping_rate(drive_changes(terms)))
+        part = self._parts[i]
+        key = "damping rate", _changes(terms)
+        return part.known.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
         """How much of the drive a small error of the position calls for, per rad (m), shape (n,).
@@ -168,7 +166,12 @@ class Balance:
         return part.kept(track[:1])
 
     def _term(self, term: Term, law: Shape, i: int) -> Array:
-        return _columns_of_term(term, self._signals(term, law, i), self._parts[i])
+        return columns_of_term(term, self._signals(term, law, i), self._parts[i])
+
+    def _term_torque(self, term: Term, own: Array, law: Shape, i: int) -> Array:
+        """Of a term with its coefficients, before the filter, shape (n,)."""
+        logs = zip(self._parts[i].logs, self._signals(term, law, i), strict=True)
+        return np.concatenate([torque_of(term, s, signals, own) for s, signals in logs])
 
     def _signals(self, term: Term, law: Shape, i: int) -> Iterable[Array]:
         """Of each log, as a term sees them."""
@@ -190,7 +193,8 @@ class Balance:
 
     def _track(self, law: Shape, i: int) -> Array:
         """H and dz/dq, shape (2, n)."""
-        return self._get(("track", i, law), lambda: self._parts[i].tracks.along(law))
+        part = self._parts[i]
+        return part.known.get(("track", law), lambda: part.tracks.along(law))
 
     def _some_moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int
@@ -214,12 +218,10 @@ class Balance:
                     found.append(self._parts[i].balanced(driven, delay_of(terms), 1))
                     continue
                 h = _STEP * reach if np.isfinite(reach) else _SMALL
-                pair = [
-                    self._term(term.with_shape(_with(term.free_shape, j, x + d)), law, i)
-                    for d in (h, -h)
-                ]
+                ends = [term.with_shape(_with(term.free_shape, j, x + d)) for d in (h, -h)]
                 own = beta[self.layout.coefficients(k)]
-                found.append((pair[0] - pair[1]) @ own / (2.0 * h))
+                above, below = (self._term_torque(end, own, law, i) for end in ends)
+                found.append(self._parts[i].kept((above - below)[None] / (2.0 * h))[:, 0])
         kept = len(self._parts[i].load_and_velocity)
         return np.column_stack(found) if found else np.zeros((kept, 0))
 
@@ -246,26 +248,14 @@ class Balance:
             logs = zip(part.logs, part.places, self._signals(term, law, i), strict=True)
             for s, own, signals in logs:
                 level = signals[:, H].copy()
-                here = term.columns(s, signals) @ weights
+                here = torque_of(term, s, signals, weights)
                 for j, tangent in enumerate(dH[:, own]):
                     # these columns are linear in H, but for a bound on it; a tangent of next to
                     # nothing needs no step without end
                     h = _SMALL / max(float(np.abs(tangent).max()), _SMALL)
                     signals[:, H] = level + h * tangent
-                    torque[j, own] += (term.columns(s, signals) @ weights - here) / h
+                    torque[j, own] += (torque_of(term, s, signals, weights) - here) / h
         return part.kept(torque)
-
-    def _get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The columns under a key, made if need be; parts ask side by side."""
-        found = self._kept.get(key)
-        if found is not None:
-            return found
-        made = make()
-        with self._lock:
-            while len(self._kept) >= _KEPT_A_PART * len(self._parts):
-                self._kept.pop(next(iter(self._kept)))
-            self._kept[key] = made
-        return made
 
 
 def reaches(term: Term, span: float) -> list[tuple[float, float]]:
@@ -290,6 +280,11 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
 def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
     """What makes the columns of a term what they are."""
     return term.name, term.shape, term
+
+
+def term_key(term: Term, law: Shape | None) -> tuple[object, ...]:
+    """By which the columns of a term are remembered: beside a law where they follow it."""
+    return "term", id_of(term), law
 
 
 def _changes(terms: tuple[Term, ...]) -> tuple[object, ...]:
@@ -323,7 +318,8 @@ def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
         yield signals
 
 
-def _columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
+def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
+    """Of a term along the signals of each log of a bundle, as the balance keeps them, (m, k)."""
     logs = zip(part.logs, signals, strict=True)
     return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
 

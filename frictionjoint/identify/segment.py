@@ -300,12 +300,29 @@ class Prepared:
     def _bundles(self) -> dict[int, tuple[Bundle[Segment], ...]]:
         return {}
 
+    @cached_property
+    def _thinned(self) -> dict[int, "Prepared"]:
+        return {}
+
+    def weighed(self, weights: Sequence[Array]) -> "Prepared":
+        """The logs with other weights of their samples, shape (n,) each.
+
+        What was made of them stays: no column of a balance knows a weight.
+        """
+        logs = zip(self.segments, weights, strict=True)
+        found = replace(self, segments=tuple(replace(s, weight=w) for s, w in logs))
+        vars(found)["_bundles"] = self._bundles
+        return found
+
     def thinned(self, most: int) -> "Prepared":
         """The logs for a coarse search, in a narrower band where there are more samples than
         about `most`; finer motion is lost.
         """
-        factor = max(1.0, self.samples / most)
-        return replace(self, segments=tuple(_thinned(s, factor) for s in self.segments))
+        if most not in self._thinned:
+            factor = max(1.0, self.samples / most)
+            segments = tuple(_thinned(s, factor) for s in self.segments)
+            self._thinned[most] = replace(self, segments=segments)
+        return self._thinned[most]
 
     def without_limits(self) -> "Prepared":
         """The logs without what stands at the end of the drive's range: its sensor saturates."""
@@ -322,13 +339,13 @@ class Prepared:
             gone: of the kept samples of all logs in turn.
         """
         ends = np.cumsum([int(s.kept.sum()) for s in self.segments])[:-1]
-        logs = []
+        weights = []
         for s, own in zip(self.segments, np.split(gone, ends), strict=True):
             weight = np.ones(len(s.drive)) if s.weight is None else s.weight.copy()
             places = s.step * np.flatnonzero(s.kept)
             weight[places[own]] = 0.0
-            logs.append(replace(s, weight=weight))
-        return replace(self, segments=tuple(logs))
+            weights.append(weight)
+        return self.weighed(weights)
 
     def subset(self, indices: list[int]) -> "Prepared":
         """Some of the logs."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.kernel import columns
+from frictionjoint.effects.kernel import torques
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
@@ -118,14 +118,23 @@ class EffectTerm:
         return self.shape[0] if self.effect.delays else 0.0
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`; the kernel is the one a simulation runs."""
+        """See `Term`."""
+        return self._torques(segment, signals, np.eye(len(self.coefficients)))
+
+    def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
+        """Torque with some coefficients, shape (n,): the columns' sum, for the work of one."""
+        return self._torques(segment, signals, coefficients[None])[:, 0]
+
+    def _torques(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
+        """With each row of coefficients; the kernel is the one a simulation runs."""
         signals = self.hung(signals)
         if self.effect.of_size:
             signals = signals.copy()
             signals[:, GEAR] = segment.gear
-        found = columns(self.effect.effect_id, self.shape, len(self.coefficients), signals)
+        found = torques(self.effect.effect_id, self.shape, coefficients, signals)
         if self.effect.free and any(segment.swing):
-            found[:, 0] += self.effect.free(self.shape, segment.swing, signals)
+            free = self.effect.free(self.shape, segment.swing, signals)
+            found += np.outer(free, coefficients[:, 0])
         return found * segment.driven[:, None] if self.opposes_voltage else found
 
     def hung(self, signals: Array) -> Array:
@@ -149,6 +158,13 @@ class DriveTerm(EffectTerm):
     def columns(self, segment: Segment, signals: Array) -> Array:
         """None: it changes the drive, see `changed_drive`."""
         return np.zeros((len(signals), 0))
+
+
+def torque_of(term: Term, segment: Segment, signals: Array, coefficients: Array) -> Array:
+    """Of a term with some coefficients along a log, shape (n,)."""
+    if isinstance(term, EffectTerm):
+        return term.torque(segment, signals, coefficients)
+    return term.columns(segment, signals) @ coefficients
 
 
 def changing_drive(terms: tuple[Term, ...]) -> list[DriveTerm | TargetTiming]:

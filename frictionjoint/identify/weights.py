@@ -6,7 +6,6 @@ none is exact. In sliding neither matters. Both follow from a fitted law, so tha
 encoder does not resolve needs no rule of its own.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -76,15 +75,15 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
     law = law_parameters(fitted)
     level = fitted.levels[0]
     base = errors.sliding or 1e-300
-    segments = []
+    weights = []
     for s, stuck in zip(prepared.segments, _sticking(prepared, fitted), strict=True):
         unresolved = min(law.stiffness * s.noise.resolution, level)
         known = unresolved**2 + (DISCREPANCY * level) ** 2
         variance = stuck * max(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
             variance = variance + s.smooth(np.abs(s.unknown)) ** 2
-        segments.append(replace(s, weight=1.0 / np.sqrt(1.0 + variance / base**2)))
-    return replace(prepared, segments=tuple(segments))
+        weights.append(1.0 / np.sqrt(1.0 + variance / base**2))
+    return prepared.weighed(weights)
 
 
 def _sticking(prepared: Prepared, fitted: Fit) -> list[Array]:

@@ -1,0 +1,40 @@
+"""What was made of logs, for whoever asks for it again."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from threading import Lock
+
+from frictionjoint.arrays import Array
+
+
+class Remembered:
+    """Arrays by what they were made of, the latest that were asked for.
+
+    Threads may ask side by side. It goes to another process empty.
+
+    Args:
+        most: bytes that are kept.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most, self._held = most, 0
+        self._found: OrderedDict[object, Array] = OrderedDict()
+        self._lock = Lock()
+
+    def __reduce__(self) -> tuple[type["Remembered"], tuple[int]]:
+        return Remembered, (self._most,)
+
+    def get(self, key: object, make: Callable[[], Array]) -> Array:
+        """The array of a key, made if need be; not to be changed."""
+        with self._lock:
+            if key in self._found:
+                self._found.move_to_end(key)
+                return self._found[key]
+        made = make()
+        with self._lock:
+            if key not in self._found:
+                self._found[key] = made
+                self._held += made.nbytes
+            while self._held > self._most and len(self._found) > 1:
+                self._held -= self._found.popitem(last=False)[1].nbytes
+        return made
