@@ -54,12 +54,18 @@ def power(r: float, n: float) -> float:
 
 
 @njit(cache=True, inline="always")
+def _slope(r: float, n: float) -> float:
+    """dr/da."""
+    return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
+
+
+@njit(cache=True, inline="always")
 def rate(r: float, n: float) -> float:
     """dz/dx = 1 - sgn(r) |r|**n."""
     short = 1.0 - r
     if abs(short) < _NEAR:
         return n * short * (1.0 - 0.5 * (n - 1.0) * short)
-    return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
+    return _slope(r, n)
 
 
 @compiled
@@ -275,14 +281,14 @@ def _advance_above(r0: float, a: float, n: float) -> float:
 
 @compiled
 def _advance_small(r: float, a: float, n: float) -> float:
-    """r after a small displacement from 0 <= r < 1."""
+    """r after a small displacement from -1 <= r < 1."""
     steps = 1 + int(n * a / _SMALL_STEP)
     h = a / float(steps)
     for _ in range(steps):
-        k1 = 1.0 - power(r, n)
-        k2 = 1.0 - power(r + 0.5 * h * k1, n)
-        k3 = 1.0 - power(r + 0.5 * h * k2, n)
-        k4 = 1.0 - power(r + h * k3, n)
+        k1 = _slope(r, n)
+        k2 = _slope(r + 0.5 * h * k1, n)
+        k3 = _slope(r + 0.5 * h * k2, n)
+        k4 = _slope(r + h * k3, n)
         r += h * (k1 + 2.0 * (k2 + k3) + k4) / 6.0
     return r
 
@@ -332,7 +338,11 @@ def _advance_by_taylor(r: float, a: float, n: float) -> float:
 @compiled
 def any_advance(r: float, a: float, n: float) -> float:
     """`advance` for every exponent but 1 and 2."""
+    # powers 3 and 4 cost nothing, and the flow with them is smooth enough at 0
+    plain = n * a < _SMALL and (n == 3.0 or n == 4.0)
     if r < 0.0:
+        if plain and r >= -1.0:
+            return _advance_small(r, a, n)
         to_zero = _to_zero(-r, n)
         if a < to_zero:
             return -_advance_negative(-r, a, n)
@@ -344,10 +354,10 @@ def any_advance(r: float, a: float, n: float) -> float:
     # S that falls leaves r a bit above 1
     if 1.0 < r < _ABOVE and n * (r - 1.0) < _STEEP and n * a < _SMALL:
         return _advance_by_taylor(r, a, n)
+    if r < 1.0 and plain:
+        return _advance_small(r, a, n)
     if r < 1.0 and n * a < _SMALL:
-        # powers 3 and 4 cost nothing; r**n is not smooth at 0 for small n, which both ways need
-        if n == 3.0 or n == 4.0:
-            return _advance_small(r, a, n)
+        # r**n is not smooth at 0 for small n, which both ways need
         if r > 0.01 and _taylor_steps(r, a, n) <= _MOST_TAYLOR_STEPS:
             return _advance_by_taylor(r, a, n)
         if n >= 3.0:
