@@ -5,6 +5,10 @@ import sys
 from importlib.resources import files
 from pathlib import Path
 
+# workers side by side take a core each: threads within them would only compete. Before numba counts
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 

@@ -95,7 +95,7 @@ def quiet_plant():
 
 @pytest.fixture(scope="module")
 def busy_plant():
-    return plant.make(3, 2, ("load-dependent", "end-stop"))
+    return plant.make(4, 2, ("load-dependent", "end-stop"))
 
 
 def test_a_plant_is_the_same_for_a_seed_and_another_for_another(quiet_plant):
