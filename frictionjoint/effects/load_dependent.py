@@ -69,7 +69,10 @@ EFFECT = Effect(
 )
 
 COULOMB = replace(
-    EFFECT, effect_id=22, form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion"
+    EFFECT,
+    effect_id=22,
+    form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
+    source="Bittencourt and Gunnarsson (2012); beside Dahl's law the loss of MuJoCo's issue 3528",
 )
 STRIBECK = replace(
     EFFECT,
