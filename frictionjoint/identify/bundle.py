@@ -54,7 +54,7 @@ class Log(Protocol):
 
 # bytes of what searches made of the logs that are kept: most of it stays from one point of a search
 # to the next, and where one search ends others begin
-_KEPT = 32_000_000
+_KEPT = 12_000_000
 
 _Log = TypeVar("_Log", bound=Log)
 # drives of the logs with each filter
