@@ -18,8 +18,6 @@ from frictionjoint.effects.signals import TIME, Q, V
 
 # points a step around a reversal, and steps before and after that of the reversal
 _POINTS, _BEFORE, _AFTER = 8, 1, 2
-
-
 # weights of the points of a mean over a step: the trapezoidal rule
 _RULE = np.full(_POINTS + 1, 1.0 / _POINTS)
 _RULE[[0, -1]] *= 0.5
