@@ -1,56 +1,54 @@
-"""What was made of logs is made once: who asks again gets the same numbers, and no stale ones."""
+"""What a simulated joint tells of its memory."""
 
-import pickle
-from dataclasses import replace
-
+import mujoco
 import numpy as np
-import pytest
-from trial_logs import PENDULUM, prepared_logs
+from test_memory import LAW
 
-from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import DT, MOTOR, N_SIGNALS, RATE, H
-from frictionjoint.identify.design import Balance
-from frictionjoint.identify.remembered import Remembered
-from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.terms import EffectTerm
+import frictionjoint as fj
+from frictionjoint.law import memory as m
+from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 
-FIXED = [e for e in CATALOGUE if not (EffectTerm(e).follows_law or e.on_motor or e.delays)]
+JOINT = """<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody><body>
+<joint name="j"/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
 
 
-def test_the_latest_stay_as_far_as_there_is_room():
-    known, made = Remembered(100 * 8), []
-
-    def make(k):
-        made.append(k)
-        return np.full(40, float(k))
-
-    for k in (1, 2, 1, 3, 1, 2):  # room for two
-        assert known.get(k, lambda k=k: make(k))[0] == k
-    assert made == [1, 2, 3, 2]
-    assert pickle.loads(pickle.dumps(known)).get(1, lambda: make(7))[0] == 7
-
-
-@pytest.mark.parametrize("effect", FIXED, ids=lambda e: f"{e.name}-{e.effect_id}")
-def test_columns_that_are_remembered_without_a_law_know_nothing_of_it(effect):
-    rng = np.random.default_rng(0)
-    signals = rng.normal(size=(50, N_SIGNALS))
-    signals[:, DT] = np.where(np.arange(50) > 0, 0.01, 0.0)
-    other = signals.copy()
-    other[:, [H, RATE, MOTOR]] += 1.0
-    shape = (0.5,) * len(effect.shape)
-    made, again = (columns(effect.effect_id, shape, len(effect.coefficients), x)
-                   for x in (signals, other))  # fmt: skip
-    np.testing.assert_array_equal(made, again)
+def spiralling_model(reversals):
+    """A joint led along a shrinking spiral; what it remembers after each reversal."""
+    spec = mujoco.MjSpec.from_string(JOINT)
+    fj.install(spec, {"j": LAW})
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    found = []
+    with fj.attach(model):
+        for i in range(reversals):
+            data.time = i * model.opt.timestep
+            data.qpos[0] = 1.4e-5 * 0.97**i * (-1.0) ** i if i else 0.0
+            mujoco.mj_forward(model, data)
+            found.append(fj.remembered(model, data)["j"])
+    return found
 
 
-def test_logs_with_other_weights_share_it_and_logs_that_begin_otherwise_do_not(tmp_path):
-    logs = prepared_logs(PENDULUM, tmp_path, 1)
-    law = INTEGRATED[0]
-    X, _ = Balance(logs, law, ()).columns(law, ())
-    half = logs.weighed([np.full(len(s.drive), 0.5) for s in logs.segments])
-    assert half.weight == pytest.approx(0.5)
-    assert half.bundles(1) is logs.bundles(1)
-    begun = replace(logs, segments=tuple(replace(s, held=0.5) for s in logs.segments))
-    Y, _ = Balance(begun, law, ()).columns(law, ())
-    assert not np.array_equal(X, Y)
+def test_a_simulated_joint_tells_what_it_remembers_and_what_it_gave_up():
+    found = spiralling_model(100)
+    assert (found[0].minima, found[0].maxima, found[0].forgotten, found[0].error) == (0, 0, 0, 0.0)
+    few, many = found[12], found[-1]
+    P = LAW.pack()
+    X = np.zeros(row_size(P, 0))
+    start_row(P, 0, X, 0)
+    # a call commits the one before: eleven moves are known at the twelfth
+    q = [0.0, *(1.4e-5 * 0.97**i * (-1.0) ** i for i in range(1, 12))]
+    for dq in np.diff(q):
+        step_row(P, 0, X, 0, dq, 1.0, dq)
+        commit(P, 0, X, 0)
+    assert (few.minima, few.maxima) == (X[m.N_MIN] - 1, X[m.N_MAX] - 1)
+    assert few.minima + few.maxima >= 6
+    assert few.forgotten == 0
+    assert many.forgotten > 0
+    assert 0.0 < many.error <= LAW.Fs_pos + LAW.Fs_neg
+    assert max(many.minima, many.maxima) < m.CAPACITY
+    errors = [x.error for x in found]
+    assert errors == sorted(errors)
+
+
+def test_the_stated_error_is_never_more_than_the_whole_hysteresis():
+    assert spiralling_model(2000)[-1].error <= LAW.Fs_pos + LAW.Fs_neg

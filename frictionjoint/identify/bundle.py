@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
-from frictionjoint.identify.remembered import Remembered
 from frictionjoint.identify.reversals import Path
+from frictionjoint.identify.store import Store
 from frictionjoint.identify.tracks import Start, Tracks
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
 
@@ -66,7 +66,7 @@ class Bundle(Generic[_Log]):
 
     Attributes:
         logs: at least one. places: of each among the n samples of all.
-        known: columns and targets of balances, and laws along the logs.
+        store: columns and targets of balances, and laws along the logs.
     """
 
     def __init__(self, logs: Sequence[_Log]) -> None:
@@ -74,7 +74,7 @@ class Bundle(Generic[_Log]):
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
-        self.known = Remembered(_KEPT)
+        self.store = Store(_KEPT)
 
     @cached_property
     def tracks(self) -> Tracks:

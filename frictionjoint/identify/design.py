@@ -99,12 +99,12 @@ class Balance:
         if age:
             known = known - np.outer(self._parts[i].rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
-        known_of = self._parts[i].known.get
-        parts.append(known_of(("law", names, law), partial(self._law, law, i)))
+        stored = self._parts[i].store.get
+        parts.append(stored(("law", names, law), partial(self._law, law, i)))
         for term in terms:
             if term.coefficients:
                 key = term_key(term, law if term.follows_law else None)
-                parts.append(known_of(key, partial(self._term, term, law, i)))
+                parts.append(stored(key, partial(self._term, term, law, i)))
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
@@ -133,7 +133,7 @@ class Balance:
         def make() -> Array:
             return self._target_of(self._driven(terms, i), terms, i)
 
-        return self._parts[i].known.get(("target", delay, age, changes), make)
+        return self._parts[i].store.get(("target", delay, age, changes), make)
 
     def _target_of(self, driven: Spectra, terms: tuple[Term, ...], i: int) -> Array:
         """What the columns are to add up to with the drive that the terms make."""
@@ -147,7 +147,7 @@ class Balance:
         """Of the drive that the terms make, see `Bundle`."""
         part = self._parts[i]
         key = "damping rate", _changes(terms)
-        return part.known.get(key, lambda: part.damping_rate(drive_changes(terms)))
+        return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
         """How much of the drive a small error of the position calls for, per rad (m), shape (n,).
@@ -194,7 +194,7 @@ class Balance:
     def _track(self, law: Shape, i: int) -> Array:
         """H and dz/dq, shape (2, n)."""
         part = self._parts[i]
-        return part.known.get(("track", law), lambda: part.tracks.along(law))
+        return part.store.get(("track", law), lambda: part.tracks.along(law))
 
     def _some_moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int

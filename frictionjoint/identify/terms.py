@@ -155,9 +155,9 @@ class DriveTerm(EffectTerm):
         assert self.effect.drive is not None
         return self.effect.drive(block, delay, self.shape)
 
-    def columns(self, segment: Segment, signals: Array) -> Array:
+    def _torques(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
         """None: it changes the drive, see `changed_drive`."""
-        return np.zeros((len(signals), 0))
+        return np.zeros((len(signals), len(coefficients)))
 
 
 def torque_of(term: Term, segment: Segment, signals: Array, coefficients: Array) -> Array:

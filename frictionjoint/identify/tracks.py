@@ -60,7 +60,7 @@ class Tracks:
 
     def _on_grid(self, x: Array, samples: Index) -> Array:
         """Rows along whole paths to those on the grids of the logs."""
-        if x.shape[1] == len(samples):
+        if x.shape[1] == len(samples):  # no point but those of the grids
             return x
         found = np.empty((len(x), len(samples)))
         fill_grid(x, samples, self._averaged, found)

@@ -7,7 +7,7 @@ from threading import Lock
 from frictionjoint.arrays import Array
 
 
-class Remembered:
+class Store:
     """Arrays by what they were made of, the latest that were asked for.
 
     Threads may ask side by side. It goes to another process empty.
@@ -21,8 +21,8 @@ class Remembered:
         self._found: OrderedDict[object, Array] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type["Remembered"], tuple[int]]:
-        return Remembered, (self._most,)
+    def __reduce__(self) -> tuple[type["Store"], tuple[int]]:
+        return Store, (self._most,)
 
     def get(self, key: object, make: Callable[[], Array]) -> Array:
         """The array of a key, made if need be; not to be changed."""
