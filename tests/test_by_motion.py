@@ -33,7 +33,7 @@ def named(friction, armature="0.01", motions=(steps, sines, swept)):
     """
     body = RigidBody(PLANT.format("").replace('armature="0.01"', f'armature="{armature}"'), "j")
     logs = [
-        servo(f"{m.__name__} {kp}", kp, m, {}, 3.0, friction=friction)
+        servo(f"{m.__name__} {kp}", kp, m, {}, 2.0, friction=friction)
         for kp in (0.8, 3.0)
         for m in motions
     ]
@@ -46,7 +46,7 @@ def named(friction, armature="0.01", motions=(steps, sines, swept)):
     courses = courses_of(logs, [body] * len(logs), KNOWN)
     found, refined = named_by_motion(found, courses, body.armature)
     assert [f.term for f in found.findings] == list(found.final.effects)
-    unseen = courses_of([servo("swept 1.5", 1.5, swept, {}, 3.0, friction=friction)], [body], KNOWN)
+    unseen = courses_of([servo("swept 1.5", 1.5, swept, {}, 2.0, friction=friction)], [body], KNOWN)
     errors = [closed_loop(unseen, f).mae for f in (refined.fit, fitted)]
     return found.findings[1:], errors[0] / errors[1], refined
 

@@ -333,6 +333,6 @@ def test_how_a_drive_answers_a_small_error_of_the_position(known, edge, below, a
     seen = commands(log(target=np.sin(3 * T), position=0.8 * np.sin(3 * T)), c)
     found = AllCommands([seen]).answer(seen.block[None], np.zeros(1))
     e = np.abs(seen.target - seen.position)
-    # around a sample the target is on either side of an edge
-    far = np.abs(e - edge) > 0.02
-    np.testing.assert_allclose(found[far], np.where(e < edge, below, above)[far], rtol=1e-6)
+    # around a sample both are on either side of an edge: the target moves by 0.03
+    far = np.abs(e - edge) > 0.045
+    np.testing.assert_allclose(found[far], np.where(e < edge, below, above)[far], 1e-6, 1e-9)

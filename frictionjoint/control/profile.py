@@ -61,11 +61,23 @@ def fill_means(
     time: Array, command: Array, begin: Vector, length: Vector, rate: float, out: Vector
 ) -> None:
     """Fill `out`, see `followed_over`; fastest where stretches come in turn."""
+    path = areas(time, command, rate)
+    first, last = 0, 0
+    for k in range(len(begin)):
+        end = begin[k] + length[k]
+        first, last = last_before(path[0], begin[k], first), last_before(path[0], end, last)
+        out[k] = area_until(path, last, end)
+        out[k] = (out[k] - area_until(path, first, begin[k])) / length[k]
+
+
+@in_line
+def areas(time: Array, command: Array, rate: float) -> tuple[Array, Array, Array, Array]:
+    """Corners of a target, where it is from each on, how fast it moves, and the area before it."""
     at, x, ramps = time, command.copy(), not math.isinf(rate)
     if ramps:
         at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
         _fill_corners(time, command, max(rate, 1e-9), at, x)
-    area, slope = np.zeros(len(at)), np.zeros(len(at))
+    slope, area = np.zeros(len(at)), np.zeros(len(at))
     for i in range(len(at) - 1):
         step = at[i + 1] - at[i]
         if ramps:
@@ -75,17 +87,13 @@ def fill_means(
             area[i + 1] = area[i] + step * x[i]
             # the slope of the area as it was rounded: it goes on evenly at the corners
             x[i] = (area[i + 1] - area[i]) / step
-    first, last = 0, 0
-    for k in range(len(begin)):
-        end = begin[k] + length[k]
-        first, last = last_before(at, begin[k], first), last_before(at, end, last)
-        out[k] = _until(at, x, slope, area, last, end)
-        out[k] = (out[k] - _until(at, x, slope, area, first, begin[k])) / length[k]
+    return at, x, slope, area
 
 
 @in_line
-def _until(at: Vector, x: Vector, slope: Vector, area: Vector, i: int, t: float) -> float:
-    """Area under a target up to a time after its corner i, or before the first one."""
+def area_until(path: tuple[Array, Array, Array, Array], i: int, t: float) -> float:
+    """Area under such a target up to a time after its corner i, or before the first one."""
+    at, x, slope, area = path
     s = t - at[i]
     return area[i] + s * (x[i] + 0.5 * max(s, 0.0) * slope[i])
 

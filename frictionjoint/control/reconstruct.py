@@ -11,12 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.arrays import Array
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
-from frictionjoint.control.profile import fill_means, followed
+from frictionjoint.control.mean_drive import fill_mean_drives
+from frictionjoint.control.profile import followed
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
@@ -55,9 +55,7 @@ class Commands:
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
         """Drive around each sample, of this controller or of one with another block or delay.
 
-        The command is the mean over half a sample on either side: a drive behind a filter has no
-        more than that of it, is half a sample early otherwise, and knows no delay but of whole
-        samples. A target that follows it at a limited speed does so between samples too.
+        The mean over half a sample on either side, see `mean_drive`.
         """
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
@@ -135,41 +133,8 @@ class AllCommands:
         target, position, velocity, supply, on = self._given
         q, v = position + off, velocity + faster
         drive = np.empty_like(self.time)
-        _fill_mean_drives(blocks, delays, self.edges, self.time, target, q, v, supply, on, drive)
+        fill_mean_drives(blocks, delays, self.edges, self.time, target, q, v, supply, on, drive)
         return drive
-
-
-@compiled
-def _fill_mean_drives(
-    blocks: Array,
-    delays: Vector,
-    edges: Index,
-    time: Array,
-    target: Array,
-    position: Array,
-    velocity: Array,
-    supply: Array,
-    on: NDArray[np.bool_],
-    drive: Array,
-) -> None:
-    """Fill `drive` log by log, see `AllCommands`."""
-    for i in range(len(blocks)):
-        first, end = edges[i], edges[i + 1]
-        t, n = time[first:end], end - first
-        width, begin, follows = np.empty(n), np.empty(n), np.empty(n)
-        for j in range(n):
-            before, after = max(j - 1, 0), min(j + 1, n - 1)
-            width[j] = (t[after] - t[before]) / (after - before)
-            begin[j] = t[j] - delays[i] - 0.5 * width[j]
-        block = blocks[i].copy()
-        fill_means(t, target[first:end], begin, width, block[k.SLEW], follows)
-        block[k.SLEW] = np.inf
-        own = drive[first:end]
-        q, v, u = position[first:end], velocity[first:end], supply[first:end]
-        k.along(block, t, follows, q, v, u, own, np.zeros(k.STATE))
-        for j in range(n):
-            if not on[first + j]:
-                own[j] = 0.0
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:
