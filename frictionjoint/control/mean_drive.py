@@ -4,6 +4,8 @@ A drive behind a filter has no more than its mean over half a sample on either s
 is half a sample early, and knows no delay but of whole samples. It is the mean of what the
 controller puts out in turn and not what it would put out at the mean error: a command that leaps
 holds it at its limit for a part of a sample, and a fast joint is within its dead band for a part.
+What it puts out it holds until its next tick: on average it has read target and position half a
+tick before.
 """
 
 import math
@@ -45,6 +47,7 @@ def fill_mean_drives(
         path = areas(time[first : last + 1], target[first : last + 1], block[k.SLEW])
         # the target is followed already, and a position between two samples is not counted again
         block[k.SLEW], block[k.COUNT] = np.inf, 0.0
+        old = 0.5 * block[k.PERIOD]
         S, tried = np.zeros(k.STATE), np.zeros(k.STATE)
         at = 0
         for j in range(first, last + 1):
@@ -54,7 +57,8 @@ def fill_mean_drives(
             read = position[j]
             if count > 0.0:
                 read = count * math.floor(read / count + 0.5)
-            begin = time[j] - delays[i] - 0.5 * width
+            read -= old * slope
+            begin = time[j] - delays[i] - old - 0.5 * width
             end = begin + width
             at = last_before(path[0], begin, at)
             c, since, until = at, begin, begin

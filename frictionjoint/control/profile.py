@@ -95,7 +95,8 @@ def area_until(path: tuple[Array, Array, Array, Array], i: int, t: float) -> flo
     """Area under such a target up to a time after its corner i, or before the first one."""
     at, x, slope, area = path
     s = t - at[i]
-    return area[i] + s * (x[i] + 0.5 * max(s, 0.0) * slope[i])
+    until: float = area[i] + s * (x[i] + 0.5 * max(s, 0.0) * slope[i])
+    return until
 
 
 @in_line
