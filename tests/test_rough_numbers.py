@@ -65,11 +65,11 @@ def test_other_effects_keep_their_sizes():
 
 
 def test_a_threshold_is_found_among_its_samples_with_an_error_that_they_allow(tmp_path):
-    """The error of a jacobian knows no samples: it was 0.0005 rad, and the number 0.006 off."""
+    """The error of a jacobian knows no samples, each of which is looked at in four parts."""
     trip = drive_trip("duty-drop", tmp_path)
     for found in (trip.first["threshold"], trip.second["threshold"]):
-        assert abs(found.value - DRIVES["duty-drop"]["threshold"]) < 0.003
-        assert 0.001 < found.stderr < 0.02
+        assert abs(found.value - DRIVES["duty-drop"]["threshold"]) < 0.0015
+        assert 0.00025 < found.stderr < 0.005
     assert max(trip.errors.values()) < 2.0, trip.errors
 
 
@@ -86,7 +86,7 @@ def test_an_error_reaches_as_far_as_the_squares_do_not_rise():
     sure[k] *= 1e-2 * COUNT / np.sqrt(plain[k, k])
     sure[:, k] *= 1e-2 * COUNT / np.sqrt(plain[k, k])
     error = np.sqrt(with_leaps(prepared, found, sure, block)[k, k])
-    assert 0.05 * COUNT < error < 2.0 * COUNT
+    assert 0.0125 * COUNT < error < 0.5 * COUNT
     # and never below what the jacobian says
     wide = with_leaps(prepared, found, plain * 1e4, block)
     np.testing.assert_array_equal(wide, plain * 1e4)
