@@ -21,12 +21,20 @@ from servo_plant import (
 from frictionjoint.control.kernel import KP, STATE, one_tick
 from frictionjoint.control.kernel import TICK as TICK_AT
 from frictionjoint.diagnose.close_loop import explain
-from frictionjoint.diagnose.closed_loop import courses_of
+from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.gate import load_shows
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import refit
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.timing import TargetTiming
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.log import JointLog
+
+MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +187,17 @@ def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
     assert report.closed_loops is not None
     before, after = (loops.mae.held_out for loops in report.closed_loops)
     assert after < 0.1 * before
+
+
+def test_a_target_that_acts_within_a_sample_does_so_by_the_controller_that_is_written():
+    body = RigidBody(PLANT.format(""), "j")
+    logs = [servo(f"{m.__name__} 3", 3.0, m, {"delay": 0.006}, 3.0) for m in (steps, sines, swept)]
+    fitted = refit(prepare(logs, body, controller=KNOWN), MOTOR, INTEGRATED[0].grid(5.0, 2.0)[2])
+    found = found_controller(KNOWN, fitted, scaled=True)
+    assert found.delay_s == pytest.approx(0.006, abs=0.002)
+    bodies = [body] * len(logs)
+    (told,) = (t for t in fitted.terms if isinstance(t, TargetTiming))
+    others = replace(fitted, terms=tuple(t for t in fitted.terms if t is not told))
+    near = closed_loop(courses_of(logs, bodies, found), others)
+    assert near.mae == pytest.approx(closed_loop(courses_of(logs, bodies, KNOWN), fitted).mae)
+    assert near.mae < 0.2 * closed_loop(courses_of(logs, bodies, KNOWN), others).mae

@@ -17,6 +17,7 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import COUNT, PERIOD
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
+from frictionjoint.effects import command_delay
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
@@ -24,6 +25,7 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
+from frictionjoint.identify.timing import TargetTiming
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.log import JointLog
@@ -219,6 +221,9 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
 def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
     """The controller with what a fit says of it, to be simulated.
 
+    A target that acts some time within a sample after it was logged does so in a simulation too; no
+    file has one that moves on before.
+
     Args:
         scaled: whether the logs determine what torque the drive makes, and so an unknown kp.
     """
@@ -227,6 +232,8 @@ def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Contr
         if isinstance(term, DriveTerm):
             assert term.effect.controller is not None
             found |= term.effect.controller(replace(controller, **found), term.shape)
+        elif isinstance(term, TargetTiming) and term.shape[0] > 0.0:
+            found |= command_delay.figures(replace(controller, **found), term.shape)
     if scaled and fitted.over_kp:
         # what was found of an output over kp is of the whole output now
         for name in ("limit", "drop_above"):
