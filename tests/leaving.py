@@ -13,7 +13,7 @@ BLOCKS = 40
 def model(terms: Any) -> Any:
     """A fit with these effects."""
     ones = np.ones(BLOCKS)
-    return SimpleNamespace(effects=terms, friction=ones, weight=ones, error_unit=1.0)
+    return SimpleNamespace(effects=terms, shape=None, friction=ones, weight=ones, error_unit=1.0)
 
 
 def leaving(fit: Any, fraction: float) -> Scored:

@@ -72,3 +72,22 @@ def test_of_two_waves_one_is_changed():
         assert [f.ties for f in changed] == ties
     same = partial(Finding.tied_with, term=waves[0])
     assert with_changed(findings, now, now[2], same) == findings
+
+
+@pytest.mark.parametrize(("alone", "named"), [(0.5, "torque-gain"), (0.9, "inertia-error")])
+def test_of_two_that_explain_the_same_one_that_is_nearly_all_stays(monkeypatch, alone, named):
+    """With an inertia in the place of a gain the spring would make up for the rest of that."""
+    gain = EffectTerm(next(e for e in CATALOGUE if e.name == "torque-gain"))
+    left = {(gain, RICH): 0.4, (SIMPLE, RICH): 0.4, (gain,): alone}
+    best, both = SimpleNamespace(term=SIMPLE), model((SIMPLE, RICH))
+    monkeypatch.setattr(exchange, "scored", lambda fit, blocks: leaving(fit, left[fit.effects]))
+    monkeypatch.setattr(exchange, "compared", lambda prepared, terms, law: model(terms))
+    monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
+    monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best] * (term is gain))
+    monkeypatch.setattr(exchange, "_in_place_of", lambda *of: (best, both))
+    look = SimpleNamespace(find=lambda candidate: SimpleNamespace(name=candidate.term.name))
+    findings = [Finding(term, look, None, 0.5, (), (), None) for term in (gain, RICH)]
+    state = SimpleNamespace(prepared=None, fit=model((gain, RICH)), blocks=None, findings=findings)
+    exchange.weigh_others(state)
+    assert state.fit.effects[0].name == state.findings[0].term.name == named
+    assert len(state.findings[0].ties) == 1

@@ -64,7 +64,8 @@ def weigh_others(state: State) -> None:
     """Exchange each effect for the best other one of no more numbers, beside all others.
 
     A simpler one that explains as much stays, unless the model would do as well without it; one as
-    simple is a tie, of which the catalogue's first is named.
+    simple is a tie, of which the catalogue's first is named, but for an effect that alone explains
+    about as much as the model: beside another one the rest would make up for it.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -77,10 +78,19 @@ def weigh_others(state: State) -> None:
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
             _take(state, own[i], partial(_instead, candidate=best), other)
         elif not apart(now, instead):
-            if _precedes(best.term, own[i]) and not now.better(instead):
+            first = _precedes(best.term, own[i]) and not now.better(instead)
+            if first and not _is_all(state, own[i], now, blocks):
                 _take(state, own[i], partial(_first_of_tie, candidate=best), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
+
+
+def _is_all(state: State, term: Term, now: Scored, blocks: Blocks) -> bool:
+    """Whether one of several effects alone explains about as much as the model does."""
+    if len(state.fit.effects) == 1:
+        return False
+    alone = compared(state.prepared, (term,), state.fit.shape)
+    return not apart(now, scored(alone, blocks))
 
 
 def settle_ties(state: State) -> None:
