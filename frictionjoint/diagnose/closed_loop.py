@@ -37,6 +37,8 @@ _STEP = 1e-3
 _WHOLE = 1e-6
 # steps from one evaluation of the load among other joints to the next
 _LOAD_STRIDE = 4
+# of a log's sample, a time that a controller's tick may lose
+_A_TICK = 0.1
 
 
 @dataclass(frozen=True)
@@ -221,8 +223,9 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
 def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
     """The controller with what a fit says of it, to be simulated.
 
-    A target that acts some time within a sample after it was logged does so in a simulation too; no
-    file has one that moves on before.
+    A target that acts some time within a sample after it was logged does so in a simulation too,
+    unless that is so little that a tick would make much more of it; no file has one that moves on
+    before.
 
     Args:
         scaled: whether the logs determine what torque the drive makes, and so an unknown kp.
@@ -232,7 +235,7 @@ def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Contr
         if isinstance(term, DriveTerm):
             assert term.effect.controller is not None
             found |= term.effect.controller(replace(controller, **found), term.shape)
-        elif isinstance(term, TargetTiming) and term.shape[0] > 0.0:
+        elif isinstance(term, TargetTiming) and term.shape[0] > _A_TICK * term.sample:
             found |= command_delay.figures(replace(controller, **found), term.shape)
     if scaled and fitted.over_kp:
         # what was found of an output over kp is of the whole output now
