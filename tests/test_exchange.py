@@ -16,29 +16,40 @@ RICH, SIMPLE = (
 )
 
 
+GAIN = EffectTerm(next(e for e in CATALOGUE if e.name == "torque-gain"))
+
+
 @pytest.fixture
-def after(monkeypatch):
-    """Name of the effect that is left once another was weighed, and those it is tied with."""
+def weighed(monkeypatch):
+    """What a model's first effect is called once an inertia was weighed against it, and its ties.
 
-    def weighed(rich: float, simple: float, none: float) -> tuple[str, tuple[str, ...]]:
-        """Of fractions of the squares that the models leave, with either effect and with none."""
-        left = {(): none, (RICH,): rich, (SIMPLE,): simple}
+    Of fractions of the squares that models leave, by their effects.
+    """
 
-        best = SimpleNamespace(term=SIMPLE)
+    def named(
+        own: tuple[EffectTerm, ...], left: dict[tuple[EffectTerm, ...], float]
+    ) -> tuple[str, tuple[str, ...]]:
+        best, instead = SimpleNamespace(term=SIMPLE), model((SIMPLE, *own[1:]))
         monkeypatch.setattr(exchange, "scored", lambda fit, blocks: leaving(fit, left[fit.effects]))
-        monkeypatch.setattr(exchange, "without", lambda state, term: model(()))
+        monkeypatch.setattr(exchange, "without", lambda state, term: model(own[1:]))
+        monkeypatch.setattr(exchange, "compared", lambda prepared, terms, law: model(terms))
         monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
-        monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best])
-        monkeypatch.setattr(exchange, "_in_place_of", lambda *of: (best, model((SIMPLE,))))
+        monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best] * (term is own[0]))
+        monkeypatch.setattr(exchange, "_in_place_of", lambda *of: (best, instead))
         look = SimpleNamespace(find=lambda candidate: SimpleNamespace(name=candidate.term.name))
-        found = Finding(RICH, look, None, 0.5, (), (), None)
-        state = SimpleNamespace(prepared=None, fit=model((RICH,)), blocks=None, findings=[found])
+        findings = [Finding(term, look, None, 0.5, (), (), None) for term in own]
+        state = SimpleNamespace(prepared=None, fit=model(own), blocks=None, findings=findings)
         exchange.weigh_others(state)
-        (finding,) = state.findings
-        assert finding.term.name == state.fit.effects[0].name
-        return finding.term.name, finding.ties
+        assert [f.term.name for f in state.findings] == [t.name for t in state.fit.effects]
+        return state.findings[0].term.name, state.findings[0].ties
 
-    return weighed
+    return named
+
+
+@pytest.fixture
+def after(weighed):
+    """The same of a spring alone, with either effect and with none."""
+    return lambda rich, simple, none: weighed((RICH,), {(): none, (RICH,): rich, (SIMPLE,): simple})
 
 
 def test_a_simpler_effect_that_explains_as_much_takes_the_place(after):
@@ -74,20 +85,11 @@ def test_of_two_waves_one_is_changed():
     assert with_changed(findings, now, now[2], same) == findings
 
 
-@pytest.mark.parametrize(("alone", "named"), [(0.5, "torque-gain"), (0.9, "inertia-error")])
-def test_of_two_that_explain_the_same_one_that_is_nearly_all_stays(monkeypatch, alone, named):
+@pytest.mark.parametrize(
+    ("alone", "named"),
+    [(0.5, ("torque-gain", ("inertia-error",))), (0.9, ("inertia-error", ("torque-gain",)))],
+)
+def test_of_two_that_explain_the_same_one_that_is_nearly_all_stays(weighed, alone, named):
     """With an inertia in the place of a gain the spring would make up for the rest of that."""
-    gain = EffectTerm(next(e for e in CATALOGUE if e.name == "torque-gain"))
-    left = {(gain, RICH): 0.4, (SIMPLE, RICH): 0.4, (gain,): alone}
-    best, both = SimpleNamespace(term=SIMPLE), model((SIMPLE, RICH))
-    monkeypatch.setattr(exchange, "scored", lambda fit, blocks: leaving(fit, left[fit.effects]))
-    monkeypatch.setattr(exchange, "compared", lambda prepared, terms, law: model(terms))
-    monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
-    monkeypatch.setattr(exchange, "_no_richer", lambda state, term: [best] * (term is gain))
-    monkeypatch.setattr(exchange, "_in_place_of", lambda *of: (best, both))
-    look = SimpleNamespace(find=lambda candidate: SimpleNamespace(name=candidate.term.name))
-    findings = [Finding(term, look, None, 0.5, (), (), None) for term in (gain, RICH)]
-    state = SimpleNamespace(prepared=None, fit=model((gain, RICH)), blocks=None, findings=findings)
-    exchange.weigh_others(state)
-    assert state.fit.effects[0].name == state.findings[0].term.name == named
-    assert len(state.findings[0].ties) == 1
+    left = {(GAIN, RICH): 0.4, (SIMPLE, RICH): 0.4, (GAIN,): alone}
+    assert weighed((GAIN, RICH), left) == named

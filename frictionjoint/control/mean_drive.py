@@ -45,6 +45,7 @@ def fill_mean_drives(
         first, last = edges[i], edges[i + 1] - 1
         block, count = blocks[i].copy(), blocks[i, k.COUNT]
         path = areas(time[first : last + 1], target[first : last + 1], block[k.SLEW])
+        corners = path[0]
         # the target is followed already, and a position between two samples is not counted again
         block[k.SLEW], block[k.COUNT] = np.inf, 0.0
         old = 0.5 * block[k.PERIOD]
@@ -60,12 +61,12 @@ def fill_mean_drives(
             read -= old * slope
             begin = time[j] - delays[i] - old - 0.5 * width
             end = begin + width
-            at = last_before(path[0], begin, at)
+            at = last_before(corners, begin, at)
             c, since, until = at, begin, begin
             area = whole = area_until(path, c, begin)
             total = 0.0
             while until < end:
-                until = _next(path[0], c, since, end, width / _PARTS)
+                until = _next(corners, c, since, end, width / _PARTS)
                 reached = area_until(path, c, until)
                 passed = until - since
                 if passed > 0.0:
@@ -73,9 +74,7 @@ def fill_mean_drives(
                     goal = (reached - area) / passed
                     tried[:] = S
                     total += passed * k.tick(block, tried, time[j], goal, q, velocity[j], supply[j])
-                if c + 1 < len(path[0]) and until >= path[0][c + 1]:
-                    c += 1
-                since, area = until, reached
+                c, since, area = last_before(corners, until, c), until, reached
             goal = (area - whole) / width
             k.tick(block, S, time[j], goal, read, velocity[j], supply[j])
             drive[j] = total / width if on[j] else 0.0

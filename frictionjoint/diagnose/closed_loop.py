@@ -17,15 +17,13 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import COUNT, PERIOD
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
-from frictionjoint.effects import command_delay
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, drive_changes
+from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
-from frictionjoint.identify.timing import TargetTiming
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.log import JointLog
@@ -37,8 +35,6 @@ _STEP = 1e-3
 _WHOLE = 1e-6
 # steps from one evaluation of the load among other joints to the next
 _LOAD_STRIDE = 4
-# of a log's sample, a time that a controller's tick may lose
-_A_TICK = 0.1
 
 
 @dataclass(frozen=True)
@@ -223,20 +219,12 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
 def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
     """The controller with what a fit says of it, to be simulated.
 
-    A target that acts some time within a sample after it was logged does so in a simulation too,
-    unless that is so little that a tick would make much more of it; no file has one that moves on
-    before.
-
     Args:
         scaled: whether the logs determine what torque the drive makes, and so an unknown kp.
     """
     found: dict[str, Any] = {}
-    for term in fitted.terms:
-        if isinstance(term, DriveTerm):
-            assert term.effect.controller is not None
-            found |= term.effect.controller(replace(controller, **found), term.shape)
-        elif isinstance(term, TargetTiming) and term.shape[0] > _A_TICK * term.sample:
-            found |= command_delay.figures(replace(controller, **found), term.shape)
+    for term in changing_drive(fitted.terms):
+        found |= term.figures(replace(controller, **found))
     if scaled and fitted.over_kp:
         # what was found of an output over kp is of the whole output now
         for name in ("limit", "drop_above"):

@@ -1,11 +1,12 @@
 """Terms that a fit can add to the friction law: what a term offers, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import torques
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
@@ -154,6 +155,11 @@ class DriveTerm(EffectTerm):
         """What it makes of a controller's block and delay."""
         assert self.effect.drive is not None
         return self.effect.drive(block, delay, self.shape)
+
+    def figures(self, controller: Controller) -> dict[str, Any]:
+        """What it changes in a controller's file."""
+        assert self.effect.controller is not None
+        return self.effect.controller(controller, self.shape)
 
     def _torques(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
         """None: it changes the drive, see `changed_drive`."""

@@ -1,15 +1,19 @@
 """Times within a sample that a log leaves open: no effects, but never quite known."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.controller import Controller
+from frictionjoint.effects import command_delay
 from frictionjoint.identify.segment import Segment
 
 # of a sample, from which on a time may be an effect's
 _LATE = 0.9
+# the same, which a controller's tick may lose
+_A_TICK = 0.1
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,14 @@ class TargetTiming(Timing):
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
         """See `DriveTerm`."""
         return block, delay + self.shape[0]
+
+    def figures(self, controller: Controller) -> dict[str, Any]:
+        """See `DriveTerm`. Nothing of so little that a tick would make much more of it.
+
+        Nor of a target that moves on before: no file has that.
+        """
+        late = self.shape[0] > _A_TICK * self.sample
+        return command_delay.figures(controller, self.shape) if late else {}
 
     def says(self, size: str) -> str:
         """See `Timing`."""
