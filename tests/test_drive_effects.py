@@ -10,7 +10,7 @@ from frictionjoint.control import Controller
 from frictionjoint.control.block import block_of
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
-from frictionjoint.diagnose.drive import look_at_drive, of_drive
+from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
@@ -62,7 +62,7 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     assert term.name == name
     assert term.shape[number] == pytest.approx(value, rel=0.1)
     assert found.look.rows[0].p_value < 0.05
-    assert of_drive(score, found.now) > DRIVE_DISCREPANCY
+    assert score.of_drive(found.now) > DRIVE_DISCREPANCY
     # whole logs, simulated from the target alone, come nearer
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
@@ -139,7 +139,7 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
     _, _, _, _, found = looked({})
     assert found is not None
     _, score = found.tried[0]
-    assert of_drive(score, found.now) < DRIVE_DISCREPANCY
+    assert score.of_drive(found.now) < DRIVE_DISCREPANCY
 
 
 def test_a_number_that_ended_at_zero_is_fitted_on():

@@ -1,5 +1,6 @@
 """The simulation of one joint against MuJoCo stepping the same model."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -112,6 +113,27 @@ def test_friction_holds_a_joint_that_stands_at_first():
     # nor does it depend on which of the two there is more of
     _, found = standing(0.4 + 20.0 * torque, strong)
     assert np.abs(found - 0.4).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        [effect("spring", (), (0.3, 0.02))],
+        [effect("gravity-error", (), (0.01, 0.02))],
+        [effect("torque-gain", (), (0.2,))],
+        [effect("load-dependent", (0.002,), (0.2,))],
+    ],
+    ids=lambda some: some[0].effect.name,
+)
+@pytest.mark.parametrize("lag", [0.0, 2.5])
+def test_friction_holds_a_joint_beside_its_effects(effects, lag):
+    run, _ = standing(0.4)
+    strong = FrictionParameters.symmetric(Fs=2.0, Fc=1.8, Vs=0.2, knots=((0.002, 2.0), (0.01, 4.0)))
+    alone = simulate(JointModel.of(strong, [], 1.0), replace(run, target=np.full(N, 0.6)))
+    model = JointModel.of(strong, effects, 1.0, lag=lag * STEP)
+    found = simulate(model, replace(run, target=np.full(N, 0.6)))
+    for positions in (alone, found):
+        assert np.abs(positions - 0.4).max() < 1e-6
 
 
 def test_a_joint_that_nothing_holds_starts_to_move():

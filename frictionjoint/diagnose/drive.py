@@ -44,13 +44,6 @@ class Driven(NamedTuple):
     now: Scored
 
 
-def of_drive(score: Scored, now: Scored) -> float:
-    """rms of the torque by which a model is nearer than the present one, over the drive's."""
-    f = score.fit
-    nearer = max(0.0, now.total - score.total) / len(f.residual)
-    return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
-
-
 def part_left(fitted: Fit) -> float:
     """rms of what a model leaves, over that of the drive as it then acts."""
     return fitted.drive_rms * fitted.error_unit / fitted.target_rms

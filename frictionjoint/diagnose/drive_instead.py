@@ -16,7 +16,7 @@ from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, numbers_of, without
+from frictionjoint.diagnose.state import State, as_much, is_small, numbers_of, without
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
@@ -39,7 +39,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if found is None or not found.tried:
             continue
         term, score = found.tried[0]
-        if numbers_of(term) > numbers_of(replaced):
+        if numbers_of(term) > numbers_of(replaced) or is_small(term, score, found.now):
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)

@@ -4,7 +4,7 @@ from functools import partial
 
 from frictionjoint.diagnose.library import comes_first, is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, needed, with_fewer
+from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
 from frictionjoint.identify.terms import all_but
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
@@ -31,7 +31,8 @@ def drop_idle(state: State) -> None:
         idle = []
         for t, terms, rest in zip(own, beside, fewer, strict=True):
             whole = {terms} if is_unnamed(t) else {terms, first}
-            if not any(needed(way[x], way[rest], comes_first(t)) for x in whole for way in ways):
+            pairs = [(way[x], way[rest]) for x in whole for way in ways]
+            if not any(needed(*p, comes_first(t)) and not is_small(t, *p) for p in pairs):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:
             return

@@ -46,6 +46,12 @@ class Scored:
         """rms of the torque by which this model is nearer than another, over the friction's."""
         return self._over_friction(other.total - self.total)
 
+    def of_drive(self, other: "Scored") -> float:
+        """The same, over the drive's."""
+        f = self.fit
+        nearer = max(0.0, other.total - self.total) / len(f.residual)
+        return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
+
     def _over_friction(self, squares: float) -> float:
         f = self.fit
         friction = float(np.sum((f.friction * f.weight) ** 2)) / f.error_unit**2

@@ -4,7 +4,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from frictionjoint.diagnose.blocks import Blocks, make_blocks
-from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN, TIE
+from frictionjoint.diagnose.decisions import (
+    APART,
+    DISCREPANCY,
+    DRIVE_DISCREPANCY,
+    SMALLEST_GAIN,
+    TIE,
+)
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.library import Candidate, library
@@ -14,7 +20,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import Term, all_but
+from frictionjoint.identify.terms import DriveTerm, Term, all_but
 
 # of a search that only compares models
 _TRIED_STEPS = 8
@@ -144,6 +150,11 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
     if first:
         return now.better(other, 0.0)
     return now.gain(other) >= SMALLEST_GAIN and now.better(other)
+
+
+def is_small(term: Term, now: Scored, other: Scored) -> bool:
+    """Whether an effect of the drive moves less of it than a law that errs may ask of one."""
+    return isinstance(term, DriveTerm) and now.of_drive(other) < DRIVE_DISCREPANCY
 
 
 def numbers_of(term: Term) -> int:

@@ -18,12 +18,11 @@ import numpy as np
 from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import (
     APART,
-    DRIVE_DISCREPANCY,
     SIGNIFICANCE,
     SMALLEST_GAIN,
     TIE,
 )
-from frictionjoint.diagnose.drive import look_at_drive, of_drive, part_left
+from frictionjoint.diagnose.drive import look_at_drive, part_left
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
@@ -38,6 +37,7 @@ from frictionjoint.diagnose.state import (
     State,
     apart,
     compared,
+    is_small,
     needed,
     numbers_of,
 )
@@ -191,7 +191,12 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
     # less of a drive that hardly acts is left, and as much of it
     lesser = part_left(score.fit) ** 2 <= (1.0 - SMALLEST_GAIN) * part_left(found.now.fit) ** 2
-    if not (enough and lesser) or of_drive(score, found.now) < DRIVE_DISCREPANCY:
+    if not (enough and lesser) or is_small(term, score, found.now):
+        return []
+    # under the weights that it gives the logs there may be less that it explains
+    prepared, driven = reweighed(state.prepared, score.fit)
+    after = state.blocks_of(prepared, driven)
+    if is_small(term, scored(driven, after), scored(state.under(prepared), after)):
         return []
     near = [
         other.name
@@ -199,7 +204,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
         if its.gain(found.now) >= (1.0 - TIE) * gain and not score.better(its)
     ]
     state.look = found.look
-    state.prepared, state.fit = reweighed(state.prepared, score.fit)
+    state.prepared, state.fit = prepared, driven
     state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
     drop_idle(state)
     state.forget_dropped()

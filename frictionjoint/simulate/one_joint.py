@@ -168,8 +168,8 @@ def simulate(
 ) -> Array:
     """Position at every step, rad, shape (n,).
 
-    A joint that stands at first is held by its friction, as far as that goes, against its load and
-    its drive; otherwise friction begins as if never moved.
+    A joint that stands at first is held by its friction, as far as that goes, against its load, its
+    effects and its drive, which then has acted before; otherwise friction begins as if never moved.
 
     Args:
         motion: position and velocity as measured, on the steps, shape (n,) each, from which the
@@ -193,10 +193,11 @@ def simulate(
         v=v,
         temperature=np.zeros(0) if run.temperature is None else run.temperature,
         thermal=model.thermal if run.temperature is not None else model.thermal[:0],
+        began=False,
     )
     X, S, position, drive = np.zeros(model.row), np.zeros(STATE), np.empty(n), np.empty(n)
-    if run.start[1] == 0.0:
-        _hold(given, X, run.start[0])
+    if run.start[1] == 0.0 and not _hold(given, X, run.start[0]):
+        given = given._replace(began=True)
     if motion is None:
         _part(given, X, S, run.start[0], run.start[1], 0, n, position, drive)
     else:
@@ -213,6 +214,7 @@ class _Given(NamedTuple):
         load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
         step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
         temperature, thermal: see `Run` and `JointModel`; nothing where it was not measured.
+        began: whether the drive set in at the first step: before, a lag finds nothing there.
     """
 
     P: Array
@@ -229,6 +231,7 @@ class _Given(NamedTuple):
     v: Array
     temperature: Array
     thermal: Array
+    began: bool
 
 
 @in_line
@@ -245,33 +248,54 @@ def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float)
 
 
 @compiled
-def _hold(given: _Given, X: Array, q: float) -> None:
-    """Strain the friction of a joint at rest until it holds what the drive and the load leave."""
-    P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
-    held = -_load_torque(load, body, 0, q, math.cos(q), math.sin(q))
+def _hold(given: _Given, X: Array, q: float) -> bool:
+    """Strain the friction of a joint at rest until it holds what the drive and the load leave.
+
+    Returns:
+        whether it can.
+    """
+    asked = 0.0
     if given.on[0]:
         S = np.zeros(STATE)
-        held += given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
-    way = math.copysign(1.0, held)
+        asked = given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
+    way = -math.copysign(1.0, _unbalanced(given, X.copy(), q, 0.0, asked))
     least, most = 0.0, _STRAIN
-    while _strained(P, effects, X.copy(), q, way * most, h) * way < abs(held):
+    while _unbalanced(given, X.copy(), q, way * most, asked) * way < 0.0:
         least, most = most, 2.0 * most
-        if most > _FURTHEST:  # nothing holds it: it starts to move
-            return
+        if most > _FURTHEST:
+            return False
     for _ in range(_HALVINGS):
         middle = 0.5 * (least + most)
-        if _strained(P, effects, X.copy(), q, way * middle, h) * way < abs(held):
+        if _unbalanced(given, X.copy(), q, way * middle, asked) * way < 0.0:
             least = middle
         else:
             most = middle
-    _strained(P, effects, X, q, way * least, h)
+    _unbalanced(given, X, q, way * least, asked)
+    return True
 
 
 @in_line
-def _strained(P: Array, effects: int, X: Array, q: float, d: float, h: float) -> float:
-    """Torque of a friction that was never moved, after a slow displacement d that ends at q."""
-    torque_now(P, 0, effects, X, 0, -1.0 - h, q - d, 0.0, 0.0)
-    return torque_now(P, 0, effects, X, 0, -h, q, 0.0, 0.0)
+def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> float:
+    """Torque of all but the drive, less the drive's, at rest at q after a slow displacement d.
+
+    Of a friction that was never moved before.
+    """
+    P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
+    c, s = math.cos(q), math.sin(q)
+    bias = _load_torque(load, body, 0, q, c, s)
+    gx = load[GX, 0] + load[GX + 1, 0] * c + load[GX + 2, 0] * s
+    gy = load[GY, 0] + load[GY + 1, 0] * c + load[GY + 2, 0] * s
+    behind = load[INERTIA, 0] - body[0]
+    total = bias - asked
+    for t, x in ((-1.0 - h, q - d), (-h, q)):
+        F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
+        if P[effects] > 0.0:
+            _warm(given, X, 0)
+            F += effects_torque(
+                P, 0, effects, X, 0, t, x, 0.0, bias, behind, body[0], gx, gy, asked
+            )
+        total = bias - asked + F
+    return total
 
 
 @compiled
@@ -303,8 +327,9 @@ def _part(
         drive[k] = 0.0
         if on[k]:
             drive[k] = tick(given.B, S, k * h, given.target[k], q, v, given.supply[k])
-        first = drive[k - late] if k >= late else 0.0
-        second = drive[k - late - 1] if k > late else 0.0
+        before = 0.0 if given.began else drive[0]
+        first = drive[k - late] if k >= late else before
+        second = drive[k - late - 1] if k > late else before
         torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
         brake = emf if on[k] else 0.0
         F = evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
