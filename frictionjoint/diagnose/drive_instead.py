@@ -16,7 +16,14 @@ from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, drive_terms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, is_small, numbers_of, without
+from frictionjoint.diagnose.state import (
+    State,
+    as_much,
+    compared,
+    is_small,
+    numbers_of,
+    without,
+)
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
@@ -39,13 +46,14 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if found is None or not found.tried:
             continue
         term, score = found.tried[0]
-        if numbers_of(term) > numbers_of(replaced) or is_small(term, score, found.now):
+        if numbers_of(term) > numbers_of(replaced):
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)
         now = scored(state.under(prepared), after)
         instead = scored(other, after)
-        if not as_much(instead, now):
+        bare = scored(compared(prepared, all_but(own, replaced), other.shape), after)
+        if is_small(term, instead, bare) or not as_much(instead, now):
             continue
         ties = (replaced.name,) if as_much(now, instead) else ()
         look, gain = found.look, score.gain(found.now)

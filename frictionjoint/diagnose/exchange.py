@@ -20,6 +20,7 @@ from frictionjoint.diagnose.state import (
     apart,
     as_much,
     compared,
+    is_small,
     needed,
     numbers_of,
     without,
@@ -182,7 +183,8 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             if alike:
                 taken = _form_preferred(instead.term, score, term, same)
             else:
-                taken = as_much(score, same) if simpler else needed(score, same)
+                enough = as_much(score, same) or is_small(term, same, score)
+                taken = enough if simpler else needed(score, same)
             if taken:
                 _change(state, term, partial(_instead, candidate=instead, seen=seen))
                 state.prepared, state.fit = prepared, other
