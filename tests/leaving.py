@@ -10,10 +10,22 @@ from frictionjoint.diagnose.score import Scored
 BLOCKS = 40
 
 
-def model(terms: Any) -> Any:
-    """A fit with these effects."""
+def model(terms: Any, drive: float = 1.0) -> Any:
+    """A fit with these effects.
+
+    Args:
+        drive: rms of the drive, over that of what a model leaves without any effect.
+    """
     ones = np.ones(BLOCKS)
-    return SimpleNamespace(effects=terms, shape=None, friction=ones, weight=ones, error_unit=1.0)
+    return SimpleNamespace(
+        effects=terms,
+        shape=None,
+        friction=ones,
+        residual=ones,
+        weight=ones,
+        error_unit=1.0,
+        target_rms=drive,
+    )
 
 
 def leaving(fit: Any, fraction: float) -> Scored:

@@ -6,9 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 from frictionjoint.diagnose import exchange
+from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.finding import Finding, with_changed
-from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from tests.leaving import leaving, model
 
 RICH, SIMPLE = (
@@ -83,6 +84,33 @@ def test_of_two_waves_one_is_changed():
         assert [f.ties for f in changed] == ties
     same = partial(Finding.tied_with, term=waves[0])
     assert with_changed(findings, now, now[2], same) == findings
+
+
+@pytest.mark.parametrize(("times", "taken"), [(0.8, True), (1.2, False)])
+def test_a_protection_that_hardly_moves_more_of_the_drive_than_a_gain_is_one(
+    monkeypatch, times, taken
+):
+    """One that always acts is another gain, and a third of what that leaves is no reason for it."""
+    terms = (DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "duty-drop"), (0.1, 0.5)),)
+    drive = 0.3**0.5 / DRIVE_DISCREPANCY / times
+    own, other = model(terms, drive), model((GAIN,), drive)
+    left = {terms: 0.7, (GAIN,): 1.0}
+    monkeypatch.setattr(exchange, "scored", lambda fit, blocks: leaving(fit, left[fit.effects]))
+    monkeypatch.setattr(exchange, "_other_drives", lambda state, i: [])
+    monkeypatch.setattr(exchange, "_joints_instead", lambda state, i, rng: [(other, None)])
+    seen = SimpleNamespace(term=GAIN)
+    monkeypatch.setattr(exchange, "without_columns", lambda term: seen)
+    monkeypatch.setattr(exchange, "reweighed", lambda prepared, fit: (prepared, fit))
+    monkeypatch.setattr(exchange, "_change", lambda *of: None)
+    state = SimpleNamespace(
+        prepared=None,
+        fit=own,
+        blocks=None,
+        blocks_of=lambda prepared, fit: None,
+        under=lambda prepared: own,
+    )
+    assert exchange.exchange_drive(state, None) == taken
+    assert state.fit is (other if taken else own)
 
 
 @pytest.mark.parametrize(
