@@ -114,10 +114,16 @@ def test_a_protection_that_hardly_moves_more_of_the_drive_than_a_gain_is_one(
 
 
 @pytest.mark.parametrize(
-    ("alone", "named"),
-    [(0.5, ("torque-gain", ("inertia-error",))), (0.9, ("inertia-error", ("torque-gain",)))],
+    ("gain", "inertia", "named"),
+    [
+        (0.1, 0.9, ("torque-gain", ("inertia-error",))),
+        (0.3, 0.9, ("torque-gain", ("inertia-error",))),
+        (0.6, 0.9, ("inertia-error", ("torque-gain",))),
+    ],
 )
-def test_of_two_that_explain_the_same_one_that_is_nearly_all_stays(weighed, alone, named):
+def test_of_two_that_explain_the_same_one_that_alone_explains_more_stays(
+    weighed, gain, inertia, named
+):
     """With an inertia in the place of a gain the spring would make up for the rest of that."""
-    left = {(GAIN, RICH): 0.4, (SIMPLE, RICH): 0.4, (GAIN,): alone}
+    left = {(GAIN, RICH): 0.04, (SIMPLE, RICH): 0.04, (GAIN,): gain, (SIMPLE,): inertia}
     assert weighed((GAIN, RICH), left) == named

@@ -5,7 +5,7 @@ number of it: no linear column predicts what it would leave. There are few such 
 tried from all of its starts, on thinned logs, and the best few on all samples.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,10 @@ from frictionjoint.threads import side_by_side
 COARSE = 1500
 _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 2, 6, 3, 8
 _FLIPS = 999
+
+
+# fraction of the squares that an effect takes, and its term
+Ranked = tuple[float, DriveTerm]
 
 
 class Driven(NamedTuple):
@@ -61,12 +65,31 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     coarse = prepared.thinned(COARSE)
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
     forms = _best_of_each_form(coarse, start, start.effects, terms)
+
+    def beside(term: DriveTerm) -> Fit:
+        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
+
+    return judged(prepared, fitted, forms, beside, rng)
+
+
+def judged(
+    prepared: Prepared,
+    fitted: Fit,
+    forms: Sequence[Ranked],
+    beside: Callable[[DriveTerm], Fit],
+    rng: np.random.Generator,
+) -> Driven | None:
+    """The leaders of some effects of the drive, fitted to all samples and scored.
+
+    Args:
+        forms: of each effect, best first. beside: the model with one of them.
+    """
     order = [pair for k, pair in enumerate(forms) if _is_first_of_its_name(k, forms)]
     blocks = make_blocks(prepared, fitted)
     now = scored(fitted, blocks)
     tried = []
     for _, term in order[:_LEADERS]:
-        found = refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
+        found = beside(term)
         moved = found.effects[-1]
         assert isinstance(moved, DriveTerm)
         if found.acting >= LEAST_ACTING:
@@ -115,16 +138,13 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     ]
 
 
-_Ranked = tuple[float, DriveTerm]
-
-
-def _is_first_of_its_name(k: int, ranked: Sequence[_Ranked]) -> bool:
+def _is_first_of_its_name(k: int, ranked: Sequence[Ranked]) -> bool:
     return all(term.name != ranked[k][1].name for _, term in ranked[:k])
 
 
 def _best_of_each_form(
     coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm]
-) -> list[_Ranked]:
+) -> list[Ranked]:
     """Of each form of an effect the size that leaves least on thinned logs, best first.
 
     With the fraction of the drive's squares by which it leaves less than the fit that it starts
@@ -148,7 +168,7 @@ def _best_of_each_form(
             if sum(other.effect == term.effect for other, _ in places[:i]) < _RIPENING
         ]
         fits = list(each(attempt, starts))
-    best: dict[Effect, _Ranked] = {}
+    best: dict[Effect, Ranked] = {}
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, DriveTerm)

@@ -12,7 +12,13 @@ from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.laws import forms_like
-from frictionjoint.diagnose.library import Candidate, is_unnamed, other_forms, without_columns
+from frictionjoint.diagnose.library import (
+    Candidate,
+    comes_first,
+    is_unnamed,
+    other_forms,
+    without_columns,
+)
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
@@ -65,8 +71,8 @@ def weigh_others(state: State) -> None:
     """Exchange each effect for the best other one of no more numbers, beside all others.
 
     A simpler one that explains as much stays, unless the model would do as well without it; one as
-    simple is a tie, of which the catalogue's first is named, but for an effect that alone explains
-    about as much as the model: beside another one the rest would make up for it.
+    simple is a tie, of which the catalogue's first is named, but for an effect that alone leaves
+    much less than the other one does alone: beside that the rest would make up for it.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -80,18 +86,26 @@ def weigh_others(state: State) -> None:
             _take(state, own[i], partial(_instead, candidate=best), other)
         elif not apart(now, instead):
             first = _precedes(best.term, own[i]) and not now.better(instead)
-            if first and not _is_all(state, own[i], now, blocks):
+            if first and not _alone_leaves_less(state, own[i], best.term, blocks):
                 _take(state, own[i], partial(_first_of_tie, candidate=best), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
 
-def _is_all(state: State, term: Term, now: Scored, blocks: Blocks) -> bool:
-    """Whether one of several effects alone explains about as much as the model does."""
-    if len(state.fit.effects) == 1:
+def _alone_leaves_less(state: State, term: Term, other: Term, blocks: Blocks) -> bool:
+    """Whether one of several effects leaves much less than another, both without the rest.
+
+    Beside what is known to be there and what its controller does to the drive.
+    """
+    own = state.fit.effects
+    known = [t for t in own if t is not term and (comes_first(t) or isinstance(t, DriveTerm))]
+    if len(known) + 1 == len(own):
         return False
-    alone = compared(state.prepared, (term,), state.fit.shape)
-    return not apart(now, scored(alone, blocks))
+
+    def alone(single: Term) -> Scored:
+        return scored(compared(state.prepared, (*known, single), state.fit.shape), blocks)
+
+    return apart(alone(term), alone(other))
 
 
 def settle_ties(state: State) -> None:

@@ -22,8 +22,9 @@ from frictionjoint.diagnose.decisions import (
     SMALLEST_GAIN,
     TIE,
 )
-from frictionjoint.diagnose.drive import look_at_drive, part_left
+from frictionjoint.diagnose.drive import Driven, look_at_drive, part_left
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
+from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
@@ -118,7 +119,7 @@ def trace(
             continue
         # what another law would explain as well may be an effect after all
         state.law_errs = False
-        if not _of_joint(state, rng):
+        if not (_of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)):
             break
     return told(state, base, replayed, law_by_motion, rng)
 
@@ -180,9 +181,11 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
     return taken
 
 
-def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
+def _of_drive(
+    state: State, rng: np.random.Generator, seen: Callable[..., Driven | None] = look_at_drive
+) -> list[str]:
     """The best effect of the drive, if one is justified."""
-    found = look_at_drive(state.prepared, state.fit, rng)
+    found = seen(state.prepared, state.fit, rng)
     if found is None or not found.tried:
         return []
     term, score = found.tried[0]

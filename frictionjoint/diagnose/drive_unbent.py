@@ -1,0 +1,65 @@
+"""Effects of the drive that a bent law hides.
+
+A law that was fitted without an effect of the drive has bent for want of it, and beside that law
+the effect may promise nothing: a wide hysteresis stands in for a dead band. So before a search ends
+each is tried at the starts of a law that nothing has bent. Those that leave much less there than
+the model does with that law at its best are fitted with the model's own law from everywhere.
+"""
+
+import numpy as np
+
+from frictionjoint.diagnose.decisions import SMALLEST_GAIN
+from frictionjoint.diagnose.drive import COARSE, Driven, Ranked, judged
+from frictionjoint.diagnose.laws import forms_like
+from frictionjoint.diagnose.library import drive_terms
+from frictionjoint.diagnose.unbent import unbent
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rival_shape import prompt_maxwell_slip
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.starts import ripened, unripe
+from frictionjoint.identify.terms import DriveTerm
+from frictionjoint.threads import side_by_side
+
+
+def look_at_hidden_drive(
+    prepared: Prepared, fitted: Fit, rng: np.random.Generator
+) -> Driven | None:
+    """Effects of the drive beside a law that nothing has bent; None where none promises anything.
+
+    Args:
+        prepared: the logs of the fit. rng: for sign flips and halves.
+    """
+    forms = _promising(prepared, fitted)
+    if not forms:
+        return None
+    own = [forms_like(fitted.shape)]
+
+    def beside(term: DriveTerm) -> Fit:
+        return unbent(prepared, (*fitted.effects, term), own)
+
+    anew = unbent(prepared, fitted.effects, own)
+    return judged(prepared, min(fitted, anew, key=lambda f: f.drive_rms), forms, beside, rng)
+
+
+def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
+    """Of each form of an effect the size that leaves least at a law's starts, best first.
+
+    With the fraction by which it leaves less than the model with that law at its best. The law is
+    one of few starts, whichever the model has.
+    """
+    terms = drive_terms(prepared, fitted.effects)
+    coarse, law = prepared.thinned(COARSE), prompt_maxwell_slip()
+    if not terms:
+        return []
+    alone = ripened(coarse, fitted.effects, law)[0].cost
+
+    def left(term: DriveTerm) -> float:
+        return unripe(coarse, (*fitted.effects, term), law)[0].cost
+
+    with side_by_side() as each:
+        gains = [1.0 - cost / alone for cost in each(left, terms)]
+    best: dict[object, Ranked] = {}
+    for gain, term in zip(gains, terms, strict=True):
+        if gain >= max(SMALLEST_GAIN, best.get(term.effect, (0.0,))[0]):
+            best[term.effect] = gain, term
+    return sorted(best.values(), key=lambda pair: -pair[0])
