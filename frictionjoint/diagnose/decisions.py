@@ -18,7 +18,7 @@ SMALLEST_GAIN = 0.33
 DISCREPANCY = 0.004
 # the same of an effect of the drive, over the drive's rms: a dead band resembles friction. Where
 # nothing is hidden, one that takes the least fraction of the squares moves 0.6% at most
-DRIVE_DISCREPANCY = 0.01
+DRIVE_DISCREPANCY = 0.007
 # models within this fraction of the best one's gain explain as much; they are apart where one
 # leaves half of what the other leaves
 TIE, APART = 0.1, 0.5
