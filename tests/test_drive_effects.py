@@ -11,6 +11,7 @@ from frictionjoint.control.block import block_of
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
+from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.laws import Laws
@@ -25,7 +26,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.starts import fit, ripened
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog
 
@@ -107,6 +108,21 @@ def test_the_form_of_a_dead_band_is_not_hidden_by_a_smooth_one_of_another_number
     assert term.name == "deadband"
     assert term.effect.leaps
     assert term.shape[0] == pytest.approx(0.0934, rel=0.01)
+
+
+def test_a_dead_band_shows_beside_a_law_that_has_not_bent_for_want_of_it():
+    made = logs({"deadband": 0.05}, friction='frictionloss="0.12" damping="0.05"')
+    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
+    rng = np.random.default_rng(0)
+    bent = fit(prepared, (EMF_TERM,))
+    found = look_at_hidden_drive(prepared, bent, rng)
+    assert found is not None
+    term, score = found.tried[0]
+    assert term.name == "deadband"
+    assert term.shape[0] == pytest.approx(0.05, rel=0.02)
+    assert score.fit.drive_rms < 0.5 * bent.drive_rms
+    named = refit(prepared, score.fit.effects, score.fit.shape, ROUGH)
+    assert look_at_hidden_drive(prepared, named, rng) is None
 
 
 def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():

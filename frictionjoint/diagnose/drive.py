@@ -30,7 +30,6 @@ COARSE = 1500
 _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 2, 6, 3, 8
 _FLIPS = 999
 
-
 # fraction of the squares that an effect takes, and its term
 Ranked = tuple[float, DriveTerm]
 

@@ -13,6 +13,7 @@ from frictionjoint.diagnose.drive import COARSE, Driven, Ranked, judged
 from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.unbent import unbent
+from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.segment import Prepared
@@ -58,7 +59,7 @@ def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
 
     with side_by_side() as each:
         gains = [1.0 - cost / alone for cost in each(left, terms)]
-    best: dict[object, Ranked] = {}
+    best: dict[Effect, Ranked] = {}
     for gain, term in zip(gains, terms, strict=True):
         if gain >= max(SMALLEST_GAIN, best.get(term.effect, (0.0,))[0]):
             best[term.effect] = gain, term

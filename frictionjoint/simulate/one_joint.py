@@ -286,7 +286,7 @@ def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> fl
     gx = load[GX, 0] + load[GX + 1, 0] * c + load[GX + 2, 0] * s
     gy = load[GY, 0] + load[GY + 1, 0] * c + load[GY + 2, 0] * s
     behind = load[INERTIA, 0] - body[0]
-    total = bias - asked
+    F = 0.0
     for t, x in ((-1.0 - h, q - d), (-h, q)):
         F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
         if P[effects] > 0.0:
@@ -294,8 +294,7 @@ def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> fl
             F += effects_torque(
                 P, 0, effects, X, 0, t, x, 0.0, bias, behind, body[0], gx, gy, asked
             )
-        total = bias - asked + F
-    return total
+    return bias - asked + F
 
 
 @compiled
