@@ -247,6 +247,31 @@ def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float)
     return float(load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2]))
 
 
+@in_line
+def _effects(
+    given: _Given,
+    X: Array,
+    k: int,
+    t: float,
+    q: float,
+    v: float,
+    bias: float,
+    c: float,
+    s: float,
+    asked: float,
+) -> float:
+    """Torque of the effects with what surrounds the joint at step k; c, s: cosine and sine of q."""
+    load, body = given.load, given.body
+    i = min(k, load.shape[1] - 1)
+    gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
+    gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
+    behind = load[INERTIA, i] - body[0]
+    _warm(given, X, k)
+    return effects_torque(
+        given.P, 0, given.effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked
+    )
+
+
 @compiled
 def _hold(given: _Given, X: Array, q: float) -> bool:
     """Strain the friction of a joint at rest until it holds what the drive and the load leave.
@@ -280,20 +305,14 @@ def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> fl
 
     Of a friction that was never moved before.
     """
-    P, effects, load, body, h = given.P, given.effects, given.load, given.body, given.step
+    P, effects, h = given.P, given.effects, given.step
     c, s = math.cos(q), math.sin(q)
-    bias = _load_torque(load, body, 0, q, c, s)
-    gx = load[GX, 0] + load[GX + 1, 0] * c + load[GX + 2, 0] * s
-    gy = load[GY, 0] + load[GY + 1, 0] * c + load[GY + 2, 0] * s
-    behind = load[INERTIA, 0] - body[0]
+    bias = _load_torque(given.load, given.body, 0, q, c, s)
     F = 0.0
     for t, x in ((-1.0 - h, q - d), (-h, q)):
         F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
         if P[effects] > 0.0:
-            _warm(given, X, 0)
-            F += effects_torque(
-                P, 0, effects, X, 0, t, x, 0.0, bias, behind, body[0], gx, gy, asked
-            )
+            F += _effects(given, X, 0, t, x, 0.0, bias, c, s, asked)
     return bias - asked + F
 
 
@@ -333,14 +352,7 @@ def _part(
         brake = emf if on[k] else 0.0
         F = evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
         if some:
-            gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
-            gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
-            asked = torque - brake * v
-            behind = load[INERTIA, i] - body[0]
-            _warm(given, X, k)
-            F += effects_torque(
-                P, 0, effects, X, 0, k * h, q, v, bias, behind, body[0], gx, gy, asked
-            )
+            F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)
         v = (inertia * v + h * (torque - F - bias)) / (inertia + h * brake)
         if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):
@@ -365,12 +377,8 @@ def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vecto
             i = min(k, load.shape[1] - 1)
             c, s = math.cos(q), math.sin(q)
             bias = _load_torque(load, body, i, q, c, s)
-            gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
-            gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
             asked = gain * drive[k] - emf * v if on[k] else 0.0
-            behind = load[INERTIA, i] - body[0]
-            _warm(given, X, k)
-            effects_torque(P, 0, effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked)
+            _effects(given, X, k, t, q, v, bias, c, s, asked)
 
 
 @compiled
