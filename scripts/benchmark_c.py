@@ -9,6 +9,7 @@ of the repeats, counted in computing time; gcc -O2.
 
 import argparse
 import dataclasses
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -16,7 +17,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from c_header import Header
 from numba import njit
 
 from frictionjoint.export.c import header
@@ -25,6 +25,10 @@ from frictionjoint.simulate.carrier import JointFriction, load_model, read_frict
 from frictionjoint.simulate.row import row_size, torque_now
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "examples"))
+
+from c_header import Header  # noqa: E402
+
 EXPONENTS = (1.0, 2.0, 1.5, 4.0)
 
 

@@ -11,11 +11,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from five_lines import ARM, ELBOW
-
 import frictionjoint as fj
 
 SOURCE = Path(__file__).resolve().parents[1]
+sys.path.append(str(SOURCE / "examples"))
+
+from five_lines import ARM, ELBOW  # noqa: E402
 
 
 def main() -> None:

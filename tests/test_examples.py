@@ -9,13 +9,13 @@ from pathlib import Path
 import mujoco
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 NUMBER = r"(-?[\d.]+(?:e[-+]?\d+)?)"
 
 
 def call(name: str, folder: Path, gl: str, *arguments: str) -> subprocess.CompletedProcess:
     return subprocess.run(
-        [sys.executable, str(SCRIPTS / f"{name}.py"), *arguments],
+        [sys.executable, str(EXAMPLES / f"{name}.py"), *arguments],
         cwd=folder,
         env=os.environ | {"MUJOCO_GL": gl, "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,

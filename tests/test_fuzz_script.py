@@ -1,4 +1,4 @@
-"""scripts/fuzz.py counts what it tries and lists what fails, crashes included."""
+"""lab/fuzz.py counts what it tries and lists what fails, crashes included."""
 
 import subprocess
 import sys
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+LAB = Path(__file__).resolve().parents[1] / "lab"
 BROKEN = """
 import os
 from pathlib import Path
@@ -58,7 +58,7 @@ def broken(tmp_path, monkeypatch):
 
 def test_failures_crashes_and_endless_loops_are_listed_with_their_input(broken):
     done = subprocess.run(
-        [sys.executable, "run.py", str(SCRIPTS), str(broken)],
+        [sys.executable, "run.py", str(LAB), str(broken)],
         cwd=broken,
         capture_output=True,
         text=True,

@@ -18,7 +18,7 @@ from frictionjoint.files import toml_text
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.write import write_files
 
-_SCRIPT = Path(__file__).parents[1] / "scripts" / "kill_loop.py"
+_SCRIPT = Path(__file__).parents[1] / "lab" / "kill_loop.py"
 _SPEC = importlib.util.spec_from_file_location("kill_loop", _SCRIPT)
 kill_loop = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(kill_loop)

@@ -14,7 +14,7 @@ MODELS = kuka_model().parent
 def emps(measured_data):
     log = read_log(measured_data / "emps" / "DATA_EMPS.mat", "carriage")
     fitted, held_out = split_in_time(log, 1 / 3)
-    # half of what `scripts/real_logs.py` fits tells the same in half the time
+    # half of what `lab/real_logs.py` fits tells the same in half the time
     fitted, _ = split_in_time(fitted, 0.5)
     return close_loop([fitted], MODELS / "emps.xml", "carriage", [held_out])
 

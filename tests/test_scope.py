@@ -18,7 +18,7 @@ from frictionjoint.rivals import DahlParameters
 from frictionjoint.simulate.scope import SLIP_COLOUR, STICK_COLOUR, Scope
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 
-SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 VIEWPORT = mujoco.MjrRect(0, 0, 1000, 600)
 
 
@@ -136,11 +136,11 @@ class Handle:
 
 @pytest.fixture
 def viewer():
-    sys.path.insert(0, str(SCRIPTS))
+    sys.path.insert(0, str(EXAMPLES))
     try:
         import viewer
     finally:
-        sys.path.remove(str(SCRIPTS))
+        sys.path.remove(str(EXAMPLES))
     assert isinstance(viewer, types.ModuleType)
     return viewer
 
@@ -164,7 +164,7 @@ def near(image, colour) -> int:
 
 def test_a_frame_off_screen_shows_both_colours(tmp_path):
     pytest.importorskip("imageio")
-    script = [sys.executable, str(SCRIPTS / "viewer.py"), "--seconds", "1.6"]
+    script = [sys.executable, str(EXAMPLES / "viewer.py"), "--seconds", "1.6"]
     for gl in ("egl", "osmesa"):
         done = subprocess.run(
             [*script, "--frame", str(tmp_path / "frame.png")],
@@ -190,7 +190,7 @@ def test_a_frame_off_screen_shows_both_colours(tmp_path):
 def test_a_real_window_opens_runs_and_closes():
     screen = ["xvfb-run", "-a", "-s", "-screen 0 640x480x24"]
     done = subprocess.run(
-        [*screen, sys.executable, str(SCRIPTS / "viewer.py"), "--seconds", "0.4"],
+        [*screen, sys.executable, str(EXAMPLES / "viewer.py"), "--seconds", "0.4"],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "LIBGL_ALWAYS_SOFTWARE": "1"},
         capture_output=True,
         text=True,

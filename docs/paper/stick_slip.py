@@ -187,7 +187,7 @@ def claim() -> Claim:
         "Fc, sigma2 = 51, 34.26, 10.78; offset -12.72 N m), its encoder and 0.3 N m of noise. Our "
         "law and the offset are identified from constant velocities and presliding motions, as in "
         "the paper, and never see the stick-slip they predict. Native `frictionloss` does not "
-        "stick at all here (`scripts/stick_slip.py`). It is a weak test alone: inertia and "
+        "stick at all here (`examples/stick_slip.py`). It is a weak test alone: inertia and "
         "stiffness set half of a slip. Part of the error is the form of the law: given the levels "
         "and the presliding curve of the Maxwell-slip joint outright, without a fit, it is still "
         f"{100 * ideal['2']:.1f}% off at n = 2 and {100 * ideal['50']:.1f}% at n = 50.\n\n"
