@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import mujoco
 
 from frictionjoint.errors import ModelError, few
+from frictionjoint.missing_meshes import without_missing_meshes
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.urdf import with_found_meshes
 
@@ -23,24 +24,26 @@ _BALANCED = "balanceinertia"
 _C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
 
-def read_spec(model: str | Path) -> mujoco.MjSpec:
+def read_spec(model: str | Path, whole: bool = False) -> mujoco.MjSpec:
     """A spec of an MJCF or URDF, that compiles.
 
     Args:
         model: path of the file, or an MJCF's text. A URDF's meshes are looked for in its folder and
             in those above, see `urdf.with_found_meshes`; a warning names shapes left out.
+        whole: whether an MJCF must have all its meshes. For dynamics alone shapes without their
+            mesh are left out, see `without_missing_meshes`, with a warning.
     Raises:
         ModelError: there is no such file, or MuJoCo cannot compile it.
     """
-    return _read(model)[0]
+    return _read(model, whole)[0]
 
 
 def compile_model(model: str | Path) -> mujoco.MjModel:
     """The same, compiled."""
-    return _read(model)[1]
+    return _read(model, False)[1]
 
 
-def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
+def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     if not isinstance(model, str | Path):
         raise TypeError(
             f"a model is read from a path or an MJCF's text, not from {type(model).__name__}: "
@@ -62,11 +65,15 @@ def _read(model: str | Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
                 spec = mujoco.MjSpec.from_string(urdf.text)
             else:
                 spec = mujoco.MjSpec.from_file(str(model))
+                if not whole:
+                    folder = Path(model).absolute().parent
+                    left_out, needed = without_missing_meshes(spec, [folder])
+                    _warn_of_shapes(model, left_out)
             return spec, spec.compile()
     except ValueError as error:
         looked = (
-            f"; not found from its folder upwards: {few(needed)} of links that move and have no "
-            "<inertial>: put the package beside the URDF, or give these links their masses"
+            f"; not found: {few(needed)} of links that move and have no <inertial>: put the meshes "
+            "in their folder, or give these links their masses"
             if needed
             else ""
         )
@@ -89,9 +96,8 @@ def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
     # a process that another one started reads what that one has warned of
     if left_out and multiprocessing.parent_process() is None:
         warnings.warn(
-            f"{model}: meshes not found from its folder upwards: {few(left_out)}; these "
-            "shapes are left out, masses are the file's own: put the package beside the URDF where "
-            "collisions count",
+            f"{model}: meshes not found: {few(left_out)}; these shapes are left out, masses are "
+            "the file's own: put the meshes in their folder where collisions count",
             RuntimeWarning,
             stacklevel=4,
         )

@@ -344,12 +344,12 @@ def test_shapes_whose_meshes_are_nowhere_are_left_out_and_said(package, recwarn)
     (package / "urdf" / "arm.urdf").write_text(
         URDF.format(more="", visual=visual, collision=collision)
     )
-    with pytest.warns(RuntimeWarning, match=r"not found from its folder upwards: .*gone\.stl; the"):
+    with pytest.warns(RuntimeWarning, match=r"meshes not found: .*gone\.stl; the"):
         model = compile_model(package / "urdf" / "arm.urdf")
     assert (model.nmesh, float(model.body("link").mass[0])) == (0, 1.0)
     seen = URDF.format(more=KEEP_VISUAL, visual=visual, collision="../meshes/collision/link.stl")
     (package / "urdf" / "arm.urdf").write_text(seen)
-    with pytest.warns(RuntimeWarning, match=r"not found from its folder upwards: .*gone\.dae; the"):
+    with pytest.warns(RuntimeWarning, match=r"meshes not found: .*gone\.dae; the"):
         assert compile_model(package / "urdf" / "arm.urdf").nmesh == 1
     # what is only looked at is not needed
     text = URDF.format(

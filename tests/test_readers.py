@@ -307,7 +307,7 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
         ("hip", None, "no joint 'hip', it has joint_1, joint_2"),
         (None, None, "several joints, name one of"),
         ("hip", {"joints": "hip"}, "it has 2 joints, joints names hip"),
-        ("hip", {"unit": "deg"}, "takes the column joints"),
+        ("hip", {"unit": "deg"}, "takes the columns joints and world"),
     ):
         with pytest.raises(LogError, match=what):
             read_log(path, joint, columns)
@@ -332,9 +332,9 @@ class Harm:
     ("table", "cut", "what"),
     [
         (PACE | {"bounds": Harm()}, 0, r"more than tensors and plain containers \(\w+.print\)"),
-        ({"time": PACE["time"]}, 0, "no tensor 'dof_pos', it has time"),
+        ({"time": PACE["time"]}, 0, "no array 'dof_pos', it has time"),
         ([PACE["time"]], 0, "holds a list, a dict of tensors is needed"),
-        (PACE | {"des_dof_pos": PACE["dof_pos"][:-1]}, 0, "give a row a time"),
+        (PACE | {"des_dof_pos": PACE["dof_pos"][:-1]}, 0, "give one row per time"),
         (PACE | {"kp": Plain(np.ones(3))}, 0, r"kp \(3,\): give it a number for each of the 2"),
         (PACE | {"kp": Plain(np.array(["high", "low"]))}, 0, "an array of 'U4', not of numbers"),
         (PACE, 4, "storage 2 holds 2396 bytes and not 2400"),
@@ -409,8 +409,8 @@ def test_a_lerobot_data_set(tmp_path: Path, version: int) -> None:
     assert joints_with_drive(folder) == ["elbow", "wrist"]
     known = {"unit": "deg", "episode": "0"}
     for columns, what in (
-        ({"episode": "0"}, "unit is not in the data set: give unit=deg"),
-        (known | {"unit": "percent"}, "unit is 'percent': give unit=deg"),
+        ({"episode": "0"}, "unit is not in the data set: give --unit position=deg"),
+        (known | {"unit": "percent"}, "'percent' is not known"),
         ({"unit": "deg"}, "several episodes, it has 0 to 1"),
         (known | {"episode": "2"}, "no episode '2'"),
         (known | {"topic": "/arm"}, "columns unit and episode"),

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionjoint.cli.robot import units_of
+from frictionjoint.cli.robot import robots_of
 from frictionjoint.errors import LogError
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.write_robot_units import render_units
@@ -17,14 +17,14 @@ ROW = Spread(
 
 
 def test_logs_belong_to_the_unit_they_are_given_with():
-    found = units_of(["a=x.csv", "b=y.csv", "a=z=1.csv"])
+    found = robots_of(["a=x.csv", "b=y.csv", "a=z=1.csv"])
     assert found == {"a": [Path("x.csv"), Path("z=1.csv")], "b": [Path("y.csv")]}
 
 
 @pytest.mark.parametrize("text", ["x.csv", "=x.csv", "a=", "a/b=x.csv", "..=x.csv"])
 def test_a_unit_without_a_name_or_a_log_is_refused(text):
-    with pytest.raises(LogError, match="--unit"):
-        units_of([text])
+    with pytest.raises(LogError, match="--robot"):
+        robots_of([text])
 
 
 def test_spread_over_units_beside_the_error_of_one():
@@ -45,8 +45,8 @@ def test_the_page_states_units_that_failed():
     ("arguments", "said"),
     [
         ((), "no log"),
-        (("a.csv", "--unit", "x=b.csv"), "every log as NAME=LOG"),
-        (("--unit", "b.csv"), "write NAME=LOG"),
+        (("a.csv", "--robot", "x=b.csv"), "every log as NAME=LOG"),
+        (("--robot", "b.csv"), "write NAME=LOG"),
         (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "leave it out with one"),
     ],
 )

@@ -15,11 +15,14 @@ from frictionjoint.cli.logs import (
     ControllerFile,
     Fixed,
     Gain,
+    Join,
     Model,
     Reading,
     Signals,
+    Units,
     Wrap,
     joints_of,
+    log_paths,
     models_of,
     paths_of,
     poses,
@@ -31,7 +34,7 @@ from frictionjoint.cli.robot import (
     Wanted,
     close_loop_of_robot,
     close_loop_of_units,
-    units_of,
+    robots_of,
 )
 from frictionjoint.cli.terminal import progress, show_report
 from frictionjoint.errors import LogError, ModelError
@@ -39,7 +42,7 @@ from frictionjoint.laws import LAWS
 
 Logs = Annotated[
     list[Path] | None,
-    typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --unit."),
+    typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot."),
 ]
 Joints = Annotated[
     list[str] | None,
@@ -87,12 +90,14 @@ def close_loop_command(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
-    unit: Annotated[
+    unit: Units = None,
+    join: Join = False,
+    robot: Annotated[
         list[str] | None,
         typer.Option(
-            "--unit",
+            "--robot",
             metavar="NAME=LOG",
-            help="A log of one of several robots of a kind, in place of LOG; a unit may have "
+            help="A log of one of several robots of a kind, in place of LOG; a robot may have "
             "several. Repeatable.",
         ),
     ] = None,
@@ -123,28 +128,29 @@ def close_loop_command(
     A whole robot, every joint whose drive the logs hold: `frictionjoint close-loop a.csv b.csv
     --held-out c.csv --model arm.urdf --out out`
 
-    Several robots of one kind: `frictionjoint close-loop --unit left=a.csv --unit right=b.csv
+    Several robots of one kind: `frictionjoint close-loop --robot left=a.csv --robot right=b.csv
     --model arm.urdf --out out`
     """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import FILES, write_report
 
-    logs, held_out = logs or [], held_out or ["0.25"]
-    if not (logs or unit):
-        raise LogError("no log: give one or more, or units with --unit NAME=LOG")
-    if not (unit or joint) and len(only := joints_of(model)) == 1:
+    if not (logs or robot):
+        raise LogError("no log: give one or more, or robots with --robot NAME=LOG")
+    paths = log_paths(logs or [], held_out or ["0.25"], join)
+    logs, held_out = paths.logs, paths.held_out
+    if not (robot or joint) and len(only := joints_of(model)) == 1:
         joint = only
-    if unit or joint is None or len(joint) != 1:
-        reading = Reading.of("", column, signal, wrap, gain)
-        robot = models_of(model)
+    if robot or joint is None or len(joint) != 1:
+        reading = Reading.of("", column, signal, wrap, gain, unit, paths.joined)
+        mjcf = models_of(model)
         if refine:
             raise ModelError("--refine is for one joint: name it with --joint")
-        if isinstance(robot, dict):
+        if isinstance(mjcf, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
-        request = RobotRequest(logs, held_out, Path(robot), joint or [], reading)
+        request = RobotRequest(logs, held_out, Path(mjcf), joint or [], reading)
         wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler, controller)
-        if unit:
-            close_loop_of_units(request, units_of(unit), wanted)
+        if robot:
+            close_loop_of_units(request, robots_of(robot), wanted)
         else:
             close_loop_of_robot(request, wanted)
         return
@@ -153,7 +159,7 @@ def close_loop_command(
     with progress() as say:
         read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
         require_writable(out, read, force, FILES)
-        reading = Reading.of(joint[0], column, signal, wrap, gain)
+        reading = Reading.of(joint[0], column, signal, wrap, gain, unit, paths.joined)
         fitted, kept = split(logs, held_out, reading)
         report = close_loop(
             fitted,

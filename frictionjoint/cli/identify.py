@@ -13,10 +13,13 @@ from frictionjoint.cli.logs import (
     ControllerFile,
     Fixed,
     Gain,
+    Join,
     Model,
     Reading,
     Signals,
+    Units,
     Wrap,
+    log_paths,
     models_of,
     paths_of,
     poses,
@@ -53,6 +56,8 @@ def identify(
     column: Columns = None,
     signal: Signals = None,
     wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -87,12 +92,14 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as say:
+        paths = log_paths(logs, [], join)
+        logs = paths.logs
         require_writable(out, [*logs, *paths_of(model)], force)
         forms = forms_of(law)
         joint = the_joint(joint, model)
         bodies = Bodies(models_of(model), joint, poses(fixed))
         driven_by = controller_of(controller, joint, bodies.models)
-        reading = Reading.of(joint, column, signal, wrap, gain)
+        reading = Reading.of(joint, column, signal, wrap, gain, unit, paths.joined)
         read = bounded([reading.read(path) for path in logs])
         said = bodies.check(read, ())
         body = bodies.of(read)[0]
@@ -108,18 +115,20 @@ def identify(
         scaled = scale_is_determined(prepared, fitted)
         if not scaled:
             fitted = without_scale(fitted)
-        unit, _ = units_of(fitted, body.slide)
+        torque_unit, _ = units_of(fitted, body.slide)
         estimates = law_estimates(fitted, stated_covariance(prepared, fitted), body.slide)
         parameters = law_parameters(fitted)
-        toml = toml_text(parameters) if scaled else toml_text_without_scale(parameters, unit)
+        toml = toml_text(parameters) if scaled else toml_text_without_scale(parameters, torque_unit)
         write_files(out.parent, {out.name: toml})
     if as_json:
         rows = {name: x.to_dict() for name, x in estimates.items()}
-        result = {"unit": unit, "torque_rms": fitted.rms, "parameters": rows}
+        result = {"unit": torque_unit, "torque_rms": fitted.rms, "parameters": rows}
         typer.echo(json.dumps(result, indent=2))
         return
     show_estimates(list(estimates.items()))
     notes = (*said, *scale_note(fitted, body.slide), *inertia_note(prepared, fitted))
     for text in notes:
         console().print(f"* {text}", soft_wrap=True, markup=False)
-    typer.echo(f"Residual {fitted.rms:.4g} {unit} of {fitted.target_rms:.4g} {unit}. Wrote {out}")
+    typer.echo(
+        f"Residual {fitted.rms:.4g} {torque_unit} of {fitted.target_rms:.4g} {torque_unit}. Wrote {out}"
+    )

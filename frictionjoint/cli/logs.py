@@ -13,7 +13,10 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from frictionjoint.measured.log import JointLog
 
 # texts of options
-LOG_FORMATS = "CSV, Parquet, npz, mat or XL330 json; ROS 2 bags."
+LOG_FORMATS = (
+    "CSV, Parquet, npz, mat, ROS 2 bag, LeRobot data set (DATASET#0-7: episodes), or a folder of "
+    "logs."
+)
 LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 
 Columns = Annotated[
@@ -38,6 +41,22 @@ Wrap = Annotated[
         "--wrap",
         metavar="RANGE",
         help="Range that positions wrap at, rad (m). A turn and 25 rad are noticed without it.",
+    ),
+]
+Units = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--unit",
+        metavar="QUANTITY=UNIT",
+        help="Unit of a quantity that is not in SI units: position=deg, time=ms, "
+        "position=counts:4096 (per turn). Repeatable.",
+    ),
+]
+Join = Annotated[
+    bool,
+    typer.Option(
+        "--join",
+        help="Each LOG is a folder with one file per signal; files given directly are one log.",
     ),
 ]
 Gain = Annotated[
@@ -131,7 +150,8 @@ class Reading:
     """How the logs of a command are read, from the texts of its options.
 
     Attributes:
-        columns, signals, wrap: see `read_log`. gain: N m per unit of drive, or None.
+        columns, signals, wrap, units: see `read_log`. gain: N m per unit of drive, or None.
+        joined: files of a log that has one per signal, by the path that stands for it.
     """
 
     joint: str
@@ -139,6 +159,8 @@ class Reading:
     signals: tuple[str, ...] = ()
     wrap: float | None = None
     gain: float | None = None
+    units: dict[str, str] = field(default_factory=dict)
+    joined: dict[Path, list[Path]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -148,20 +170,74 @@ class Reading:
         signal: list[str] | None,
         wrap: float | None,
         gain: float | None,
+        unit: list[str] | None = None,
+        joined: dict[Path, list[Path]] | None = None,
     ) -> "Reading":
         """From options.
 
         Raises:
-            LogError: a column is not OURS=THEIRS.
+            LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
         """
-        return cls(joint, columns_of(column), tuple(signal or ()), wrap, gain)
+        from frictionjoint.measured.units import check_units, units_of
+
+        units = units_of(unit or [])
+        check_units(units)
+        return cls(joint, columns_of(column), tuple(signal or ()), wrap, gain, units, joined or {})
 
     def read(self, path: str | Path) -> "JointLog":
         """One log."""
+        from frictionjoint.measured.joined import read_joined
         from frictionjoint.measured.readers import read_log
 
-        log = read_log(path, self.joint, self.columns, self.signals, self.wrap)
+        how = self.joint, self.columns, self.signals, self.wrap, self.units
+        files = self.joined.get(Path(path))
+        log = read_joined(files, *how) if files else read_log(path, *how)
         return log if self.gain is None else log.with_gain(self.gain)
+
+
+@dataclass(frozen=True)
+class LogPaths:
+    """Which logs a command reads.
+
+    Attributes:
+        logs: to fit. held_out: logs and fractions. joined: see `Reading`.
+    """
+
+    logs: list[Path]
+    held_out: list[str]
+    joined: dict[Path, list[Path]]
+
+
+def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
+    """Folders and data sets as the logs in them; those held out are not fitted as well.
+
+    Raises:
+        LogError: a folder holds no log.
+    """
+    from frictionjoint.measured.readers import log_files
+    from frictionjoint.measured.table import TABLES
+
+    joined: dict[Path, list[Path]] = {}
+
+    def found(paths: list[Path]) -> list[Path]:
+        if not join:
+            return [file for path in paths for file in log_files(path)]
+        folders = [path for path in paths if path.is_dir()]
+        loose = [path for path in paths if not path.is_dir()]
+        for folder in folders:
+            joined[folder] = sorted(x for x in folder.iterdir() if x.suffix.lower() in TABLES)
+        if loose:
+            joined[loose[0]] = loose
+        return folders + loose[:1]
+
+    fractions = [text for text in held_out if _is_number(text)]
+    kept = found([Path(text) for text in held_out if not _is_number(text)])
+    fitted = (
+        [x for path in logs for x in found([path]) if x not in kept or x == path]
+        if not join
+        else found(logs)
+    )
+    return LogPaths(fitted, [*fractions, *map(str, kept)], joined)
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:

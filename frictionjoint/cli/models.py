@@ -64,7 +64,7 @@ def install(
         tables = [*named.values(), *([every] if every else [])]
         require_writable(out, [mjcf, *tables], force)
         carried = {name: read_parameters(path) for name, path in named.items()}
-        spec = read_spec(mjcf)
+        spec = read_spec(mjcf, whole=True)
         if every:
             carried = _all_joints(spec, every) | carried
         if not carried:
@@ -88,7 +88,7 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
 
     with warnings_afterwards():
         require_writable(out, [mjcf], force)
-        spec = read_spec(mjcf)
+        spec = read_spec(mjcf, whole=True)
         joints = uninstall_from_spec(spec)
         _write(spec, mjcf, out)
     typer.echo(f"Wrote {out} without the friction of {', '.join(joints)}.")

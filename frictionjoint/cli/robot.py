@@ -46,7 +46,7 @@ class RobotRequest:
     @property
     def kept(self) -> list[Path]:
         """Logs held out."""
-        return [path for text in self.held_out if (path := Path(text)).exists()]
+        return kept_of([], self.held_out)[0]
 
     def of_unit(self, logs: list[Path]) -> "RobotRequest":
         """The same of one of several robots."""
@@ -118,19 +118,19 @@ def close_loop_of_robot(request: RobotRequest, wanted: Wanted) -> None:
     typer.echo(f"Report: {wanted.out / 'report.html'}   Model: {wanted.out / 'model.xml'}")
 
 
-def units_of(units: list[str]) -> dict[str, list[Path]]:
-    """Logs by the unit's name, from texts NAME=LOG.
+def robots_of(robots: list[str]) -> dict[str, list[Path]]:
+    """Logs by the robot's name, from texts NAME=LOG.
 
     Raises:
         LogError: a text is not of that form, or a name is none of a folder.
     """
     found: dict[str, list[Path]] = {}
-    for text in units:
+    for text in robots:
         name, equals, path = text.partition("=")
         if not (name and equals and path):
-            raise LogError(f"--unit {text}: write NAME=LOG, e.g. left=left_arm.csv")
+            raise LogError(f"--robot {text}: write NAME=LOG, e.g. left=left_arm.csv")
         if "/" in name or name.startswith("."):
-            raise LogError(f"--unit {name}: a folder takes this name, give one without / or .")
+            raise LogError(f"--robot {name}: a folder takes this name, give one without / or .")
         found.setdefault(name, []).append(Path(path))
     return found
 
@@ -143,7 +143,7 @@ def close_loop_of_units(
     from frictionjoint.robot.units import close_loop_units
 
     if request.logs or request.kept:
-        raise LogError("--unit: give every log as NAME=LOG, and a fraction to --held-out")
+        raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
     with progress() as say:
         read = [path for paths in units.values() for path in paths]
         require_writable(wanted.out, [*read, request.model], wanted.force, FILES)

@@ -13,7 +13,7 @@ from scipy.io import loadmat, whosmat
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import matlab
+from frictionjoint.measured import matlab, mujoco_sysid
 
 _PART = re.compile(r"(.+)\[(\d+)\]")
 
@@ -66,10 +66,10 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
 
 
 def npz_names(path: Path) -> list[str]:
-    """Names of the arrays in an .npz file."""
+    """Names of the arrays in an .npz file, of the signals in a recording of mujoco.sysid."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            return list(archive.files)
+            return list(mujoco_sysid.signals(archive) or archive.files)
     except Exception as error:  # zip, zlib, numpy headers: each raises its own on a corrupt file
         raise corrupt(path, error) from None
 
@@ -78,6 +78,10 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Columns of an .npz file; only those asked for are read. 8 bytes a number."""
     try:
         with np.load(path, allow_pickle=False) as archive:
+            if recorded := mujoco_sysid.signals(archive):
+                return {
+                    name: column(path, name, recorded[whole(name)], whole(name)) for name in names
+                }
             # an array may have such a name itself
             sources = {x: x if x in archive.files else whole(x) for x in names}
             arrays = {source: archive[source] for source in {*sources.values()}}

@@ -2,12 +2,14 @@
 
 A folder with ``meta/info.json``, which names the joints of ``observation.state`` (position) and of
 ``action`` (target), and Parquet files below ``data`` with a row a frame: one episode a file
-(format 2) or several (format 3). The unit is nowhere in a data set: it is asked for.
+(format 2) or several (format 3). One episode is ``FOLDER#3``, several are ``FOLDER#0-7``. The unit
+is nowhere in a data set: it is asked for. ``observation.velocity`` and ``observation.effort``
+(torque, N m) are read where a data set has them.
 """
 
 import json
-import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,38 +22,48 @@ from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, one_line
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
+from frictionjoint.measured.units import check_units, unit_of
 
 _INFO = "meta/info.json"
 _STATE, _ACTION = "observation.state", "action"
-_UNITS = {"rad": 1.0, "deg": math.pi / 180.0}
+_MORE = {"observation.velocity": "velocity_rad_s", "observation.effort": "torque_nm"}
 
 
 def is_lerobot(path: Path) -> bool:
-    """Whether a folder is such a data set."""
-    return (path / _INFO).is_file()
+    """Whether a folder is such a data set, or ``FOLDER#3`` an episode of it."""
+    return (path / _INFO).is_file() or episode_of(path)[1] is not None
 
 
 def read_lerobot(
-    path: Path, joint: str | None, columns: Mapping[str, str] | None = None
+    path: Path,
+    joint: str | None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> JointLog:
     """Read one joint of one episode.
 
     Args:
-        columns: ``{"unit": "deg", "episode": "3"}``: the unit of positions and actions, deg or rad,
-            and the episode's index, where there are several.
+        path: the folder, or ``FOLDER#3`` for episode 3.
+        columns: ``{"episode": "3"}``, the episode's index where there are several and the path
+            names none; ``{"unit": "deg"}`` is short for ``units={"position": "deg"}``.
+        units: see `units`; that of the position must be given.
     Raises:
         LogError: not such a data set, no such episode or joint, no unit, or see `validate`.
     """
-    mapping = dict(columns or {})
+    folder, numbered = episode_of(path)
+    mapping, units = dict(columns or {}), dict(units or {})
     unit, episode = mapping.pop("unit", None), mapping.pop("episode", None)
     if mapping:
         raise LogError(f"{path.name}: a data set takes the columns unit and episode, not {mapping}")
-    if unit not in _UNITS:
-        what = f"unit is {unit!r}" if unit else "its unit is not in the data set"
+    if unit is not None:
+        units.setdefault("position", unit)
+    if unit_of(f"{joint}.position_rad", units) is None:
         raise LogError(
-            f"{path.name}: {what}: give unit=deg or unit=rad; positions from -100 to 100 are to be "
-            "recorded again with use_degrees"
+            f"{path.name}: its unit is not in the data set: give --unit position=deg or "
+            "position=rad; positions from -100 to 100 are to be recorded again with use_degrees"
         )
+    check_units(units)
+    path, episode = folder, numbered or episode
     info = _info(path)
     positions, targets = _joints(path, info, _STATE), _joints(path, info, _ACTION)
     both = [name for name in positions if name in targets]
@@ -60,19 +72,51 @@ def read_lerobot(
     if joint is None or joint not in both:
         what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
         raise LogError(f"{path.name}: {what} {', '.join(both)}")
-    time, state, action = _episode(path, info, episode, len(positions), len(targets))
-    scale = _UNITS[unit]
+    widths = {_STATE: len(positions), _ACTION: len(targets)}
+    widths |= {x: len(positions) for x in _MORE if _width(info, x) == len(positions)}
+    time, more = _episode(path, info, episode, widths)
+    state, action = more[_STATE], more[_ACTION]
     data = {
         "time_s": time,
-        "position_rad": scale * state[:, positions.index(joint)],
-        "target_rad": scale * action[:, targets.index(joint)],
+        "position_rad": state[:, positions.index(joint)],
+        "target_rad": action[:, targets.index(joint)],
     }
-    data |= {
-        f"{name}.position_rad": scale * state[:, i]
-        for i, name in enumerate(positions)
-        if name != joint
-    }
-    return log_of(path, joint, data)
+    for feature, ours in _MORE.items():
+        if feature in more:
+            data[ours] = more[feature][:, positions.index(joint)]
+    data |= {f"{n}.position_rad": state[:, i] for i, n in enumerate(positions) if n != joint}
+    log = log_of(path, joint, data, units=units)
+    return log if numbered is None else replace(log, name=f"{log.name}#{numbered}")
+
+
+def episode_of(path: Path) -> tuple[Path, str | None]:
+    """Folder of a data set, and the episode that a path ``FOLDER#3`` names."""
+    folder, mark, episode = path.name.rpartition("#")
+    if mark and not path.exists() and is_lerobot(path.with_name(folder)):
+        return path.with_name(folder), episode
+    return path, None
+
+
+def episodes_of(path: Path) -> list[int]:
+    """Indices of all episodes of a data set, or of those that ``FOLDER#0-3,8`` names.
+
+    Raises:
+        LogError: not such a data set, or not such a list.
+    """
+    folder, asked = episode_of(path)
+    total = int(_info(folder).get("total_episodes") or 0)
+    if asked is None:
+        return list(range(total))
+    found: list[int] = []
+    for part in asked.split(","):
+        first, dash, last = part.partition("-")
+        if not (first.isdecimal() and (last.isdecimal() if dash else True)):
+            raise LogError(f"{path.name}: write episodes as {folder.name}#3, #0-7 or #0-3,8")
+        found += range(int(first), int(last or first) + 1)
+    beyond = [i for i in found if i >= total]
+    if beyond:
+        raise LogError(f"{folder.name}: no episode {beyond[0]}, it has 0 to {total - 1}")
+    return found
 
 
 def joints_of_lerobot(path: Path) -> list[str]:
@@ -81,6 +125,7 @@ def joints_of_lerobot(path: Path) -> list[str]:
     Raises:
         LogError: not such a data set.
     """
+    path, _ = episode_of(path)
     info = _info(path)
     targets = _joints(path, info, _ACTION)
     return [name for name in _joints(path, info, _STATE) if name in targets]
@@ -97,7 +142,7 @@ def _info(path: Path) -> dict[str, Any]:
 
 
 def _joints(path: Path, info: dict[str, Any], feature: str) -> list[str]:
-    """Names of a feature's numbers: a list of them, or one in a table."""
+    """Names of a feature's numbers: a list of them, one in a list, or one in a table."""
     found = info["features"].get(feature)
     if not isinstance(found, dict):
         listed = ", ".join(info["features"]) or "none"
@@ -105,8 +150,9 @@ def _joints(path: Path, info: dict[str, Any], feature: str) -> list[str]:
     names = found.get("names")
     if isinstance(names, dict) and len(names) == 1:
         (names,) = names.values()
-    shape = found.get("shape")
-    count = shape[0] if isinstance(shape, list) and shape else None
+    if isinstance(names, list) and len(names) == 1 and isinstance(names[0], list):
+        (names,) = names
+    count = _width(info, feature)
     if not isinstance(names, list) or len(names) != count:
         raise LogError(
             f"{path.name}, {_INFO}, {feature}: {count} numbers and no name for each: name them in "
@@ -116,16 +162,25 @@ def _joints(path: Path, info: dict[str, Any], feature: str) -> list[str]:
     return [str(name).removesuffix(".pos").replace(".", " ") for name in names]
 
 
+def _width(info: dict[str, Any], feature: str) -> int | None:
+    """How many numbers a feature has; None where it says nothing of that."""
+    found = info["features"].get(feature)
+    shape = found.get("shape") if isinstance(found, dict) else None
+    return shape[0] if isinstance(shape, list) and shape else None
+
+
 def _episode(
-    path: Path, info: dict[str, Any], episode: str | None, states: int, actions: int
-) -> tuple[Array, Array, Array]:
-    """Time, states, actions, shapes (n,), (n, states), (n, actions)."""
+    path: Path, info: dict[str, Any], episode: str | None, widths: Mapping[str, int]
+) -> tuple[Array, dict[str, Array]]:
+    """Time, shape (n,), and each feature of so many numbers, shape (n, numbers)."""
     total = info.get("total_episodes")
     if episode is None and total == 1:
         episode = "0"
     if episode is None or not episode.isdecimal() or int(episode) >= int(total or 0):
         what = "several episodes" if episode is None else f"no episode {episode!r}"
-        raise LogError(f"{path.name}: {what}, it has 0 to {int(total or 0) - 1}: give episode=N")
+        raise LogError(
+            f"{path.name}: {what}, it has 0 to {int(total or 0) - 1}: name one as {path.name}#N"
+        )
     wanted = int(episode)
     tables = []
     for file in _files(path, info, wanted):
@@ -133,7 +188,7 @@ def _episode(
             tables.append(
                 pyarrow.parquet.read_table(
                     file,
-                    columns=["timestamp", _STATE, _ACTION],
+                    columns=["timestamp", *widths],
                     filters=[("episode_index", "==", wanted)],
                 )
             )
@@ -149,7 +204,7 @@ def _episode(
         frame = np.round(time * fps)
         if np.all(np.abs(time * fps - frame) < 0.05) and np.all(np.diff(frame) > 0.0):
             time = frame / fps
-    return time, _rows(path, table, _STATE, states), _rows(path, table, _ACTION, actions)
+    return time, {name: _rows(path, table, name, count) for name, count in widths.items()}
 
 
 def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:

@@ -24,6 +24,9 @@ _NEAR = 0.02
 _REGULAR = 0.95
 # rows in a run from which on its length may be off by one
 _LONG = 5
+_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
+# s of a drive at exactly zero from which on it is off
+_SILENT_S = 0.5
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
 # a reading stands alone that leaps away and back, over this fraction of the travel of the others,
 # and this many times as far as others move; nothing moves so in a hundred samples of a thousand
@@ -63,6 +66,35 @@ def without_lone_readings(
         row = int(np.argmax(lone)) + 1
         notes.append(f"{name}: {what} alone (sample {row}: {x[row - 1]:.4g}): interpolated.")
     return found, tuple(notes)
+
+
+def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
+    """A note on each drive that is exactly zero for long while the joint moves.
+
+    Args:
+        columns: of the joint, shape (n,) each; with ``time_s`` and a position.
+    """
+    position = next(x for name, x in columns.items() if name in ("position_rad", "position_m"))
+    time, notes = columns["time_s"], []
+    moving = np.abs(np.diff(position, append=position[-1])) > 0.0
+    for name, x in columns.items():
+        if name not in _DRIVES:
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], x == 0.0, [0]]).astype(int)))
+        runs = [
+            (int(a), int(b))
+            for a, b in zip(edges[::2], edges[1::2], strict=True)
+            if time[b - 1] - time[a] > _SILENT_S and np.mean(moving[a:b]) > 0.5
+        ]
+        if runs:
+            share = sum(b - a for a, b in runs) / len(x)
+            first, last = time[runs[0][0]], time[runs[0][1] - 1]
+            notes.append(
+                f"{name}: exactly 0 in {share:.0%} of the log while the joint moves (first from "
+                f"{first:.4g} to {last:.4g} s): the drive is off, or another one turns the joint. "
+                "If so, leave that part out."
+            )
+    return tuple(notes)
 
 
 def unwrapped(

@@ -1,8 +1,9 @@
 """Read a log, whatever its format; the format follows from the file's name and content.
 
 The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and
-.mat with a mapping of names, ROS bags, LeRobot data sets, PACE's .pt, JSON of BAM and K-Scale, and
-the public logs of EMPS, Panda, ODrive and TX40.
+.mat with a mapping of names, recordings of mujoco.sysid, ROS bags, LeRobot data sets, rollouts of
+PACE, Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda, ODrive and
+TX40. A folder of logs is several, see `log_files`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -15,21 +16,26 @@ from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.emps import is_emps, read_emps
-from frictionjoint.measured.lerobot import is_lerobot, joints_of_lerobot, read_lerobot
+from frictionjoint.measured.lerobot import (
+    episode_of,
+    episodes_of,
+    is_lerobot,
+    joints_of_lerobot,
+    read_lerobot,
+)
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.odrive import read_odrive
-from frictionjoint.measured.pace import joints_of_pace, read_pace
 from frictionjoint.measured.panda import JOINTS as PANDA
 from frictionjoint.measured.panda import is_panda, read_panda
+from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
-from frictionjoint.measured.table import column_names, read_table
-from frictionjoint.measured.text_table import ENDINGS
+from frictionjoint.measured.table import TABLES, column_names, read_table
 from frictionjoint.measured.tx40 import JOINTS as TX40
 from frictionjoint.measured.tx40 import is_tx40, read_tx40
+from frictionjoint.measured.units import check_units
 
-_TABLES = (*ENDINGS, ".parquet", ".npz", ".mat")
-_PACE = ".pt"
-_KINDS = (*_TABLES, *SUFFIXES, _PACE, ".json", ".npy")
+_TENSORS = ".pt"
+_KINDS = (*TABLES, *SUFFIXES, _TENSORS, ".json", ".npy")
 
 
 def read_log(
@@ -38,19 +44,22 @@ def read_log(
     columns: Mapping[str, str] | None = None,
     signals: Iterable[str] = (),
     wrap: float | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> JointLog:
     """Read one joint of a log.
 
     Args:
-        path: .csv, .tsv, .txt, .dat, .parquet, .npz, .mat, .db3, .mcap, .bag, PACE's .pt, BAM's
-            and K-Scale's .json, the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data
-            set, of the Panda's or of the TX40's log.
+        path: .csv, .tsv, .txt, .dat, .parquet, .npz, .mat, .db3, .mcap, .bag, .pt, BAM's and
+            K-Scale's .json, the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data set
+            (``FOLDER#3``: episode 3), of the Panda's or of the TX40's log.
         joint: which one, where the log holds several.
         columns: our column name -> the file's, for tables with names of their own, for instance
-            ``{"time_s": "t", "position_rad": "q"}``. Names only: values are never converted.
-            What a bag, a data set or a .pt takes instead stands with its reader.
+            ``{"time_s": "t", "position_rad": "q"}``. Names only, for values see `units`.
+            What a bag, a data set or a rollout takes instead stands with its reader.
         signals: columns of a table that friction may depend on, as a normal load.
         wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
+        units: unit by quantity of what the file does not hold in SI units, for instance
+            ``{"position": "deg", "time": "ms"}`` or ``{"position": "counts:4096"}``, see `units`.
     Returns:
         the log; what was mended in it stands in its notes. Gaps are left in it.
     Raises:
@@ -60,23 +69,26 @@ def read_log(
     expect(path, (str, Path), "log", "give the path of a file, or a JointLog")
     expect(joint, (str, NoneType), "joint", "give its name in the log")
     expect(columns, (Mapping, NoneType), "columns", 'give names by name, {"time_s": "t"}')
+    expect(units, (Mapping, NoneType), "units", 'give units by quantity, {"position": "deg"}')
     path = Path(path)
+    check_units(units or {})
+    if is_lerobot(path):
+        return read_lerobot(path, joint, columns, units)
     if not path.exists():
         raise LogError(f"{path}: no such log, check the path")
     if is_bag(path):
-        return read_rosbag(path, joint, columns)
-    if is_lerobot(path):
-        return read_lerobot(path, joint, columns)
+        return read_rosbag(path, joint, columns, units)
     kind = path.suffix.lower()
-    if kind == _PACE:
-        return read_pace(path, joint, columns)
-    if kind in _TABLES and path.is_file():
+    if path.is_file() and is_rollout(path, columns):
+        return read_rollout(path, joint, columns, units)
+    if kind in TABLES and path.is_file():
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
-        return read_table(path, joint, columns, signals, wrap)
-    if columns or signals or wrap:
+        return read_table(path, joint, columns, signals, wrap, units)
+    if columns or signals or wrap or units:
         raise LogError(
-            f"{path.name}: columns, signals and a range to unwrap are for {', '.join(_TABLES)} only"
+            f"{path.name}: columns, units, signals and a range to unwrap are for "
+            f"{', '.join(TABLES)} only"
         )
     if path.is_dir():
         return _read_folder(path, joint)
@@ -98,6 +110,28 @@ def _read_folder(path: Path, joint: str | None) -> JointLog:
     )
 
 
+def log_files(path: str | Path) -> list[Path]:
+    """The logs that a path names: itself, all episodes of a data set, or all logs of a folder.
+
+    Args:
+        path: a log, a LeRobot data set (``FOLDER#0-7``: some of its episodes), or a folder.
+    Raises:
+        LogError: a folder holds no log.
+    """
+    path = Path(path)
+    if is_lerobot(path):
+        numbers = episodes_of(path)
+        folder, _ = episode_of(path)
+        whole = folder == path and len(numbers) == 1
+        return [path] if whole else [folder.with_name(f"{folder.name}#{i}") for i in numbers]
+    if not path.is_dir() or is_bag(path) or is_panda(path) or is_tx40(path):
+        return [path]
+    found = sorted(x for x in path.iterdir() if x.suffix.lower() in _KINDS or is_bag(x))
+    if not found:
+        raise LogError(f"{path}: a folder without a log: name one of {', '.join(_KINDS)}")
+    return found
+
+
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
     """Names of the joints of a log whose drive it holds, none where its columns name no joint.
 
@@ -107,17 +141,17 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
         LogError: see `read_log`.
     """
     path = Path(path)
+    if is_lerobot(path):
+        return joints_of_lerobot(path)
     if not path.exists():
         raise LogError(f"{path}: no such log, check the path")
     if is_bag(path):
         return joints_of_bag(path, columns)
-    if is_lerobot(path):
-        return joints_of_lerobot(path)
-    if path.suffix.lower() == _PACE:
-        return joints_of_pace(path, columns)
+    if path.is_file() and is_rollout(path, columns):
+        return joints_of_rollout(path, columns)
     if path.is_dir():
         return list(PANDA if is_panda(path) else TX40 if is_tx40(path) else ())
-    if path.suffix.lower() not in _TABLES:
+    if path.suffix.lower() not in TABLES:
         return []
     names = column_names(path, columns)
     return driven_joints(check_names(path.name, names, dict(columns or {})))

@@ -4,8 +4,10 @@ Read with the ``rosbags`` library, no ROS installation needed. ``effort`` is the
 a slide). Time is the message's stamp; where no stamp was set, the time of recording.
 
 Commands are read from a topic of their own, which is named: JointState messages that hold commanded
-positions, or the state of a joint trajectory controller, whose reference is what the position loop
-was told. A JointTrajectory is not enough: how it is interpolated is up to its controller.
+positions, the state of a joint trajectory controller, whose reference is what the position loop
+was told, or the Float64MultiArray of a forward controller, whose joints are named in its order; it
+has no stamp and takes the time of recording. A JointTrajectory is not enough: how it is
+interpolated is up to its controller.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,7 +25,10 @@ from frictionjoint.measured.table import log_of
 SUFFIXES = (".db3", ".mcap", ".bag")
 _TYPE = "sensor_msgs/msg/JointState"
 # messages that hold commanded positions by joint
-_COMMANDS = (_TYPE, "control_msgs/msg/JointTrajectoryControllerState")
+_COMMANDS = (
+    *(_TYPE, "control_msgs/msg/JointTrajectoryControllerState"),
+    "std_msgs/msg/Float64MultiArray",
+)
 # rows of a joint: ns, then these
 _POSITION, _VELOCITY, _EFFORT, _TARGET = 1, 2, 3, 4
 _Rows = dict[str, list[tuple[float, ...]]]
@@ -35,23 +40,28 @@ def is_bag(path: Path) -> bool:
 
 
 def read_rosbag(
-    path: Path, joint: str | None, columns: Mapping[str, str] | None = None
+    path: Path,
+    joint: str | None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> JointLog:
     """Read one joint; rows in messages are its samples, counted from 1.
 
     Args:
         columns: ``{"topic": name}`` where the bag has several JointState topics,
-            ``{"command": name}``, the topic of the commands, and ``{"position_m": "position"}`` to
-            say that the joint is a slide.
+            ``{"command": name}``, the topic of the commands, ``{"joints": "a,b"}``, whose they are
+            in order where they carry no names, and ``{"position_m": "position"}`` to say that the
+            joint is a slide. units: see `units`.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """
     mapping = dict(columns or {})
     slide = mapping.pop("position_m", None) == "position"
-    topics = mapping.pop("topic", None), mapping.pop("command", None)
+    topics = tuple(mapping.pop(name, None) for name in ("topic", "command", "joints"))
     if mapping:
         raise LogError(
-            f"{path.name}: a bag takes the columns topic, command and position_m, not {mapping}"
+            f"{path.name}: a bag takes the columns topic, command, joints and position_m, not "
+            f"{mapping}"
         )
     samples = _by_joint(path, *topics)
     if joint is None and len(samples) == 1:
@@ -61,17 +71,17 @@ def read_rosbag(
         raise LogError(f"{path.name}: {what} {', '.join(sorted(samples))}")
     own = samples.pop(joint)
     time = own[:, 0]
-    units = (
+    names = (
         ("position_m", "velocity_m_s", "force_n", "target_m")
         if slide
         else ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
     )
     data = {"time_s": time} | {
         name: own[:, k].copy()
-        for k, name in enumerate(units, start=1)
+        for k, name in enumerate(names, start=1)
         if not np.isnan(own[:, k]).all()
     }
-    if units[2] not in data and units[3] not in data:
+    if names[2] not in data and names[3] not in data:
         what = "no command names it" if topics[1] else "name the topic of its commands (command)"
         raise LogError(
             f"{path.name}, {joint}: effort is empty and {what}: record torques or commands"
@@ -81,7 +91,7 @@ def read_rosbag(
             data[f"{other}.position_rad"] = x[:, _POSITION].copy()
             if np.isfinite(x[:, _VELOCITY]).all():
                 data[f"{other}.velocity_rad_s"] = x[:, _VELOCITY].copy()
-    return log_of(path, joint, data)
+    return log_of(path, joint, data, units=units)
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
@@ -91,13 +101,16 @@ def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[
         LogError: see `read_rosbag`.
     """
     mapping = dict(columns or {})
-    samples = _by_joint(path, mapping.get("topic"), mapping.get("command"))
+    samples = _by_joint(path, *(mapping.get(name) for name in ("topic", "command", "joints")))
     drives = [_EFFORT, _TARGET]
     return [name for name, x in samples.items() if not np.isnan(x[:, drives]).all()]
 
 
-def _by_joint(path: Path, topic: str | None, command: str | None) -> dict[str, Array]:
+def _by_joint(
+    path: Path, topic: str | None, command: str | None, joints: str | None
+) -> dict[str, Array]:
     """Rows of time, position, velocity, effort, target by joint; what is not told is NaN."""
+    order = [name.strip() for name in joints.split(",")] if joints else []
     rows: _Rows = {}
     commands: _Rows = {}
     try:
@@ -107,7 +120,7 @@ def _by_joint(path: Path, topic: str | None, command: str | None) -> dict[str, A
                 values = (float(x[i]) if i < len(x) else np.nan for x in fields)
                 rows.setdefault(str(name), []).append((_nanoseconds(message, recorded), *values))
         for message, recorded in _messages(path, command, _COMMANDS) if command else ():
-            for name, position in _commanded(message):
+            for name, position in _commanded(path, message, order):
                 commands.setdefault(name, []).append((_nanoseconds(message, recorded), position))
     except LogError:
         raise
@@ -124,13 +137,28 @@ def _by_joint(path: Path, topic: str | None, command: str | None) -> dict[str, A
 
 
 def _nanoseconds(message: Any, recorded: int) -> int:
+    if not hasattr(message, "header"):
+        return recorded
     stamp = message.header.stamp
     return int(stamp.sec * 1_000_000_000 + stamp.nanosec) or recorded
 
 
-def _commanded(message: Any) -> Iterator[tuple[str, float]]:
-    """Joints of a command with their commanded positions."""
-    if hasattr(message, "joint_names"):
+def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str, float]]:
+    """Joints of a command with their commanded positions.
+
+    Args:
+        order: names of the joints, for a command that carries none.
+    Raises:
+        LogError: there are not as many names as commands.
+    """
+    if hasattr(message, "data"):
+        if len(order) != len(message.data):
+            raise LogError(
+                f"{path.name}: its commands are {len(message.data)} numbers without names, joints "
+                f"names {len(order)}: give --column joints=NAME,NAME in their order"
+            )
+        pairs = zip(order, message.data, strict=True)
+    elif hasattr(message, "joint_names"):
         # called desired before ROS 2 Iron
         point = message.reference if hasattr(message, "reference") else message.desired
         pairs = zip(message.joint_names, point.positions, strict=False)

@@ -34,9 +34,16 @@ from frictionjoint.measured.columns import (
     joints_in,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.mend import unwrapped, without_lone_readings, without_repeats
+from frictionjoint.measured.mend import (
+    said_of_silence,
+    unwrapped,
+    without_lone_readings,
+    without_repeats,
+)
+from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 from frictionjoint.measured.validate import check_columns, check_leaps, check_moves, check_rows
 
+TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat")
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
 
@@ -46,12 +53,14 @@ def read_table(
     columns: Mapping[str, str] | None = None,
     signals: Iterable[str] = (),
     wrap: float | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> JointLog:
     """Read one joint from a table.
 
     Args:
         columns: our column name -> name in the file, for files with names of their own.
         signals: further columns to read. wrap: range that positions wrap at, rad (m).
+        units: unit by quantity, of what is not in SI units, see `units`.
     Raises:
         LogError: see `validate`; also unknown columns or joints.
     """
@@ -60,15 +69,33 @@ def read_table(
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
     figures = choose_figures(table, joint)
+    text = path.suffix.lower() in text_table.ENDINGS
+    if text:
+        _require_si(path, wanted, units or {})
     names = sorted({*wanted.values(), *more.values(), *figures.values()})
-    raw = _load(path, names, wanted["time_s"])
+    raw = load_columns(path, names, wanted["time_s"])
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
-    log = log_of(path, joint, data, prefix, further, wrap)
+    log = log_of(path, joint, data, prefix, further, wrap, units)
+    if text:
+        said = tuple(f"{path.stem}: {note}" for note in text_table.notes(path))
+        log = replace(log, notes=(*said, *log.notes))
     # one that changes on the way is no figure of the log
     same = {name: raw[theirs] for name, theirs in figures.items() if np.ptp(raw[theirs]) == 0.0}
     return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
+
+
+def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
+    """Raise LogError where a line of units contradicts the name of a column."""
+    line, cells = text_table.units_row(path)
+    for ours, theirs in wanted.items():
+        cell = cells.get(theirs, "")
+        if unit_of(ours, units) is None and not is_si(ours, cell):
+            raise LogError(
+                f"{path.name}, row {line}, {theirs}: the line of units says {cell!r}, {ours} does "
+                f"not: give --unit {quantity_of(ours)}=UNIT"
+            )
 
 
 def log_of(
@@ -78,6 +105,7 @@ def log_of(
     prefix: str = "",
     signals: dict[str, Array] | None = None,
     wrap: float | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> JointLog:
     """A log from arrays under our column names, wrapped positions and repeated rows mended.
 
@@ -86,9 +114,13 @@ def log_of(
             names of `columns`, ``torque_enabled``: above 0.5 where the drive is on.
         prefix: of the joint's own columns in the file, for messages.
         signals: further quantities by name. wrap: range that positions wrap at, rad (m).
+        units: unit by quantity, of what is not in SI units, see `units`.
     Raises:
-        LogError: see `validate` and `mend`.
+        LogError: see `validate`, `mend` and `units`.
     """
+    if units:
+        own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
+        data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
     text = path.suffix.lower() in text_table.ENDINGS
     further = signals or {}
     row = (lambda i: text_table.line_of(path, i)) if text else 1
@@ -135,7 +167,7 @@ def log_of(
         other_positions=others("position"),
         other_velocities=others("velocity"),
         signals=further,
-        notes=tuple(f"{path.stem}: {note}" for note in lone + notes + more),
+        notes=tuple(f"{path.stem}: {note}" for note in lone + notes + more + said_of_silence(own)),
     )
 
 
@@ -158,7 +190,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
         raise corrupt(path, error) from None
 
 
-def _load(path: Path, names: list[str], time: str) -> dict[str, Array]:
+def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
     """Only the columns asked for, each of shape (n,); that of time may be of dates."""
     kind = path.suffix.lower()
     if kind == ".npz":

@@ -1,10 +1,12 @@
 """Tables as text: header, columns, and the line of a bad cell.
 
 The separator is the comma; a header without commas may use semicolons, tabs or single blanks, and
-numbers below it a comma for their point. Lines before the header that begin with # are remarks; the
-last of them is the header where only numbers follow, as numpy writes it. Blank lines hold no sample
-and count as lines in messages. A column of dates with times, as ISO 8601 writes them, is read as
-seconds since its first.
+numbers below it a comma for their point. The header is the first line that names a column for each
+cell of the samples; lines above it are skipped (a recorder's own), and a note says so. Lines that
+begin with # are remarks; the last of them is the header where only numbers follow, as numpy writes
+it. One line of units may stand below the header. Columns without a name are dropped. Blank lines
+hold no sample and count as lines in messages. A column of dates with times, as ISO 8601 writes
+them, is read as seconds since its first.
 """
 
 import csv
@@ -21,12 +23,15 @@ import pyarrow.csv
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
+from frictionjoint.measured.units import is_unit
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 _LONGEST_HEADER = 1 << 20
 _SEPARATORS = ",;\t "
-# lines that show how numbers are written
-_SOME = 20
+# lines among which the header and the first samples are looked for
+_SOME = 60
+# name of a column that has none
+_UNNAMED = "(column {})"
 # What Arrow takes as a number or as an empty cell.
 _NUMBER = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I)
 # A date with a time, and its difference to universal time.
@@ -40,15 +45,26 @@ class _Layout(NamedTuple):
     """How a file is written.
 
     Attributes:
-        names: of its columns. separator: between cells. point: of decimal numbers.
-        before: lines before the first that may hold a sample. moments: type of columns of dates.
+        names: of its columns, None for one without a name. separator: between cells.
+        point: of decimal numbers. before: lines before the first that may hold a sample.
+        moments: type of columns of dates. title: line of the header.
+        skipped: lines above it that are no remarks.
+        units: cell below each name, where a line of units is there.
     """
 
-    names: list[str]
+    names: list[str | None]
     separator: str
     point: str
     before: int
     moments: dict[str, pa.DataType]
+    title: int = 1
+    skipped: int = 0
+    units: tuple[str, ...] = ()
+
+    @property
+    def all_names(self) -> list[str]:
+        """A name for every column."""
+        return [x or _UNNAMED.format(i) for i, x in enumerate(self.names, start=1)]
 
 
 def header(path: Path) -> list[str]:
@@ -57,7 +73,23 @@ def header(path: Path) -> list[str]:
     Raises:
         LogError: the file is empty or no text.
     """
-    return _layout(path).names
+    return [name for name in _layout(path).names if name is not None]
+
+
+def units_row(path: Path) -> tuple[int, dict[str, str]]:
+    """Line number of the line of units, and its cells by column name; none without such a line."""
+    layout = _layout(path)
+    pairs = zip(layout.names, layout.units, strict=False)
+    return layout.before, {name: unit for name, unit in pairs if name is not None}
+
+
+def notes(path: Path) -> tuple[str, ...]:
+    """What a reader of a result must know of how the file was read."""
+    layout = _layout(path)
+    if layout.title <= 1 or not layout.skipped:
+        return ()
+    lines = "line 1" if layout.skipped == 1 else f"lines 1 to {layout.skipped}"
+    return (f"{lines} skipped: the header with the column names is line {layout.title}.",)
 
 
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
@@ -72,7 +104,7 @@ def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[
     """
     layout = _layout(path)
     moments = {name: kind for name, kind in layout.moments.items() if name == time}
-    read = pa.csv.ReadOptions(column_names=layout.names, skip_rows=layout.before)
+    read = pa.csv.ReadOptions(column_names=layout.all_names, skip_rows=layout.before)
     parse = pa.csv.ParseOptions(delimiter=layout.separator)
     convert = pa.csv.ConvertOptions(
         include_columns=names,
@@ -128,26 +160,100 @@ def _layout(path: Path) -> _Layout:
 
 def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
     """Of a file by its first lines."""
-    remark, line, number = "", "", 0
-    for text in lines:
-        line, number = text.rstrip("\r\n"), number + 1
-        if not line.startswith("#"):
-            break
-        remark = line
-    if not number:
+    some = [text.rstrip("\r\n") for text in islice(lines, _SOME)]
+    if not some:
         raise LogError(f"{name}: empty, it needs a header row and samples")
-    title, before, first = line, number, ""
-    if line.startswith("#"):
-        title = remark.lstrip("# ")
-    elif remark and _numbers_only(line):
-        title, before, first = remark.lstrip("# "), number - 1, line
-    if not title.strip() or "\0" in title or "\r" in title:
-        raise LogError(f"{name}, row {before}: no header, give column names there")
-    separator = next((x for x in _SEPARATORS if x in title), ",")
-    names = [cell.strip() for cell in next(csv.reader([title], delimiter=separator))]
-    some = first + "".join(islice(lines, _SOME))
-    point = "," if separator != "," and re.search(r"\d,\d", some) else "."
-    return _Layout(names, separator, point, before, _moments(names, separator, some))
+    remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
+    title, before = remarks, remarks + 1
+    text = some[title] if title < len(some) else ""
+    if remarks and (remarks == len(some) or _numbers_only(text)):
+        title, before = remarks - 1, remarks
+        text = some[title].lstrip("# ")
+    elif title < len(some):
+        title = _header_line(some, title)
+        before, text = title + 1, some[title]
+    if not text.strip() or "\0" in text or "\r" in text:
+        raise LogError(f"{name}, row {title + 1}: no header, give column names there")
+    separator = _separator(text)
+    names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
+    units: tuple[str, ...] = ()
+    below = some[before] if before < len(some) else ""
+    cells = _cells(below, separator)
+    if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
+        units, before = tuple(cells), before + 1
+    sample = next(filter(None, some[before:]), "")
+    names = _as_wide_as(names, _cells(sample, separator))
+    after = "\n".join(some[before:])
+    point = "," if separator != "," and re.search(r"\d,\d", after) else "."
+    return _Layout(
+        names=[cell or None for cell in names],
+        separator=separator,
+        point=point,
+        before=before,
+        moments=_moments(names, separator, after),
+        title=title + 1,
+        skipped=title if title > remarks else 0,
+        units=units,
+    )
+
+
+def _separator(header: str) -> str:
+    return next((x for x in _SEPARATORS if x in header), ",")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return [x.strip() for x in next(csv.reader([line], delimiter=separator), [])]
+    except csv.Error:  # said where the cells are read
+        return []
+
+
+def _is_sample(cells: list[str]) -> bool:
+    """Whether cells are numbers or dates, two or more of them."""
+    found = [x for x in cells if x]
+    return len(found) > 1 and all(
+        _NUMBER.fullmatch(x.replace(",", ".")) or _MOMENT.fullmatch(x) for x in found
+    )
+
+
+def _is_units_line(cells: list[str]) -> bool:
+    return all(map(is_unit, cells)) and not _is_sample(cells)
+
+
+def _header_line(lines: list[str], first: int) -> int:
+    """Index of the first line that names a column for each cell of the samples below it.
+
+    The first line where none does: it is the header then, and the samples are at fault.
+    """
+    wider = []
+    for i in range(first, len(lines)):
+        separator = _separator(lines[i])
+        names = _cells(lines[i], separator)
+        named = [x for x in names if x]
+        if len(named) < 2 or any(_NUMBER.fullmatch(x) for x in named):
+            continue
+        below = (_cells(x, separator) for x in lines[i + 1 :])
+        width = next((_last(cells) for cells in below if _is_sample(cells)), None)
+        if width == _last(names):
+            return i
+        if width is not None and width < _last(names):
+            wider.append(i)
+    return wider[0] if wider else first
+
+
+def _last(cells: list[str]) -> int:
+    """Number of cells up to the last that is not empty."""
+    return max((i for i, x in enumerate(cells, start=1) if x), default=0)
+
+
+def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
+    """Names for every cell of a sample where what is more or less than them is empty."""
+    wide = len(sample)
+    if sample and wide < len(names) and not any(names[wide:]):
+        return names[:wide]
+    if wide > len(names) and not any(sample[len(names) :]):
+        return names + [""] * (wide - len(names))
+    return names
 
 
 def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataType]:
@@ -156,11 +262,7 @@ def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataTy
     Args:
         some: the first lines that may hold samples.
     """
-    first = next(filter(None, re.split(r"[\r\n]", some)), "")
-    try:
-        sample = next(csv.reader([first], delimiter=separator), [])
-    except csv.Error:  # said where its cells are read
-        return {}
+    sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
     cells = zip(names, map(_MOMENT.fullmatch, sample), strict=False)
     return {
         name: pa.timestamp("ns", "UTC" if cell[_ZONE] else None) for name, cell in cells if cell
@@ -188,7 +290,7 @@ def _first_fault(
     path: Path, layout: _Layout, names: list[str], moments: Container[str], error: str
 ) -> str:
     """Find the cell Arrow stumbled over, to name its line and column."""
-    all_names, number = layout.names, 0
+    all_names, number = layout.all_names, 0
     # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
     row = re.search(r"Row #(\d+)", error)
     first = max(0, int(row[1]) - 1 - layout.before) if row else 0

@@ -1,0 +1,69 @@
+"""Recordings of ``mujoco.sysid``: the .npz that its `SystemTrajectory` and `TimeSeries` save.
+
+A recording has series of its own times: sensors, controls, states. All are read at the times of the
+sensors (of the states, where there are no sensors); a control holds until the next one, as in a
+simulation. A signal of one number is a column under its name, of several a matrix. The positions
+and velocities of the state, ``elbow_qpos`` and ``elbow_qvel``, are ``elbow.position_rad`` and
+``elbow.velocity_rad_s`` already. What a control or a sensor stands for the file does not say.
+"""
+
+import json
+from collections.abc import Mapping
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+
+_SERIES = ("sensordata", "state", "control")
+_STATE = {"_qpos": ".position_rad", "_qvel": ".velocity_rad_s"}
+# numbers that its mapping gives to positions and velocities of the state
+_KINDS = {2: "_qpos", 3: "_qvel"}
+
+
+def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
+    """Each signal at common times, shape (n,) or (n, k), with ``time_s``.
+
+    Returns:
+        None where the archive is no such recording.
+    """
+    if "times" in archive and "data" in archive:
+        series = {"": (archive["times"], archive["data"], _names(archive, "signal_mapping"))}
+    else:
+        series = {
+            name: (
+                archive[f"{name}_times"],
+                archive[f"{name}_data"],
+                _names(archive, f"{name}_signal_mapping"),
+            )
+            for name in _SERIES
+            if f"{name}_times" in archive and f"{name}_data" in archive
+        }
+    if not any(names for _, _, names in series.values()):
+        return None
+    time = np.asarray(next(iter(series.values()))[0], dtype=np.float64)
+    for name, (given, _, _) in series.items():
+        if name == "control":  # what is asked for before the first control is unknown
+            time = time[time >= given[0]]
+    found = {"time_s": time}
+    for name, (given, data, names) in series.items():
+        at = np.clip(np.searchsorted(given, time, side="right") - 1, 0, len(given) - 1)
+        for signal, columns in names.items():
+            x = np.asarray(data, dtype=np.float64)[:, columns]
+            parts = [
+                part[at] if name == "control" else np.interp(time, given, part) for part in x.T
+            ]
+            found[signal] = np.stack(parts, axis=1) if len(parts) > 1 else parts[0]
+    return found
+
+
+def _names(archive: Mapping[str, Array], mapping: str) -> dict[str, list[int]]:
+    """Columns of each signal."""
+    if mapping not in archive:
+        return {}
+    found = {}
+    for name, (kind, columns) in json.loads(str(archive[mapping])).items():
+        suffix = _KINDS.get(kind, "")
+        of_joint = suffix and len(columns) == 1
+        ours = name.removesuffix(suffix) + _STATE[suffix] if of_joint else name
+        found[ours] = columns
+    return found

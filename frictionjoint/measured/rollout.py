@@ -1,0 +1,185 @@
+"""Rollouts in tensors of all joints: ``.pt`` and ``.npz`` of PACE, Isaac Lab, mjlab and the like.
+
+A file holds arrays of shape (n, joints), or (n, worlds, joints), under the names that these
+programs give to the data of an articulation: ``joint_pos`` or ``dof_pos`` rad, ``joint_vel`` rad/s,
+``joint_pos_target`` or ``des_dof_pos`` rad, ``applied_torque`` N m. Time is ``time``, shape (n,),
+s, or ``dt``, one number, or ``fps``. ``joint_names`` names the joints; without it they are
+``joint_1`` ... in the file's order. ``kp`` and ``kd``, one number per joint, are figures of the
+log, for a controller with ``kp = "log:kp"``.
+(PACE: Bjelonic et al. 2025, github.com/leggedrobotics/pace-sim2real.)
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import corrupt
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.table import log_of
+from frictionjoint.measured.torch_file import read_tensors
+
+_NAMES = {
+    "time_s": ("time", "times", "t", "timestamps"),
+    "position_rad": ("dof_pos", "joint_pos", "joint_positions", "qpos"),
+    "velocity_rad_s": ("dof_vel", "joint_vel", "joint_velocities", "qvel"),
+    "target_rad": ("des_dof_pos", "joint_pos_target", "dof_pos_target", "target_joint_pos"),
+    "torque_nm": ("applied_torque", "joint_torque", "dof_torque", "joint_effort", "torques"),
+}
+_OF_JOINTS = tuple(name for name in _NAMES if name != "time_s")
+_JOINTS = ("joint_names", "dof_names")
+_GAINS = ("kp", "kd")
+
+
+@dataclass(frozen=True)
+class _Rollout:
+    """What a file holds: arrays of shape (n, joints) by our column name, time (n,), gains."""
+
+    time: Array
+    of_joints: dict[str, Array]
+    joints: list[str]
+    gains: dict[str, Array]
+
+
+def is_rollout(path: Path, columns: Mapping[str, str] | None = None) -> bool:
+    """Whether a file is such a rollout: a .pt, or an .npz with such names and no others asked."""
+    if path.suffix.lower() == ".pt":
+        return True
+    if path.suffix.lower() != ".npz" or not set(columns or ()) <= {"joints", "world"}:
+        return False
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            held = set(archive.files)
+    except Exception:  # said where it is read as a table
+        return False
+    drives = (*_NAMES["target_rad"], *_NAMES["torque_nm"])
+    return bool(held & set(_NAMES["position_rad"])) and bool(held & set(drives))
+
+
+def read_rollout(
+    path: Path,
+    joint: str | None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> JointLog:
+    """Read one joint.
+
+    Args:
+        columns: ``{"joints": "FL_hip,FL_thigh"}``, names of the joints in the file's order, and
+            ``{"world": "3"}``, the number of the world where there are several.
+        units: see `units`.
+    Raises:
+        LogError: not such a file, no such joint, or see `validate`.
+    """
+    found = _read(path, columns)
+    names = found.joints
+    if joint is None and len(names) == 1:
+        joint = names[0]
+    if joint is None or joint not in names:
+        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
+        raise LogError(f"{path.name}: {what} {', '.join(names)}")
+    own = names.index(joint)
+    data = {"time_s": found.time} | {name: x[:, own] for name, x in found.of_joints.items()}
+    for name in ("position_rad", "velocity_rad_s"):
+        x = found.of_joints.get(name)
+        if x is not None:
+            data |= {f"{n}.{name}": x[:, i] for i, n in enumerate(names) if i != own}
+    whole = {name: np.ascontiguousarray(x) for name, x in data.items()}
+    log = log_of(path, joint, whole, units=units)
+    return replace(log, metadata={name: float(x[own]) for name, x in found.gains.items()})
+
+
+def joints_of_rollout(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+    """Names of the joints.
+
+    Raises:
+        LogError: see `read_rollout`.
+    """
+    return _read(path, columns).joints
+
+
+def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
+    mapping = dict(columns or {})
+    given, world = mapping.pop("joints", None), mapping.pop("world", None)
+    if mapping:
+        raise LogError(f"{path.name}: a rollout takes the columns joints and world, not {mapping}")
+    arrays, written = _arrays(path)
+    arrays = {name: x.squeeze(-1) if x.shape[-1:] == (1,) else x for name, x in arrays.items()}
+    found = {
+        ours: arrays[name]
+        for ours, names in _NAMES.items()
+        if (name := next((x for x in names if x in arrays), ""))
+    }
+    if "position_rad" not in found or not {"target_rad", "torque_nm"} & set(found):
+        wanted = "position_rad" if "position_rad" not in found else "target_rad"
+        raise LogError(
+            f"{path.name}: no array {_NAMES[wanted][0]!r}, it has {', '.join(arrays) or 'none'}: a "
+            f"rollout holds {' or '.join(_NAMES['position_rad'][:2])}, and "
+            f"{' or '.join(_NAMES['target_rad'][:2])} or {_NAMES['torque_nm'][0]}"
+        )
+    of_joints = {
+        name: _of_world(path, name, found[name], world) for name in _OF_JOINTS & found.keys()
+    }
+    n, count = of_joints["position_rad"].shape
+    time = _time(path, arrays, found.get("time_s"), n)
+    if any(x.shape != (n, count) for x in of_joints.values()) or time.shape != (n,):
+        shapes = ", ".join(f"{name} {x.shape}" for name, x in (of_joints | {"time": time}).items())
+        raise LogError(f"{path.name}: {shapes}: give one row per time and one column per joint")
+    gains = {name: arrays[name] for name in _GAINS if name in arrays}
+    for name, x in gains.items():
+        if x.shape != (count,):
+            raise LogError(
+                f"{path.name}: {name} {x.shape}: give it a number for each of the {count} joints"
+            )
+    names = written or [f"joint_{i + 1}" for i in range(count)]
+    if given is not None:
+        names = [name.strip() for name in given.split(",")]
+    if len(names) != count or len(set(names)) != count or not all(names):
+        raise LogError(
+            f"{path.name}: it has {count} joints, joints names {', '.join(names)}: give {count} "
+            "names, separated by commas"
+        )
+    return _Rollout(time, of_joints, names, gains)
+
+
+def _arrays(path: Path) -> tuple[dict[str, Array], list[str]]:
+    """Arrays of numbers by name, and the names of joints that the file holds."""
+    if path.suffix.lower() == ".pt":
+        return read_tensors(path), []
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a corrupt file
+        raise corrupt(path, error) from None
+    names = next((arrays[name] for name in _JOINTS if name in arrays), np.array([], dtype=str))
+    numbers = {n: x.astype(np.float64) for n, x in arrays.items() if x.dtype.kind in "fiu"}
+    return numbers, [str(name) for name in names.ravel()]
+
+
+def _of_world(path: Path, name: str, x: Array, world: str | None) -> Array:
+    """The joints of one world, shape (n, joints)."""
+    if x.ndim == 1:
+        x = x[:, None]
+    if x.ndim == 3 and x.shape[1] == 1 and world is None:
+        world = "0"
+    if x.ndim != 3:
+        return x
+    if world is None or not world.isdecimal() or int(world) >= x.shape[1]:
+        raise LogError(
+            f"{path.name}, {name}: {x.shape[1]} worlds: name one of 0 to {x.shape[1] - 1} with "
+            "--column world=N"
+        )
+    return np.asarray(x[:, int(world)])
+
+
+def _time(path: Path, arrays: Mapping[str, Array], given: Array | None, n: int) -> Array:
+    if given is not None:
+        return given.ravel()
+    for name, invert in (("dt", False), ("fps", True)):
+        if name in arrays and arrays[name].size == 1 and float(arrays[name].ravel()[0]) > 0.0:
+            number = float(arrays[name].ravel()[0])
+            return np.arange(n, dtype=np.float64) * (1.0 / number if invert else number)
+    raise LogError(f"{path.name}: no time: give an array time, or one number dt or fps")
