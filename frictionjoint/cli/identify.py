@@ -130,5 +130,6 @@ def identify(
     for text in notes:
         console().print(f"* {text}", soft_wrap=True, markup=False)
     typer.echo(
-        f"Residual {fitted.rms:.4g} {torque_unit} of {fitted.target_rms:.4g} {torque_unit}. Wrote {out}"
+        f"Residual {fitted.rms:.4g} {torque_unit} of {fitted.target_rms:.4g} {torque_unit}. "
+        f"Wrote {out}"
     )
