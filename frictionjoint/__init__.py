@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.remembered import remembered
+    from frictionjoint.simulate.set_parameters import forget, set_parameters
     from frictionjoint.simulate.thermal import set_temperature, set_warmth, temperature, warmth
     from frictionjoint.simulate.torque import torque
     from frictionjoint.simulate.uninstall import uninstall
@@ -25,6 +26,8 @@ _HOMES = {
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "remembered": "frictionjoint.simulate.remembered",
+    "forget": "frictionjoint.simulate.set_parameters",
+    "set_parameters": "frictionjoint.simulate.set_parameters",
     "set_temperature": "frictionjoint.simulate.thermal",
     "set_warmth": "frictionjoint.simulate.thermal",
     "temperature": "frictionjoint.simulate.thermal",
@@ -42,10 +45,12 @@ __all__ = [
     "close_loop",
     "disable",
     "enable",
+    "forget",
     "friction_torque",
     "install",
     "load_model",
     "remembered",
+    "set_parameters",
     "set_temperature",
     "set_warmth",
     "temperature",

@@ -9,6 +9,7 @@ from typing import Any
 
 import mujoco
 
+from frictionjoint.errors import ModelError
 from frictionjoint.laws import kind_of, require_parameters
 
 _COMPILED = "frictionjoint.load_model(path), or spec.compile()"
@@ -33,14 +34,32 @@ def require_model(model: Any, function: str) -> None:
     raise TypeError(f"{function} takes a mujoco.MjModel, not {kind_of(model)}: {mend}")
 
 
-def require_data(data: Any, function: str) -> None:
-    """An MjData."""
+def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
+    """An MjData of a model.
+
+    Raises:
+        ModelError: of another model. TypeError: no MjData.
+    """
     if isinstance(data, mujoco.MjData):
+        _require_own(data, function, model)
         return
     mend = "give mujoco.MjData(model)"
     if isinstance(getattr(data, "ptr", None), mujoco.MjData):
         mend = "give its .ptr, the MjData within"
     raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {mend}")
+
+
+def _require_own(data: mujoco.MjData, function: str, model: mujoco.MjModel) -> None:
+    mend = "give the data of this model, made by mujoco.MjData(model)"
+    for name, own in (("qpos", model.nq), ("qvel", model.nv), ("userdata", model.nuserdata)):
+        there = len(getattr(data, name))
+        if there != own:
+            raise ModelError(
+                f"{function}: the data have {there} numbers of {name}, the model {own}: {mend}"
+            )
+    # copies of a model, as a batch makes them, have its signature
+    if data.signature != model.signature:
+        raise ModelError(f"{function}: the data belong to another model: {mend}")
 
 
 def require_spec(spec: Any, function: str = "install") -> None:

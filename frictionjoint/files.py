@@ -1,6 +1,7 @@
 """Parameter files: TOML with the law's fields and, under ``[[effects]]``, what was added to it."""
 
 import contextlib
+import json
 import math
 import tomllib
 from collections.abc import Mapping
@@ -32,6 +33,29 @@ def read_parameters(path: Path) -> JointFriction:
         return joint_friction(content)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
+
+
+def read_samples(path: Path) -> tuple[JointFriction, ...]:
+    """Friction of one joint, once per sample, from the JSON that ``frictionjoint sample`` writes.
+
+    Raises:
+        ParameterError: the file is missing, is no such list, or holds what no law or effect takes.
+    """
+    try:
+        tables = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise ParameterError(f"{path}: not JSON: write it with `frictionjoint sample`") from None
+    if not isinstance(tables, list) or not tables or not all(isinstance(x, dict) for x in tables):
+        raise ParameterError(f"{path}: no list of tables: write it with `frictionjoint sample`")
+    samples = []
+    for number, table in enumerate(tables):
+        try:
+            samples.append(joint_friction(table))
+        except ParameterError as error:
+            raise ParameterError(f"{path}: sample {number}: {error}") from None
+    return tuple(samples)
 
 
 def joint_friction(content: Mapping[str, Any]) -> JointFriction:

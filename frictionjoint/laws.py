@@ -16,7 +16,6 @@ _CLASSES: dict[str, Any] = {
     **{cls.law: cls for cls in RIVALS},
 }
 _NUMBERS: dict[float, Any] = {1.0: FrictionParameters, **{float(c.number): c for c in RIVALS}}
-LAWS = tuple(_CLASSES)
 
 
 def parameters_from_dict(values: Mapping[str, Any]) -> Friction:

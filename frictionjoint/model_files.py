@@ -43,6 +43,19 @@ def compile_model(model: str | Path) -> mujoco.MjModel:
     return _read(model, False)[1]
 
 
+def compiled_copy(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """A spec compiled as it stands, without changing it.
+
+    Raises:
+        ModelError: MuJoCo cannot compile it.
+    """
+    try:
+        with as_python_warnings(), compiling():
+            return spec.copy().compile()
+    except ValueError as error:
+        raise ModelError(f"MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+
+
 def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     if not isinstance(model, str | Path):
         raise TypeError(

@@ -9,6 +9,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
+from frictionjoint.simulate import attach
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
@@ -28,6 +29,8 @@ def _nothing_installed():
     mujoco.set_mjcb_passive(None)
     yield
     fj.disable()
+    for handle in list(attach._attached.values()):  # of tests that keep none
+        handle.detach()
     mujoco.set_mjcb_passive(None)
 
 
@@ -295,3 +298,64 @@ def test_an_unknown_backend_is_refused_and_leaves_nothing():
     assert mujoco.get_mjcb_passive() is None
     with fj.attach(model):
         assert held(model)
+
+
+def test_torque_warns_once_of_a_model_that_is_stepped_without_friction():
+    model = spec().compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 10)
+    with pytest.warns(RuntimeWarning, match="has not acted since 0 s, and data.time is 0.01"):
+        fj.torque(model, data)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fj.torque(model, data)
+        with fj.attach(model):
+            mujoco.mj_step(model, data, 10)
+            fj.torque(model, data)
+        fj.torque(model, data)  # of the last step that was attached
+
+
+def test_torque_warns_once_of_a_callback_that_was_set_over_ours():
+    model = spec().compile()
+    data = mujoco.MjData(model)
+    h = fj.attach(model)
+    mine, _ = counted_in_c()
+    mujoco.set_mjcb_passive(mine)
+    mujoco.mj_step(model, data, 10)
+    with pytest.warns(RuntimeWarning, match="set to another one, or to None.*set yours before"):
+        fj.torque(model, data)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fj.torque(model, data)
+    with pytest.warns(RuntimeWarning, match="calls ours: it stays so"):
+        h.detach()
+
+
+def test_a_callback_that_calls_ours_is_no_reason_to_warn():
+    model = spec().compile()
+    data = mujoco.MjData(model)
+    with fj.attach(model):
+        ours = C_CALLBACK(ctypes.cast(mujoco.get_mjcb_passive(), ctypes.c_void_p).value)
+        over = C_CALLBACK(lambda m, d: ours(m, d))
+        installed = mujoco.get_mjcb_passive()
+        mujoco.set_mjcb_passive(over)
+        mujoco.mj_step(model, data, 10)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            fj.torque(model, data)
+        mujoco.set_mjcb_passive(installed)
+
+
+def test_the_next_attach_warns_once_of_a_callback_that_was_set_over_ours():
+    first, second = spec().compile(), spec().compile()
+    fj.attach(first)
+    mine, calls = counted_in_c()
+    mujoco.set_mjcb_passive(mine)
+    with pytest.warns(RuntimeWarning, match="friction acts again, and the other one is called"):
+        other = fj.attach(second)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert held(first)
+        assert held(second)
+        assert len(calls) == 600
+        other.detach()

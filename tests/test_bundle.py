@@ -18,7 +18,7 @@ from frictionjoint.identify.search import Search, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 from frictionjoint.rivals import StaticParameters
 
 SPRING = EffectTerm(spring.EFFECT)

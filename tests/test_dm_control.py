@@ -24,6 +24,7 @@ except Exception as error:
     )
 
 from frictionjoint.simulate import dm_control as dm
+from frictionjoint.simulate.carrier import read_friction
 
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 FRICTION = fj.FrictionParameters.symmetric(
@@ -294,3 +295,39 @@ def test_a_composer_task_draws_friction_anew_every_episode():
         text = task.root_entity.mjcf_model.to_xml_string()
         assert_same([positions], plain(mujoco.MjModel.from_xml_string(text)))
     assert np.abs(ours[0] - ours[2]).max() > 0.01
+
+
+LEVELS = (0.5, 1.0, 1.5)
+SAMPLES = [
+    fj.FrictionParameters.symmetric(Fs=Fs, Fc=0.7 * Fs, Vs=0.01, sigma2=0.4, n=2, knots=KNOTS)
+    for Fs in LEVELS
+]
+
+
+def arms() -> composer.Environment:
+    return composer.Environment(TwoRobots())
+
+
+def one_arm() -> control.Environment:
+    physics = dm_mujoco.Physics.from_xml_string(spec().to_xml())
+    return control.Environment(physics, Follow(), n_sub_steps=SUB_STEPS)
+
+
+@pytest.mark.parametrize(("make", "joint"), [(arms, "left/elbow"), (one_arm, "elbow")])
+def test_each_episode_draws_its_friction_from_samples(make, joint):
+    def levels(seed: int) -> list[float]:
+        environment = make()
+        found = []
+        with dm.attach(environment, samples={joint: SAMPLES}, seed=seed):
+            for _ in range(6):
+                environment.reset()
+                law = read_friction(environment.physics.model.ptr)[joint].parameters
+                found.append(law.Fs_pos)
+        environment.reset()
+        assert mujoco.get_mjcb_passive() is None
+        return found
+
+    first = levels(1)
+    assert first == levels(1)
+    assert len(set(first)) > 1
+    assert set(first) <= set(LEVELS)

@@ -1,11 +1,14 @@
 """Gymnasium: friction starts afresh at every reset, alone and in vectors of environments."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.stick_slip import kuka_model, native_model
 
 gymnasium = pytest.importorskip("gymnasium")
@@ -98,3 +101,56 @@ def test_registered_environments_take_friction_as_a_wrapper(plain):
         observation, *_ = vector.step(np.tile(action(k), (2, 1)))
         np.testing.assert_array_equal(observation[:, 0], plain[k])
     vector.close()
+
+
+def test_friction_is_drawn_anew_at_every_reset_and_follows_the_seed():
+    model = kuka_model()
+    joint, carried = next(iter(read_friction(fj.load_model(model)).items()))
+    exponents = (1.0, 2.0, 3.0)
+    base = carried.parameters.to_dict()
+    samples = {joint: [type(carried.parameters).from_dict(base | {"n": n}) for n in exponents]}
+
+    def draws(seed: int) -> list[int]:
+        environment = Friction(JointTracking(), samples=samples)
+        found = []
+        for k in range(8):
+            _, info = environment.reset(seed=seed if k == 0 else None)
+            found.append(info["friction_samples"][joint])
+            there = read_friction(environment.unwrapped.model)[joint].parameters
+            assert there == samples[joint][found[-1]]
+        environment.close()
+        return found
+
+    first = draws(5)
+    assert first == draws(5)
+    assert len(set(first)) > 1
+
+
+def test_an_ant_with_friction_needs_its_file_alone(tmp_path):
+    import gymnasium.envs.mujoco as of_gymnasium
+
+    ant = Path(of_gymnasium.__file__).parent / "assets" / "ant.xml"
+    spec = mujoco.MjSpec.from_file(str(ant))
+    law = fj.FrictionParameters.symmetric(Fs=2.0, Fc=1.5, Vs=0.1, knots=((1e-2, 4.0),))
+    legs = [joint.name for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_HINGE]
+    fj.install(spec, dict.fromkeys(legs, law), clear_native=True)
+    (tmp_path / "ant_with_friction.xml").write_text(spec.to_xml())
+
+    def after_a_fall() -> np.ndarray:
+        environment = gymnasium.make("Ant-v5", xml_file=str(tmp_path / "ant_with_friction.xml"))
+        environment.reset(seed=0)
+        for _ in range(20):
+            environment.step(np.zeros(8))
+        model, data = environment.unwrapped.model, environment.unwrapped.data
+        if mujoco.get_mjcb_passive() is not None:
+            felt = fj.torque(model, data)
+            assert list(felt) == legs
+            assert all(x.time > 0.0 and x.hysteresis != 0.0 for x in felt.values())
+        environment.close()
+        return np.array(data.qpos[7:])
+
+    without = after_a_fall()
+    fj.enable()
+    with_friction = after_a_fall()
+    fj.disable()
+    assert np.abs(with_friction - without).max() > 0.05

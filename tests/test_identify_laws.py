@@ -18,7 +18,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.uncertainty import covariance
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 from frictionjoint.measured.readers import read_log
 from tests.plants.plant import Friction, Motion, simulate, write
 

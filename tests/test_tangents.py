@@ -12,13 +12,13 @@ from frictionjoint.arrays import Vector
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Form, IntegratedShape
 from frictionjoint.law import bristle, integrated, maxwell_slip
+from frictionjoint.law.names import LAWS
 from frictionjoint.law.stribeck import FC, FS
 from frictionjoint.law.tangents import generate
 from frictionjoint.law.tangents.activity import Particulars
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.tangents.differentiate import Differentiated
 from frictionjoint.law.tangents.plain import UnknownError
-from frictionjoint.laws import LAWS
 
 TYPICAL = {
     "excess": 0.3,

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from frictionjoint.errors import ModelError
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 from frictionjoint.simulate.row import evaluate, torque_now
 from frictionjoint.simulate.together import is_stiff, settle
 from frictionjoint.simulate.warp_source import source

@@ -38,7 +38,7 @@ from frictionjoint.cli.robot import (
 )
 from frictionjoint.cli.terminal import progress, show_report
 from frictionjoint.errors import LogError, ModelError
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 
 Logs = Annotated[
     list[Path] | None,

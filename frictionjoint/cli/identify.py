@@ -27,7 +27,7 @@ from frictionjoint.cli.logs import (
 )
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 
 Logs = Annotated[
     list[Path],

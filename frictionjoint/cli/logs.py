@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from frictionjoint.errors import LogError, ModelError
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.measured.log import JointLog

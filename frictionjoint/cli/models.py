@@ -1,6 +1,7 @@
 """Commands on model files: ``install``, ``uninstall``, ``check`` and ``view``."""
 
 import json
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ from rich.table import Table
 
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, warnings_afterwards
-from frictionjoint.errors import FrictionJointError, ParameterError
+from frictionjoint.errors import FrictionJointError, ParameterError, few
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     import mujoco
@@ -34,13 +35,22 @@ def install(
         typer.Option(
             "--all",
             metavar="TOML",
-            help="Parameters of all other hinge and slide joints.",
+            help="Parameters of all other hinge and slide joints that have a name.",
         ),
     ] = None,
+    exclude: Annotated[
+        list[str] | None,
+        typer.Option("--exclude", metavar="NAME", help="Joint that --all leaves out. Repeatable."),
+    ] = None,
+    replace: Annotated[
+        bool,
+        typer.Option("--replace", help="Joints that carry friction already get the new one."),
+    ] = False,
     clear_native: Annotated[
         bool,
         typer.Option(
-            "--clear-native", help="Take frictionloss and damping off the joints that get friction."
+            "--clear-native",
+            help="Take frictionloss, damping and springdamper off the joints that get friction.",
         ),
     ] = False,
     force: Force = False,
@@ -54,6 +64,8 @@ def install(
     `frictionjoint install arm.xml --joint elbow=elbow.toml --out arm_friction.xml`
 
     `frictionjoint install arm.urdf --all gear.toml --clear-native --out arm_friction.xml`
+
+    `frictionjoint install hand.xml --all gear.toml --exclude wrist --out hand_friction.xml`
     """
     from frictionjoint.files import read_parameters
     from frictionjoint.model_files import read_spec
@@ -66,12 +78,14 @@ def install(
         carried = {name: read_parameters(path) for name, path in named.items()}
         spec = read_spec(mjcf, whole=True)
         if every:
-            carried = _all_joints(spec, every) | carried
+            carried = _all_joints(spec, every, exclude or []) | carried
+        elif exclude:
+            raise ParameterError("--exclude leaves joints of --all out: give --all TOML")
         if not carried:
             raise ParameterError("no joint is given: write --joint NAME=TOML, or --all TOML")
         friction = {name: x.parameters for name, x in carried.items()}
         effects = {name: x.effects for name, x in carried.items()}
-        install_in_spec(spec, friction, effects, clear_native)
+        install_in_spec(spec, friction, effects, clear_native, replace)
         _write(spec, mjcf, out)
     typer.echo(f"Wrote {out} with friction in {', '.join(friction)}.")
 
@@ -152,22 +166,37 @@ def _files(joints: list[str]) -> dict[str, Path]:
     return found
 
 
-def _all_joints(spec: "mujoco.MjSpec", path: Path) -> "dict[str, JointFriction]":
-    """The same parameters for every hinge and slide of a model."""
+def _all_joints(
+    spec: "mujoco.MjSpec", path: Path, exclude: list[str]
+) -> "dict[str, JointFriction]":
+    """The same parameters for every named hinge and slide of a model, but the excluded ones."""
     from frictionjoint.files import read_parameters
     from frictionjoint.model_files import ONE_DOF
+    from frictionjoint.simulate.mechanism import DEFLECTION
+    from frictionjoint.simulate.uninstall import carrying
 
     found = read_parameters(path)
-    joints = [x for x in spec.joints if int(x.type) in ONE_DOF]
-    for joint in joints:
-        if not joint.name:
+    joints = [joint for joint in spec.joints if int(joint.type) in ONE_DOF]
+    names = [joint.name for joint in joints if joint.name]
+    for name in exclude:
+        if name not in names:
             raise FrictionJointError(
-                f"--all: a joint of body {joint.parent.name or 'unnamed'!r} has no name: "
-                "name it in the model, or name the joints with --joint"
+                f"--exclude {name}: no hinge or slide joint has this name: {few(names)}"
             )
-    if not joints:
-        raise FrictionJointError("--all: the model has no hinge or slide joint")
-    return {joint.name: found for joint in joints}
+    deflections = {name + DEFLECTION for name in carrying(spec)}
+    friction = {name: found for name in names if name not in exclude and name not in deflections}
+    if not friction:
+        raise FrictionJointError("--all: the model has no other hinge or slide joint with a name")
+    unnamed = [joint.parent.name or "without a name" for joint in joints if not joint.name]
+    if unnamed:
+        joint = "1 joint has" if len(unnamed) == 1 else f"{len(unnamed)} joints have"
+        warnings.warn(
+            f"--all: {joint} no name and no friction, of body {few(unnamed)}: "
+            "name them in the model to give them friction",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return friction
 
 
 def _write(spec: "mujoco.MjSpec", source: Path, out: Path) -> None:

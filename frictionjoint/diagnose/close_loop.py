@@ -103,7 +103,7 @@ def close_loop(
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: called with what is being done.
-        law: name of the friction law, see `laws.LAWS`; None for the integrated law, or another
+        law: name of the friction law, see `law.names.LAWS`; None for the integrated law, or another
             in the result where that is clearly better.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
         controller: what drove the joint to its target, its file, or the name of a preset; or one

@@ -20,7 +20,7 @@ from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
-from frictionjoint.laws import LAWS
+from frictionjoint.law.names import LAWS
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.threads import side_by_side
 

@@ -18,9 +18,9 @@ from frictionjoint.identify.shape import (
 )
 from frictionjoint.law import bristle, maxwell_slip
 from frictionjoint.law.motion import drive_rival, edges_of
+from frictionjoint.law.names import LAWS
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
-from frictionjoint.laws import LAWS
 from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
 

@@ -1,10 +1,27 @@
 """Measured logs: formats, validation, derivatives, public data sets."""
 
-from frictionjoint.measured.derivatives import Derivatives, differentiate
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog, split_in_time
-from frictionjoint.measured.readers import read_log
-from frictionjoint.measured.registry import DataSet, get_data, list_data
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from frictionjoint.measured.derivatives import Derivatives, differentiate
+    from frictionjoint.measured.gaps import split_at_gaps
+    from frictionjoint.measured.log import JointLog, split_in_time
+    from frictionjoint.measured.readers import read_log
+    from frictionjoint.measured.registry import DataSet, get_data, list_data
+
+# A simulation needs the effects, and they a log's type: readers and filters load on first use.
+_HOMES = {
+    "DataSet": "registry",
+    "Derivatives": "derivatives",
+    "JointLog": "log",
+    "differentiate": "derivatives",
+    "get_data": "registry",
+    "list_data": "registry",
+    "read_log": "readers",
+    "split_at_gaps": "gaps",
+    "split_in_time": "log",
+}
 
 __all__ = [
     "DataSet",
@@ -17,3 +34,9 @@ __all__ = [
     "split_at_gaps",
     "split_in_time",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

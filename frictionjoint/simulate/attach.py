@@ -8,6 +8,7 @@ import mujoco
 
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
+from frictionjoint.simulate.acting import forget_warning
 from frictionjoint.simulate.callback import link_what_acts
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
@@ -28,6 +29,7 @@ class Attached:
     def __init__(self, model: mujoco.MjModel, entry: Hold) -> None:
         self.model = model
         self._hold: Hold | None = entry
+        forget_warning(model)
         _attached[model._address] = self
 
     def detach(self) -> None:

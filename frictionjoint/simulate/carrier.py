@@ -99,6 +99,7 @@ def install(
     friction: Mapping[str, Friction],
     effects: Mapping[str, Sequence[SimulatedEffect]] | None = None,
     clear_native: bool = False,
+    replace: bool = False,
 ) -> None:
     """Write friction into a spec and make room for its state in ``userdata``.
 
@@ -111,7 +112,9 @@ def install(
         spec: changed in place, only if every joint is fit for it.
         friction: parameters by joint name.
         effects: effects beyond the law by joint name.
-        clear_native: take the joints' own ``frictionloss`` and ``damping`` away.
+        clear_native: take the joints' own ``frictionloss`` and ``damping`` away, also the damping
+            of ``springdamper``.
+        replace: joints that carry friction already get the new one instead.
     Raises:
         TypeError: a path or a compiled model in place of a spec, a dict in place of parameters.
         ModelError: unknown joint, not a hinge or slide, friction there already, or a number
@@ -120,7 +123,9 @@ def install(
     require_spec(spec)
     require_friction(friction)
     joints = {joint.name: joint for joint in spec.joints}
-    taken = {numeric.name for numeric in spec.numerics}
+    from frictionjoint.simulate.uninstall import carrying, take_out  # it reads blocks as here
+
+    replaced = [name for name in carrying(spec) if name in friction]
     for name in [*friction, *(effects or {})]:
         if name not in joints:
             raise ModelError(f"no joint {name!r}: the model has {', '.join(joints) or 'none'}")
@@ -131,11 +136,15 @@ def install(
             )
         if name not in friction:
             raise ModelError(f"joint {name!r} has effects but no friction law: give both")
-        if TAG + name in taken:
-            raise ModelError(f"joint {name!r} carries friction already: delete its numeric first")
-        if any(e.effect.acts == "mechanism" for e in (effects or {}).get(name, ())):
+        if name in replaced and not replace:
+            raise ModelError(
+                f"joint {name!r} carries friction already: install(..., replace=True), or "
+                "`frictionjoint install --replace`, takes the new one instead"
+            )
+        elastic = any(e.effect.acts == "mechanism" for e in (effects or {}).get(name, ()))
+        if elastic and not (name in replaced and name + DEFLECTION in joints):
             require_place(spec, name)
-    carried = {name: _heating_first((effects or {}).get(name, ())) for name in friction}
+    carried = {name: heating_first((effects or {}).get(name, ())) for name in friction}
     made = {
         name: _encode(parameters.pack(), carried[name]) for name, parameters in friction.items()
     }
@@ -146,6 +155,8 @@ def install(
                 f"joint {name!r} has a friction number of {largest:g}: an MJCF loses small "
                 f"numbers next to it, stay below {LARGEST:g}"
             )
+    if replaced:
+        take_out(spec, replaced)
     for name, parameters in friction.items():
         block = made[name]
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
@@ -165,7 +176,7 @@ def install(
         warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)
 
 
-def _heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
+def heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
     """It makes the temperature that others look at."""
     return sorted(effects, key=lambda e: e.effect is not HEATING)
 
@@ -177,35 +188,12 @@ def _law_row(parameters: Friction) -> int:
 def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
     numbers = np.concatenate([law, [float(len(effects))], *(e.pack() for e in effects)])
     head = np.array([MAGIC, VERSION, 0, 0, 0, 0, 0, len(numbers), HEAD + len(law)])
-    return np.concatenate([head, numbers, _pieces(numbers)])
+    return np.concatenate([head, numbers, pieces(numbers)])
 
 
-def _pieces(numbers: Array) -> Array:
+def pieces(numbers: Array) -> Array:
+    """Four 16-bit integers for each double, which XML keeps exactly."""
     return np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
-
-
-def write_parameters(numeric_data: Array, block: int, parameters: Friction) -> None:
-    """Change a joint's law without compiling, in a model or in one simulation of a batch.
-
-    Args:
-        numeric_data: ``model.numeric_data``, or a row of ``batch.expand("numeric_data")``;
-            changed in place. The data's friction state stays as it is.
-        block: where the joint's block begins, from `blocks`.
-        parameters: of the same law, with as many knots.
-    Raises:
-        ModelError: another law or another number of knots, which need compiling.
-    """
-    law = parameters.pack()
-    first = block + HEAD
-    room = int(numeric_data[block + EFFECTS]) - HEAD
-    if len(law) != room or law[0] != numeric_data[first]:
-        raise ModelError(
-            f"the new law takes {len(law)} numbers, the model's {room}: keep law and number of "
-            "knots, or install and compile"
-        )
-    numeric_data[first : first + room] = law
-    pieces = first + int(numeric_data[block + COUNT])
-    numeric_data[pieces : pieces + 4 * room] = _pieces(law)
 
 
 def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
@@ -240,7 +228,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         model.numeric_data[at + HEAD : at + HEAD + n] = exact
         law = int(model.numeric_data[at + EFFECTS]) - HEAD
         unpack(exact[:law])
-        carried = _effects(exact[law:], f"numeric {TAG}{name}")
+        carried = read_effects(exact[law:], f"numeric {TAG}{name}")
         mechanical = [e.effect.name for e in carried if e.effect.acts == "mechanism"]
         if mechanical and name + DEFLECTION not in ids:
             raise ModelError(
@@ -297,8 +285,12 @@ def _check_block(
         raise ModelError(f"{where}: joint {name!r} is neither a hinge nor a slide")
 
 
-def _effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
-    """The effects' block: their count, then each one's id, length and numbers."""
+def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
+    """The effects of an effects' block: their count, then each one's id, length and numbers.
+
+    Raises:
+        ModelError: damaged, in `where`.
+    """
     known = {float(effect.effect_id): effect for effect in SIMULATED}
     found, at = [], 1
     while np.isfinite(numbers).all() and at + 1 < len(numbers):
@@ -321,7 +313,7 @@ def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
         n = int(model.numeric_data[at + COUNT])
         numbers = np.array(model.numeric_data[at + HEAD : at + HEAD + n])
         k = int(model.numeric_data[at + EFFECTS]) - HEAD
-        effects = _effects(numbers[k:], f"numeric {TAG}{name}")
+        effects = read_effects(numbers[k:], f"numeric {TAG}{name}")
         found[name] = JointFriction(unpack(numbers[:k]), effects)
     return found
 

@@ -5,15 +5,18 @@
     environment = composer.Environment(Task(root))           # or control.Environment
     with attach(environment):
         environment.step(action)
+    with attach(environment, samples={"elbow": report.samples(1024)}):   # a draw per episode
+        environment.reset()
 
 A bare ``Physics`` needs nothing from here: ``with frictionjoint.attach(physics.model.ptr)``.
 """
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import mujoco
+import numpy as np
 from dm_control import composer, mjcf
 from numpy.random import RandomState
 
@@ -23,6 +26,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.attach import attach as attach_model
 from frictionjoint.simulate.carrier import TAG, resolve, rows_of_block
 from frictionjoint.simulate.carrier import install as install_in_spec
+from frictionjoint.simulate.samples import FrictionSamples, Samples
 
 
 def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
@@ -69,28 +73,66 @@ def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
 
 
 @contextlib.contextmanager
-def attach(environment: Any) -> Iterator[Any]:
+def attach(
+    environment: Any, samples: Samples | None = None, seed: int | None = None
+) -> Iterator[Any]:
     """Friction acts in a ``control.Environment`` or ``composer.Environment`` inside the block.
 
     A composer environment compiles at every reset; each model is made ready as it is compiled.
 
+    Args:
+        environment: its model carries friction.
+        samples: parameter sets by name of the joint, with scope ("robot/elbow"), of which every
+            episode draws one per joint.
+        seed: of the draws.
     Raises:
-        ModelError: as `frictionjoint.attach`.
+        ModelError: as `frictionjoint.attach`, or as `frictionjoint.set_parameters`.
     """
+    drawn = FrictionSamples(samples) if samples else None
+    random = np.random.default_rng(seed)
     # kept here: composer frees a physics, and its model, at the next reset
     model = environment.physics.model.ptr
-    with attach_model(model):
-        if not isinstance(environment, composer.Environment):
-            yield environment
-            return
-        inside = True
+    with attach_model(model), contextlib.ExitStack() as inside:
+        if isinstance(environment, composer.Environment):
+            _hook(environment, inside, "after_compile", resolve)
+        if drawn is not None:
 
-        def make_ready(physics: mjcf.Physics, random_state: RandomState) -> None:
-            if inside:
-                resolve(physics.model.ptr)
+            def draw(model: mujoco.MjModel) -> None:
+                drawn.draw(model, random)
 
-        environment.add_extra_hook("after_compile", make_ready)
-        try:
-            yield environment
-        finally:
-            inside = False
+            if isinstance(environment, composer.Environment):
+                _hook(environment, inside, "initialize_episode", draw)
+            else:
+                _before_episodes(environment.task, inside, draw)
+        yield environment
+
+
+def _hook(
+    environment: composer.Environment,
+    inside: contextlib.ExitStack,
+    place: str,
+    change: Callable[[mujoco.MjModel], Any],
+) -> None:
+    """Change a composer environment's model at a hook; composer takes no hook away again."""
+    active = [True]
+    inside.callback(active.clear)
+
+    def hook(physics: mjcf.Physics, random_state: RandomState) -> None:
+        if active:
+            change(physics.model.ptr)
+
+    environment.add_extra_hook(place, hook)
+
+
+def _before_episodes(
+    task: Any, inside: contextlib.ExitStack, change: Callable[[mujoco.MjModel], Any]
+) -> None:
+    """Change the model of a control task before each of its episodes."""
+    begin = task.initialize_episode
+
+    def initialize_episode(physics: Any) -> None:
+        change(physics.model.ptr)
+        begin(physics)
+
+    task.initialize_episode = initialize_episode
+    inside.callback(setattr, task, "initialize_episode", begin)

@@ -31,13 +31,14 @@ class Hold:
     Attributes:
         previous: the callback that this hold found installed, None without one.
         callback: what it installed. first: the user's callback within it, None without one.
-        kernel: ours within it.
+        kernel: ours within it. warned: that another callback was set over it.
     """
 
     previous: Any
     callback: Any
     first: Any
     kernel: Any
+    warned: bool = False
 
 
 # outermost first
@@ -51,6 +52,7 @@ def hold(backend: Backend) -> Hold:
         ModelError: an unknown backend.
     """
     kernel = _kernel(backend)
+    _warn_if_replaced("from now on friction acts again, and the other one is called first")
     current = mujoco.get_mjcb_passive()
     ours = next((entry for entry in _holds if entry.callback is current), None)
     first = ours.first if ours else current
@@ -67,6 +69,7 @@ def release(entry: Hold) -> None:
 
     A callback that somebody installed over ours meanwhile stays.
     """
+    _warn_if_replaced("it stays so")
     at = _holds.index(entry)
     del _holds[at]
     if at < len(_holds):
@@ -74,6 +77,29 @@ def release(entry: Hold) -> None:
             _holds[at].previous = entry.previous
     elif mujoco.get_mjcb_passive() is entry.callback:
         mujoco.set_mjcb_passive(entry.previous)
+
+
+def is_installed() -> bool:
+    """Whether MuJoCo calls our callback directly."""
+    current = mujoco.get_mjcb_passive()
+    return any(entry.callback is current for entry in _holds)
+
+
+def replaced() -> bool:
+    """Whether somebody has set another passive callback since our last hold began."""
+    return bool(_holds) and not is_installed()
+
+
+def _warn_if_replaced(what_now: str) -> None:
+    if not replaced() or _holds[-1].warned:
+        return
+    _holds[-1].warned = True
+    warnings.warn(
+        "MuJoCo's passive callback was set to another one, or to None, after frictionjoint set it, "
+        f"and friction did not act since unless that one calls ours: {what_now}",
+        RuntimeWarning,
+        stacklevel=4,
+    )
 
 
 @functools.lru_cache(maxsize=1)

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from frictionjoint.model_files import compiled_copy
+
 MEND = "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
 
 
@@ -24,7 +26,10 @@ def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, s
 
 
 def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[str, str]:
-    """The same of a spec."""
+    """The same of a spec, with the damping that ``springdamper`` makes when it compiles."""
+    joints = list(joints)
+    if any(_has_springdamper(spec.joint(name)) for name in joints):
+        return native_friction(compiled_copy(spec), joints)
     found = {}
     for name in joints:
         joint = spec.joint(name)
@@ -35,11 +40,29 @@ def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[
 
 
 def clear_native_friction(spec: mujoco.MjSpec, joints: Iterable[str]) -> None:
-    """Take frictionloss and damping off joints of a spec."""
+    """Take frictionloss and damping off joints of a spec.
+
+    ``springdamper`` overrides a joint's stiffness and damping when the model compiles: the
+    stiffness that it makes stays, as a number, and its damping goes.
+    """
+    joints = list(joints)
+    of_springdamper = [name for name in joints if _has_springdamper(spec.joint(name))]
+    if of_springdamper:
+        model = compiled_copy(spec)
+        for name in of_springdamper:
+            joint = spec.joint(name)
+            stiffness = np.zeros_like(np.array(joint.stiffness, dtype=np.float64))
+            np.ravel(stiffness)[:1] = model.joint(name).stiffness[0]
+            joint.stiffness = stiffness if stiffness.ndim else float(stiffness)
+            joint.springdamper = np.zeros(2)
     for name in joints:
         joint = spec.joint(name)
         joint.frictionloss = 0.0
         joint.damping = np.zeros_like(joint.damping)  # a number before MuJoCo 3.7
+
+
+def _has_springdamper(joint: mujoco.MjsJoint) -> bool:
+    return bool(np.all(np.asarray(joint.springdamper) > 0.0))
 
 
 def counts_twice(found: dict[str, str]) -> str:

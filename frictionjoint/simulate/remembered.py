@@ -36,7 +36,7 @@ def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remember
         model: attached, or from `load_model`. data: of that model.
     """
     require_model(model, "remembered")
-    require_data(data, "remembered")
+    require_data(data, "remembered", model)
     found = {}
     addresses = resolve(model)
     for name, carried in read_friction(model).items():

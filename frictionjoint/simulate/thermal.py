@@ -114,7 +114,7 @@ def _places(
 ) -> dict[str, list[tuple[_Kind, int, int, int]]]:
     """By joint: kind, address of the numbers, of the committed and of the evaluated memory."""
     require_model(model, what)
-    require_data(data, what)
+    require_data(data, what, model)
     P, found = model.numeric_data, {}
     for name, block in resolve(model).items():
         places = _of_block(P, block, kinds)

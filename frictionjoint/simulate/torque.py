@@ -14,6 +14,7 @@ from frictionjoint.law.kernel import INTEGRATED, STATIC, header_size, hysteresis
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
+from frictionjoint.simulate.acting import warn_if_idle
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
 from frictionjoint.simulate.row import FRONT, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
@@ -65,13 +66,14 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
         TypeError: no MjModel or MjData.
     """
     require_model(model, "torque")
-    require_data(data, "torque")
+    require_data(data, "torque", model)
     P, X = model.numeric_data, data.userdata
     found = blocks(model)
     if any(P[at + RESOLVED] != 1.0 for at in found.values()):
         found = resolve(model)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+    warn_if_idle(model, data, found)
     return {name: _of_joint(P, block, X, int(P[block + ROW])) for name, block in found.items()}
 
 

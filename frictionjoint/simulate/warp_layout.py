@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.errors import ModelError
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import (
     COUNT,
@@ -20,9 +19,9 @@ from frictionjoint.simulate.carrier import (
     ROW,
     JointFriction,
     rows_of_block,
-    write_parameters,
 )
 from frictionjoint.simulate.motor_demand import gives_less, motors_of
+from frictionjoint.simulate.set_parameters import write_parameters
 from frictionjoint.simulate.with_effects import asks_for_load
 
 Whole = NDArray[np.int32]
@@ -126,25 +125,7 @@ def block_with(made: Layout, number: int, friction: Friction | JointFriction) ->
         ModelError: another law, another number of knots, or other effects than the joint has.
     """
     numbers, at = made.numbers.copy(), int(made.addresses[number])
-    effects = at + int(numbers[at + EFFECTS])
-    if not isinstance(friction, JointFriction):
-        write_parameters(numbers, at, friction)
-        return numbers[at:effects]
-    write_parameters(numbers, at, friction.parameters)
-    end = at + HEAD + int(numbers[at + COUNT])
-    given = np.concatenate([[len(friction.effects)], *(e.pack() for e in friction.effects)])
-    heads = [1]
-    for effect in friction.effects:
-        heads += [heads[-1] + 2 + effect.effect.size]
-    same = len(given) == end - effects and given[0] == numbers[effects]
-    if not same or np.any(given[heads[:-1]] != numbers[effects:end][heads[:-1]]):
-        names = ", ".join(effect.effect.name for effect in friction.effects)
-        raise ModelError(
-            f"joint {made.joints[number]!r} carries other effects than {names or 'none'}: give "
-            "those that were installed, in their order"
-        )
-    numbers[effects:end] = given
-    return numbers[at:end]
+    return numbers[at : write_parameters(numbers, at, friction)]
 
 
 def _whole(numbers: Iterable[Any]) -> Whole:

@@ -1,0 +1,48 @@
+"""Whether friction acts: the warnings about a model that is stepped without our callback."""
+
+import warnings
+import weakref
+
+import mujoco
+
+from frictionjoint.simulate.carrier import ROW
+from frictionjoint.simulate.installed import is_installed, replaced
+from frictionjoint.simulate.row import STARTED, T_EVALUATED
+
+# time steps since the last evaluation that an attached model never lets pass
+_LATE = 1.5
+# models that were warned of, by address
+_warned: set[int] = set()
+
+
+def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, int]) -> None:
+    """Warn once per model if it was stepped and its friction was not evaluated meanwhile.
+
+    Args:
+        model: resolved. data: of that model. found: addresses of its blocks by joint name.
+    """
+    if is_installed() or model._address in _warned:
+        return
+    row = int(model.numeric_data[next(iter(found.values())) + ROW])
+    evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STARTED] else 0.0
+    if data.time - evaluated <= _LATE * model.opt.timestep:
+        return
+    _warned.add(model._address)
+    weakref.finalize(model, _warned.discard, model._address)
+    reason = "call frictionjoint.attach(model) or frictionjoint.enable() before stepping"
+    if replaced():
+        reason = (
+            "MuJoCo's passive callback was set to another one, or to None, after frictionjoint set "
+            "it: set yours before frictionjoint.attach, which calls it too"
+        )
+    warnings.warn(
+        f"the friction of this model has not acted since {evaluated:.6g} s, and data.time is "
+        f"{data.time:.6g} s: {reason}",
+        RuntimeWarning,
+        stacklevel=3,
+    )
+
+
+def forget_warning(model: mujoco.MjModel) -> None:
+    """Warn again of a model at this address, which is attached now."""
+    _warned.discard(model._address)

@@ -1,0 +1,129 @@
+"""Friction of a compiled model changed in place, and states that start afresh.
+
+set_parameters(model, "elbow", parameters)      # of another sample, say
+data.qpos[:] = reference_state
+forget(model, data)                             # no motion has led here
+"""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
+from frictionjoint.laws import require_parameters
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.carrier import (
+    COUNT,
+    EFFECTS,
+    HEAD,
+    ROW,
+    JointFriction,
+    SimulatedEffect,
+    heating_first,
+    pieces,
+    read_effects,
+    resolve,
+    rows_of_block,
+)
+
+
+def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
+    """Give a joint of a compiled model other friction parameters, without compiling.
+
+    The friction state of existing data stays as it is: a reset or `forget` starts it afresh.
+    Effects that act through the model itself (elasticity, backlash, delays of sensors) stay as
+    they were compiled.
+
+    Args:
+        model: carries friction at the joint; changed in place.
+        joint: its name.
+        parameters: of the same law with as many knots, in N m and rad (N and m for a slide); or a
+            `JointFriction` of ``report.samples`` with the effects that the joint carries. Without
+            effects those of the model stay.
+    Raises:
+        ModelError: no friction at the joint, another law, number of knots or other effects.
+        TypeError: no MjModel, or no friction parameters.
+    """
+    require_model(model, "set_parameters")
+    law = parameters.parameters if isinstance(parameters, JointFriction) else parameters
+    require_parameters(law, "set_parameters")
+    found = resolve(model)
+    write_parameters(model.numeric_data, found[_one_of(found, joint)], parameters)
+
+
+def write_parameters(numeric_data: Array, block: int, parameters: Friction | JointFriction) -> int:
+    """Change a joint's friction in a model's numbers, or in those of one simulation of a batch.
+
+    Args:
+        numeric_data: ``model.numeric_data``, or a row of ``batch.expand("numeric_data")``;
+            changed in place, only if all fits.
+        block: where the joint's block begins, from `carrier.blocks`.
+        parameters: as `set_parameters` takes them.
+    Returns:
+        where in ``numeric_data`` the numbers end that were written from block + HEAD on.
+    Raises:
+        ModelError: another law, another number of knots or other effects, which need compiling.
+    """
+    friction = parameters if isinstance(parameters, JointFriction) else JointFriction(parameters)
+    numbers = friction.parameters.pack()
+    first, count = block + HEAD, int(numeric_data[block + COUNT])
+    room = int(numeric_data[block + EFFECTS]) - HEAD
+    if len(numbers) != room or numbers[0] != numeric_data[first]:
+        raise ModelError(
+            f"the new law takes {len(numbers)} numbers, the model's {room}: keep law and number of "
+            "knots, or install and compile"
+        )
+    if isinstance(parameters, JointFriction):
+        given = heating_first(friction.effects)
+        there = read_effects(numeric_data[first + room : first + count], "the model's friction")
+        if [e.effect for e in given] != [e.effect for e in there]:
+            raise ModelError(
+                f"the joint carries the effects {_names(there)}, not {_names(given)}: give those "
+                "that were installed, in their order, or install and compile"
+            )
+        numbers = np.concatenate([numbers, [len(given)], *(e.pack() for e in given)])
+    end = first + len(numbers)
+    numeric_data[first:end] = numbers
+    integers = first + count
+    numeric_data[integers : integers + 4 * len(numbers)] = pieces(numbers)
+    return end
+
+
+def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None) -> None:
+    """Friction starts afresh from the state that data hold: at rest and never moved.
+
+    To call after the positions were set by hand: a teleport, or the reference state that an
+    episode starts from. A change of ``qpos`` without it is a motion to the friction, and loads the
+    presliding springs. What effects remember goes too (temperatures, warmth); ``mj_resetData`` does
+    the same for the whole state.
+
+    Args:
+        model: carries friction. data: of that model, changed in place.
+        joint: which joint alone; None for all.
+    Raises:
+        ModelError: no friction in the model or at the joint.
+        TypeError: no MjModel or MjData.
+    """
+    require_model(model, "forget")
+    require_data(data, "forget", model)
+    found = resolve(model)
+    for name in found if joint is None else [_one_of(found, joint)]:
+        block = model.numeric_data[found[name] :]
+        row = int(block[ROW])
+        size = rows_of_block(block[: HEAD + int(block[COUNT])])
+        data.userdata[row : row + size] = 0.0
+
+
+def _one_of(found: dict[str, int], joint: str) -> str:
+    if joint not in found:
+        raise ModelError(
+            f"joint {joint!r} carries no friction: {', '.join(found) or 'no joint'} does"
+        )
+    return joint
+
+
+def _names(effects: Sequence[SimulatedEffect]) -> str:
+    return ", ".join(e.effect.name for e in effects) or "none"

@@ -1,0 +1,46 @@
+"""What a simulation and the help of the command line load: no readers, no filters, no plots."""
+
+import subprocess
+import sys
+
+from frictionjoint.law.names import LAWS
+from frictionjoint.laws import parameters_from_dict
+from frictionjoint.simulate.stick_slip import kuka_model
+
+
+def modules(script: str) -> set[str]:
+    """Top-level modules that a process of its own has loaded at the end of a script."""
+    ending = "; import sys; print('\\n'.join({m.partition('.')[0] for m in sys.modules}))"
+    run = subprocess.run(
+        [sys.executable, "-c", script + ending], check=True, capture_output=True, text=True
+    )
+    return set(run.stdout.split())
+
+
+def test_a_simulation_loads_no_readers_no_plots_and_no_command_line():
+    loaded = modules(
+        f"import frictionjoint as fj; m = fj.load_model({str(kuka_model())!r}); fj.attach(m)"
+    )
+    unwanted = {"pyarrow", "sklearn", "matplotlib", "pandas", "jinja2", "pooch", "typer", "rich"}
+    assert not loaded & unwanted
+
+
+def test_the_help_loads_neither_numpy_nor_mujoco():
+    loaded = modules(
+        "import typer.testing as t, frictionjoint.cli as c; "
+        "assert t.CliRunner().invoke(c.app, ['--help']).exit_code == 0"
+    )
+    assert not loaded & {"numpy", "mujoco", "numba", "scipy", "importlib.metadata"}
+
+
+def test_every_law_with_a_name_has_its_class():
+    known = str(_refusal({"law": "none"})).rpartition("known are ")[2]
+    assert tuple(known.split(", ")) == LAWS
+
+
+def _refusal(values) -> Exception:
+    try:
+        parameters_from_dict(values)
+    except Exception as error:
+        return error
+    raise AssertionError("an unknown law is refused")
