@@ -19,6 +19,7 @@ from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm, Term, all_but, in_place
@@ -160,7 +161,9 @@ def _best_of_each_form(
         return search.result(search.run(place.x, _STEPS, ROUGH).x)
 
     with side_by_side() as each:
-        places = sorted(zip(terms, each(begun, terms), strict=True), key=lambda pair: pair[1].cost)
+        places = in_order(
+            list(zip(terms, each(begun, terms), strict=True)), lambda pair: pair[1].cost
+        )
         starts = [
             place
             for i, (term, place) in enumerate(places)
@@ -176,7 +179,7 @@ def _best_of_each_form(
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
         if gain > best.get(term.effect, (-np.inf, term))[0]:
             best[term.effect] = gain, term
-    return sorted(best.values(), key=lambda pair: -pair[0])
+    return in_order(list(best.values()), lambda pair: 1.0 - pair[0])
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:
@@ -188,5 +191,5 @@ def sign_flips(difference: Array, rng: np.random.Generator) -> float:
 def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:
     """How often each leaves least of a half of the blocks."""
     half = halves(len(squares[0]), rng)
-    first = np.argmin(half @ np.array(squares).T, axis=1)
+    first = first_least(np.array(squares) @ half.T)
     return [float(x) for x in np.bincount(first, minlength=len(squares)) / len(half)]

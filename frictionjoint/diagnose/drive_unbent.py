@@ -16,6 +16,7 @@ from frictionjoint.diagnose.unbent import unbent
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
+from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import ripened, unripe
 from frictionjoint.identify.terms import DriveTerm
@@ -39,7 +40,7 @@ def look_at_hidden_drive(
         return unbent(prepared, (*fitted.effects, term), own)
 
     anew = unbent(prepared, fitted.effects, own)
-    return judged(prepared, min(fitted, anew, key=lambda f: f.drive_rms), forms, beside, rng)
+    return judged(prepared, best_of([fitted, anew], lambda f: f.drive_rms), forms, beside, rng)
 
 
 def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
@@ -63,4 +64,4 @@ def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
     for gain, term in zip(gains, terms, strict=True):
         if gain >= max(SMALLEST_GAIN, best.get(term.effect, (0.0,))[0]):
             best[term.effect] = gain, term
-    return sorted(best.values(), key=lambda pair: -pair[0])
+    return in_order(list(best.values()), lambda pair: 1.0 - pair[0])

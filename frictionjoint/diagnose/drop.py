@@ -5,6 +5,7 @@ from functools import partial
 from frictionjoint.diagnose.library import comes_first, is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.terms import all_but
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
@@ -36,6 +37,7 @@ def drop_idle(state: State) -> None:
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:
             return
-        rest = all_but(own, min(idle, key=lambda x: x[0])[1])
+        # of those that are idle alike the one that came last
+        rest = all_but(own, best_of(idle[::-1], lambda x: max(x[0], 0.0))[1])
         found = fits.get(rest) or refitted(rest)
         state.prepared, state.fit = reweighed(state.prepared, found)

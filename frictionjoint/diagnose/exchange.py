@@ -34,6 +34,7 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import DriveTerm, Term, in_place
 from frictionjoint.identify.weights import reweighed
@@ -300,7 +301,7 @@ def _most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -
     seen = screen(state.fit, blocks, others)
     rest = [at for k, at in enumerate(seen.terms) if k != i]
     left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
-    return [others[k] for k in np.argsort(left)]
+    return [others[k] for k in in_order(range(len(others)), lambda k: left[k])]
 
 
 def _no_richer(state: State, term: Term) -> list[Candidate]:

@@ -14,6 +14,7 @@ from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip, start_of
+from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
@@ -110,7 +111,7 @@ class Laws:
         self.shapes |= {other.shape.variables: other.shape for other in others}
         self._friction = {f.shape.variables: f.friction for f in (fitted, *others)}
         most = (1.0 - CLEARLY) * fitted.drive_rms
-        clear = sorted((f for f in others if f.drive_rms < most), key=lambda f: f.drive_rms)
+        clear = in_order([f for f in others if f.drive_rms < most], lambda f: f.drive_rms)
         if self._asked or not clear:
             return prepared, fitted
         blocks = make_blocks(prepared, fitted)
@@ -134,7 +135,7 @@ class Laws:
         fits = [
             refit(prepared, fitted.effects, s, ROUGH) for s in self.starts(self.shapes[self.own])
         ]
-        own = min(fits, key=lambda f: f.drive_rms)
+        own = best_of(fits, lambda f: f.drive_rms)
         if fitted.drive_rms < (1.0 - CLEARLY) * own.drive_rms and not too_short:
             return prepared, fitted
         return reweighed(prepared, own)

@@ -12,6 +12,7 @@ from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import EQUAL, first_least, in_order
 from frictionjoint.identify.terms import Term, in_place
 from frictionjoint.threads import side_by_side
 
@@ -108,13 +109,13 @@ def look(
     for kind, members in kinds.items():
         tried = [tests[i] for i in members]
         squares = np.array([s for s, _ in tried])
-        chosen = np.argmin(np.array([t for _, t in tried]), axis=0)
-        best = members[int(np.argmin(squares.sum(axis=1)))]
+        chosen = first_least(np.array([t for _, t in tried]))
+        best = members[int(first_least(squares.sum(axis=1)[:, None])[0])]
         left = squares[chosen, np.arange(squares.shape[1])]
         p_value = float(min(found_p[i] for i in members))
         rows.append(Looked(candidates[best], left, p_value, frequencies.get(kind, 0.0)))
-    rows.sort(key=lambda r: float(r.left.sum()))
-    return Look(tuple(rows), without, chance), found
+    ordered = in_order(rows, lambda r: float(r.left.sum()))
+    return Look(tuple(ordered), without, chance), found
 
 
 def _frequencies(
@@ -131,9 +132,12 @@ def _frequencies(
         return np.asarray(np.max(sizes, axis=0))
 
     sizes = [float(most(whole, members)[0]) for members in kinds]
-    leading = np.argsort(sizes)[::-1][:_CONTENDERS]
-    first = np.argmax([most(half_of_blocks, kinds[k]) for k in leading], axis=0)
-    won = np.bincount(leading[first], minlength=len(kinds)) / len(half_of_blocks)
+    leading = in_order(range(len(kinds)), lambda k: max(sizes) - sizes[k])[:_CONTENDERS]
+    explained = np.array([most(half_of_blocks, kinds[k]) for k in leading])
+    best = explained.max(axis=0)
+    won = np.zeros(len(kinds))
+    # kinds that are one in all but name are best together
+    won[leading] = np.mean(explained >= best - EQUAL * np.abs(best), axis=1)
     return [float(x) for x in won]
 
 
@@ -158,7 +162,7 @@ class Moves:
             (self._pairs(), _PAIRS),
             (self._exchanges(), _EXCHANGED),
         )
-        return [m for found, most in sorts for m in sorted(found, key=_total)[:most]]
+        return [m for found, most in sorts for m in in_order(found, _total)[:most]]
 
     def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
         return [Move((*self.own, c.term), (c,), self.seen.find(c).left) for c in candidates]

@@ -22,6 +22,7 @@ from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
 from frictionjoint.identify.result import units_of
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
@@ -101,7 +102,7 @@ def _law_alone(prepared: Prepared, before: Fit) -> Fit:
 
     with side_by_side() as each:
         fits: list[Fit] = list(each(damped, (near, anew)))
-    return min(fits, key=lambda f: f.drive_rms)
+    return best_of(fits, lambda f: f.drive_rms)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
@@ -116,7 +117,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
     # beside what has no name the law may have come to where it stands for nothing without that
     starts = state.laws.starts(state.fit.shape)
     fits = [refit(state.prepared, named, law) for law in starts]
-    asked = state.prepared, min(fits, key=lambda f: f.drive_rms)
+    asked = state.prepared, best_of(fits, lambda f: f.drive_rms)
     not_given = tuple(
         (term, float(state.fit.term_coefficients(i)[0]))
         for i, term in enumerate(state.fit.terms)

@@ -10,6 +10,7 @@ from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.possible import impossible
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.reach import unreached
+from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 
@@ -61,7 +62,8 @@ class Scored:
         """Whether it predicts better by more than some paired standard errors over blocks."""
         difference = other.squares - self.squares
         spread = float(np.std(difference)) * np.sqrt(len(difference))
-        return bool(difference.sum() > errors * spread)
+        # models that are one in all but name differ by rounding, and so does its spread
+        return bool(difference.sum() > max(errors * spread, EQUAL * other.total))
 
 
 def scored(fitted: Fit, blocks: Blocks) -> Scored:

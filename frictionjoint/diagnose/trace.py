@@ -45,6 +45,7 @@ from frictionjoint.diagnose.state import (
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
@@ -317,7 +318,7 @@ def _looked_at_again(
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
     anew = fit(prepared, first.effects, forms_like(first.shape))
-    first = min(first, anew, key=lambda f: f.drive_rms)
+    first = best_of([first, anew], lambda f: f.drive_rms)
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = state.blocks_of(prepared, first)
 
@@ -325,7 +326,7 @@ def _looked_at_again(
         found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
         if anew:
             freed = unbent(prepared, terms, [forms_like(first.shape)])
-            found = min(found, freed, key=lambda f: f.drive_rms)
+            found = best_of([found, freed], lambda f: f.drive_rms)
         swung = any(swings(term) for term in terms)
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
@@ -343,11 +344,11 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
-    best = min(singles, key=_total, default=None)
-    pair = min((t for t in named if len(t.move.added) > 1), key=_total, default=None)
+    best = _least(singles)
+    pair = _least([t for t in named if len(t.move.added) > 1])
     if pair and (not best or _clearly(pair, best)):
         best = pair
-    unnamed = min((t for t in good if t.move.unnamed), key=_total, default=None)
+    unnamed = _least([t for t in good if t.move.unnamed])
     # a curve, which bends with the data, takes an effect's place as it would come in beside it
     if unnamed and (not best or needed(unnamed.score, best.score)):
         return _Choice(unnamed)
@@ -363,7 +364,8 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
         and not apart(best.score, t.score)
         and t.score.gain(now) >= (1.0 - TIE) * gain
     ]
-    simplest = min(near, key=lambda t: (numbers_of(t.move.added[0].term), _total(t)))
+    fewest = min(numbers_of(t.move.added[0].term) for t in near)
+    simplest = best_of([t for t in near if numbers_of(t.move.added[0].term) == fewest], _total)
     (own,) = simplest.move.added
     others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
     ties = [other.term.name for other in others if not other.contains(own)]
@@ -407,6 +409,10 @@ def _other_law(state: State) -> bool:
     drop_idle(state)
     state.forget_dropped()
     return True
+
+
+def _least(tried: Sequence[_Tried]) -> _Tried | None:
+    return best_of(tried, _total) if tried else None
 
 
 def _total(tried: _Tried) -> float:

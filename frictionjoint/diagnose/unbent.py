@@ -11,8 +11,6 @@ speed, and with those that explain much more at such a start than the law alone 
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from frictionjoint.diagnose.decisions import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.moves import Look, Looked, Move
@@ -20,6 +18,7 @@ from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import ripened, unripe
@@ -37,7 +36,7 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
     """These effects with the best of some laws, each fitted from everywhere in all its forms."""
     with side_by_side() as each:
         places = list(each(lambda forms: ripened(prepared, terms, forms)[0], laws))
-    place = min(places, key=lambda place: place.cost)
+    place = best_of(places, lambda place: place.cost)
     law, moved = place.search.split(place.x)
     found = compared(prepared, tuple(t for t in moved if not isinstance(t, Timing)), law)
     for _ in range(_SEARCHES):
@@ -81,6 +80,6 @@ def worth_unbending(
     with side_by_side() as each:
         left = list(each(at_a_start, rest))
     most = (1.0 - SMALLEST_GAIN) * alone
-    hidden = [rest[k] for k in np.argsort(left, kind="stable") if left[k] <= most]
+    hidden = [rest[k] for k in in_order(range(len(rest)), lambda k: left[k]) if left[k] <= most]
     tried = [*((r, laws.forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
     return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]

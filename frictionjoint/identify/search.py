@@ -21,6 +21,7 @@ from frictionjoint.identify.hanging import hanging
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
@@ -57,8 +58,8 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
     When a measured drive belongs to its position, or a command to its target, is one where no
     effect says so: channels are read one after the other. Of a target with a delay of its own, it
     is when the drive acts, in ticks. The age of a velocity, that a controller's damping has read
-    or that goes with a simulation's own, is taken as nothing where an inertia is searched for: the
-    two are one to a log.
+    or that goes with a simulation's own, is taken as nothing where an inertia is searched for, or
+    a gain, which scales an inertia: to a log these are one.
     """
     if any(isinstance(t, Timing) for t in terms):
         return terms
@@ -80,7 +81,7 @@ def _ends(layout: Layout, k: int) -> tuple[int, int]:
 def _holds_inertia(term: Term) -> bool:
     if not isinstance(term, EffectTerm):
         return False
-    return term.effect.is_inertia or term.effect.of_inertia
+    return term.effect.is_inertia or term.effect.of_inertia or term.effect.scales
 
 
 def _delays(term: Term) -> bool:
@@ -128,7 +129,7 @@ def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -
         return laws[0]
     searches = [Search(prepared, timed(prepared, terms, law), law) for law in laws]
     left = [search.squares(search.start) for search in searches]
-    return laws[int(np.argmin(left))]
+    return laws[int(first_least(np.array(left)[:, None])[0])]
 
 
 class Solution(NamedTuple):
@@ -230,7 +231,7 @@ class Search:
             there = compass(self.squares, place.x, axes, *self.bounds)
             found = self._descended(there, steps, closeness)
             gained = place.cost - found.cost
-            place = min(found, place, key=lambda p: p.cost)
+            place = best_of([place, found], lambda p: p.cost)
             if gained <= _GAINED * place.cost:
                 break
         return place

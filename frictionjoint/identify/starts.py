@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed, with_parts
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
@@ -50,7 +51,7 @@ def fit(
         shape, moved = place.search.split(place.x)
         search = Search(prepared, moved, nearer(prepared, moved, shape.last_choices()))
         final.append(search.run(search.start, _FEW, ROUGH))
-    best = min(final, key=lambda place: place.cost)
+    best = best_of(final, lambda place: place.cost)
     found = best.search.run(best.x, _STEPS, CLOSE)
     return with_parts(prepared, found.search.result(found.x), _STEPS, CLOSE)
 
@@ -101,7 +102,7 @@ def ripened(
     best = places[: min(_OF_A_FORM * len(forms), _RIPENING)]
     with side_by_side() as each:
         ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), best))
-    return sorted(ripe, key=lambda place: place.cost)
+    return in_order(ripe, lambda place: place.cost)
 
 
 @one_thread
@@ -125,4 +126,4 @@ def unripe(
         for i, found in enumerate(each(tried, forms)):
             progress(f"fit: form {i + 1} of {len(forms)}")
             places += found
-    return sorted(places, key=lambda place: place.cost)
+    return in_order(places, lambda place: place.cost)

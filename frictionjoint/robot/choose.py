@@ -14,6 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.chance import FLIPS, over_family
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
+from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
@@ -188,7 +189,7 @@ def _next(
         _Row(c, stack.held_out(np.concatenate([known, c.at])), float(p))
         for c, p in zip(open_ones, over_family(found), strict=True)
     ]
-    rows.sort(key=lambda r: r.total)
+    rows = in_order(rows, lambda r: r.total)
     strayed = stack.strayed(known)
     good = [
         r for r in rows if _justified(stack, r, now) or _brings_back(stack, r, now, known, strayed)
@@ -278,5 +279,5 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
         if len(best) < _CONTENDERS or key == thing:
             best.setdefault(key, row.left.sum(axis=0))
     names, left = list(best), np.array(list(best.values()))
-    first = np.argmin(halves(left.shape[1], rng) @ left.T, axis=1)
+    first = first_least(left @ halves(left.shape[1], rng).T)
     return float(np.mean(np.array(names)[first] == thing))

@@ -21,6 +21,7 @@ from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
@@ -167,7 +168,7 @@ def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
     prepared = prepare(list(task.logs), body, trace.prepared.band, task.controller)
     prepared = weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
     fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
-    prepared, best = settled(prepared, min(fits, key=lambda f: f.drive_rms))
+    prepared, best = settled(prepared, best_of(fits, lambda f: f.drive_rms))
     return Fitted(prepared, _kept_back(task, body, trace, left), best)
 
 

@@ -1,0 +1,49 @@
+"""Results that do not hang on the last bit: choices among equals, and a loop on disturbed logs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_wrong_mass import BELIEVED, PAYLOAD, driven, joint
+
+from frictionjoint import close_loop
+from frictionjoint.identify.rounding import best_of, first_least, in_order
+from frictionjoint.measured.log import JointLog
+
+
+def test_of_equal_costs_the_first_in_order_is_chosen():
+    costs = {"inertia": 8.0 + 2e-12, "gain": 8.0, "bias": 9.0}
+    assert best_of(list(costs), costs.__getitem__) == "inertia"
+    assert in_order(["bias", "gain", "inertia"], costs.__getitem__) == ["gain", "inertia", "bias"]
+    assert in_order([], float) == []
+
+
+def test_a_cost_that_is_less_by_more_than_rounding_is_chosen():
+    costs = {"inertia": 8.0, "gain": 7.999, "none": 0.0}
+    assert in_order(list(costs), costs.__getitem__) == ["none", "gain", "inertia"]
+    found = first_least(np.array([[3.0, 1.0 + 1e-13], [2.0, 1.0]]))
+    assert found.tolist() == [1, 0]
+
+
+@pytest.fixture(scope="module")
+def payload() -> list[JointLog]:
+    """A joint that carries more than its MJCF says: a gain and an inertia say the same of it."""
+    return [driven(joint(more=PAYLOAD), seed, seconds=6.0) for seed in (1, 2, 3)]
+
+
+def told(logs: list[JointLog]) -> tuple[list[tuple[str, ...]], float]:
+    """What is named with its ties, and the error of torque held out."""
+    report = close_loop(logs[:2], BELIEVED, "j", logs[2:])
+    named = [(step.effect, *step.evidence.ties) for step in report.added]
+    held_out = report.after_torque.held_out
+    assert held_out is not None
+    return named, held_out
+
+
+def test_a_loop_tells_the_same_of_logs_that_differ_in_the_last_bits(payload):
+    named, error = told(payload)
+    first, second, kept = (replace(log, torque=log.torque * (1.0 + 1e-13)) for log in payload)
+    moved = [replace(log, position=log.position * (1.0 - 1e-10)) for log in payload]
+    disturbed = ([second, first, kept], moved)
+    for logs in disturbed:
+        assert told(logs) == (named, pytest.approx(error, rel=0.01))
