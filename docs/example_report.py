@@ -10,6 +10,7 @@ import mkdocs_gen_files
 
 from frictionjoint import close_loop
 from frictionjoint.report.page import render
+from frictionjoint.report.write import made
 
 DEMO = Path(str(files("frictionjoint"))) / "demo"
 
@@ -20,4 +21,4 @@ report = close_loop(
     [DEMO / "multisine.csv"],
 )
 with mkdocs_gen_files.open("example/report.html", "w") as file:
-    file.write(render(report, "frictionjoint demo"))
+    file.write(render(report, report.to_dict() | {"made": made("frictionjoint demo")}))

@@ -14,7 +14,7 @@ import matplotlib
 from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.report import wording
-from frictionjoint.report.figure import AFTER, BEFORE, MEASURED
+from frictionjoint.report.picture import COLOURS
 
 matplotlib.use("svg")
 from matplotlib import pyplot as plt
@@ -23,13 +23,13 @@ from matplotlib import pyplot as plt
 def draw(report: Report, path: Path, narrow: bool = False) -> None:
     """Torque and residual over time, with the error in per cent of the measured torque."""
     c = next(c for c in report.curves if c.role == "held-out")
-    whole = wording.drive_rms(report, "held-out", "after")
+    whole = report.drive_rms("after").held_out
     size = (4.4, 5.0) if narrow else (9, 4.4)
     figure, (above, below) = plt.subplots(2, 1, figsize=size, sharex=True, layout="constrained")
-    above.plot(c.time, c.measured, color=MEASURED, lw=2.6, label="measured")
+    above.plot(c.time, c.measured, color=COLOURS["measured"], lw=2.6, label="measured")
     for name, stage, colour, rms in (
-        ("friction law alone", "before", BEFORE, report.before_torque.held_out),
-        (f"with {wording.title(report.added[0].effect)}", "after", AFTER,
+        ("friction law alone", "before", COLOURS["before"], report.before_torque.held_out),
+        (f"with {wording.title(report.added[0].effect)}", "after", COLOURS["after"],
          report.after_torque.held_out),
     ):  # fmt: skip
         percent = wording.percentage(rms, whole)

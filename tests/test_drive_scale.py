@@ -14,7 +14,6 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
 from frictionjoint.measured import JointLog
 from frictionjoint.report.page import render
-from frictionjoint.report.wording import sentence
 from tests.command_line import run
 
 N, DT = 6000, 2e-3
@@ -84,10 +83,10 @@ def test_a_report_states_all_torques_in_ampere(report: Report) -> None:
     assert "gain" not in report.final
     # of the noise of 0.01 A what lies in the band
     assert 0.001 < report.after_torque.held_out < 0.01
-    assert "of the measured current) on held-out data" in sentence(report)
-    page = render(report, "frictionjoint close-loop log.csv")
+    assert "held-out logs; per cent of the measured current" in report.summary()
+    page = render(report, report.to_dict())
     assert "The scale is not determined" in page
-    assert ">current, A</text>" in page
+    assert '"y_label":"current, A"' in page
 
 
 def test_nothing_is_simulated_with_a_friction_in_ampere(report: Report) -> None:

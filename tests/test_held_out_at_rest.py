@@ -4,7 +4,6 @@ import numpy as np
 
 import frictionjoint as fj
 from frictionjoint.measured import JointLog
-from frictionjoint.report.wording import drive_rms, sentence
 
 N, DT, STIFFNESS, LEVEL = 3000, 4e-3, 100.0, 0.5
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
@@ -29,5 +28,5 @@ def test_the_error_of_a_log_at_rest_is_a_part_of_what_was_measured_there() -> No
     held = [c for c in report.curves if c.role == "held-out"]
     assert all(c.in_motion.all() for c in held)
     whole = np.sqrt(np.mean(np.concatenate([c.measured for c in held]) ** 2))
-    assert drive_rms(report, "held-out", "after") == whole
-    assert "nan" not in sentence(report)
+    assert report.drive_rms("after").held_out == whole
+    assert "nan" not in report.summary()

@@ -98,9 +98,9 @@ def test_a_log_of_no_joint_of_the_model_is_refused(tmp_path, model):
 
 
 def test_errors_are_averaged_over_joints_in_per_cent():
-    found = mean_percent([(Rms(0.1, 0.2), 1.0), (Rms(3.0, None), 10.0)])
+    found = mean_percent([(Rms(0.1, 0.2), Rms(1.0, 0.5)), (Rms(3.0, None), Rms(10.0, None))])
     assert found.fit == pytest.approx(20.0)
-    assert found.held_out == pytest.approx(20.0)
+    assert found.held_out == pytest.approx(40.0)
 
 
 def test_pages_have_names_of_their_own():

@@ -6,10 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from frictionjoint.cli.robot import show_robot
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.robot_wording import whole
+from frictionjoint.report.page import render
+from frictionjoint.report.robot_summary import joint_content, summarise_robot
+from frictionjoint.report.wording import percentage
+from frictionjoint.report.write import made
 from frictionjoint.report.write_robot import page_names, render_robot
 from frictionjoint.robot.report_data import (
     JointResult,
@@ -21,12 +23,15 @@ from frictionjoint.robot.report_data import (
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',
-    "shared cause": "payload of gripper (or rotor inertia of elbow: these logs cannot",
+    "shared cause": "<td>payload of gripper</td>",
+    "could also be": "rotor inertia of elbow",
     "size": "mass 0.812\u00a0±\u00a00.020\u00a0kg",
     "not determined": "inertia 0.001\u00a0kg m²",
     "link to a joint": '<a href="joint_elbow.html">elbow</a>',
-    "effect": "cogging (position-periodic)",
-    "verdict of a joint": "partly explained, worse on held-out data (torque)",
+    "effect": ">cogging</td>",
+    "friction": 'data-label="Coulomb">1.0',
+    "picture": '"x_label":"velocity, rad/s"',
+    "verdict of a joint": "partly explained, worse on held-out logs (torque)",
     "joint that failed": "the torque is zero",
     "role": 'data-label="role">held out<',
     "command": "frictionjoint close-loop a.csv",
@@ -74,7 +79,11 @@ def robot(demo_report) -> RobotReport:
 
 @pytest.fixture(scope="module")
 def page(robot) -> str:
-    return render_robot(robot, page_names(list(robot.joints)), "frictionjoint close-loop a.csv")
+    return render_robot(robot, page_names(list(robot.joints)), content(robot))
+
+
+def content(robot: RobotReport) -> dict:
+    return robot.to_dict() | {"made": made("frictionjoint close-loop a.csv", robot.seconds)}
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -83,13 +92,28 @@ def test_each_part_is_there(page, part):
 
 
 def test_a_shared_cause_has_the_errors_of_each_joint(page, demo_report):
-    r = demo_report
-    ends = (100.0 * x.held_out / r.measured_rms for x in (r.before_torque, r.after_torque))
-    assert "elbow {:.2g}% to {:.2g}%".format(*ends) in page
+    whole = demo_report.drive_rms("after").held_out
+    ends = (x.held_out for x in (demo_report.before_torque, demo_report.after_torque))
+    assert "elbow {} → {}".format(*(percentage(x, whole) for x in ends)) in page
+
+
+def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
+    s = summarise_robot(content(robot))
+    for row in s.rows:
+        own = render(robot.joints[row.joint].report, joint_content(content(robot), row.joint))
+        for percent in row.torque.split(" → "):
+            assert f"({percent})" in own
+
+
+def test_at_most_three_notes_stand_before_the_first_table(robot):
+    noted = replace(robot, notes=tuple(f"remark {'x' * i}" for i in range(9)))
+    page = render_robot(noted, page_names(list(noted.joints)), content(noted))
+    assert page.partition("<table>")[0].count("remark ") == 3
+    assert page.count("remark ") == 9
 
 
 def test_a_larger_error_within_its_interval_or_unseen_is_not_called_worse(page, robot):
-    assert page.count("worse on held-out data") == 1
+    assert page.count("worse on held-out logs (torque)") == 1
     assert {n: r.worse for n, r in robot.joints.items() if r.worse} == {"wrist": ("torque_rms",)}
 
 
@@ -99,37 +123,29 @@ def test_no_cell_is_empty(page):
     assert all(re.sub(r"<[^>]+>", "", cell).strip() for cell in cells)
 
 
-def test_the_sentence_says_what_fell_and_what_did_not(robot):
-    assert whole(robot) == (
-        "The torque error falls from 11.9% to 3.1% of the rms torque (mean of the joints, held-out "
-        "data). The position error falls from 0.011 rad to 0.0031 rad rms when all joints are "
-        "simulated together, restarted from the log every 0.5 s."
-    )
-    further = replace(robot, after=RobotErrors(Rms(2.0, 12.0), Rms(None, None)))
-    assert whole(further) == (
-        "The torque error rises from 11.9% to 12% of the rms torque (mean of the joints, held-out "
-        "data)."
-    )
+def test_the_summary_says_what_fell_and_what_did_not(robot):
+    assert "torque 12% → 3.1% (mean of the joints)" in robot.summary().lower()
+    assert "0.011 → 0.0031 rad, all joints together" in robot.summary()
+    further = replace(robot, after=RobotErrors(Rms(2.0, 12.5), Rms(None, None)))
+    assert "12% → 12% (mean of the joints), which is worse" in further.summary()
 
 
 def test_joints_that_move_farther_together_on_fitted_data_are_told(robot):
     before = RobotErrors(Rms(10.0, 12.0), Rms(0.046, 0.05))
     after = RobotErrors(Rms(2.0, 3.0), Rms(1.15, 0.04))
-    text = whole(replace(robot, before=before, after=after))
-    assert "On the fitted data it rises from 0.046 to 1.15 rad" in text
+    text = replace(robot, before=before, after=after).summary()
+    assert "worse on fitted logs: 0.046 → 1.15 rad" in text
 
 
-def test_position_errors_have_their_unit_and_a_dash_its_reason(robot, page, capsys):
-    dash = "–: no position error is stated, since the simulation leaves the logged motion"
-    show_robot(robot)
-    told = capsys.readouterr().out
-    assert f"{robot.joints['elbow'].before_replay.held_out:.3g}\u00a0rad" in told
-    assert dash not in told + page
-    lost = replace(robot.joints["elbow"], before_replay=Rms(None, None))
-    astray = replace(robot, joints=robot.joints | {"elbow": lost})
-    show_robot(astray)
-    assert dash in capsys.readouterr().out
-    assert dash in render_robot(astray, page_names(list(robot.joints)), "")
+def test_position_errors_have_their_unit_and_a_dash_its_reason(robot, page):
+    before = robot.joints["elbow"].before_replay.held_out
+    assert f"{before:.3g}\u00a0rad" in robot.summary()
+    assert "a dash where the simulation leaves the logged motion" in page
+
+
+def test_a_robot_says_in_a_line_what_it_is_and_draws_every_joint(robot):
+    assert repr(robot).startswith("RobotReport(elbow: explained, wrist: partly-explained")
+    assert len(robot.plot().axes) == 2 * len(robot.joints)
 
 
 def test_a_note_says_whose_it_is_unless_it_is_that_of_all():

@@ -36,7 +36,8 @@ def test_spread_over_units_beside_the_error_of_one():
 
 
 def test_the_page_states_units_that_failed():
-    page = render_units(UnitsReport({}, {"third <unit>": "no log"}), "frictionjoint")
+    report = UnitsReport({}, {"third <unit>": "no log"})
+    page = render_units(report, report.to_dict())
     assert "third &lt;unit&gt;" in page
     assert "no log" in page
 

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import Reading, kept_of
 from frictionjoint.cli.output import require_writable
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import console, progress, show_report
 from frictionjoint.errors import LogError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -20,7 +20,6 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
     from frictionjoint.identify.held import Pose
     from frictionjoint.robot.logs import RobotLogs
-    from frictionjoint.robot.report_data import RobotReport
     from frictionjoint.robot.units import UnitsReport
 
 
@@ -114,7 +113,7 @@ def close_loop_of_robot(request: RobotRequest, wanted: Wanted) -> None:
     if wanted.as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
         return
-    show_robot(report)
+    show_report(report)
     typer.echo(f"Report: {wanted.out / 'report.html'}   Model: {wanted.out / 'model.xml'}")
 
 
@@ -160,11 +159,11 @@ def close_loop_of_units(
 
 def show_units(report: "UnitsReport") -> None:
     """Each unit in a sentence, and how much they differ."""
-    from frictionjoint.report.robot_wording import whole
+    from frictionjoint.report.write_robot_units import unit_sentence
 
     out = console()
     for name, unit in report.units.items():
-        out.print(f"{name}: {whole(unit)}", soft_wrap=True, markup=False)
+        out.print(f"{name}: {unit_sentence(unit.to_dict())}", soft_wrap=True, markup=False)
     for name, text in report.failed.items():
         out.print(f"{name}: {text}", soft_wrap=True, markup=False)
     table = Table("of", "parameter", "mean", "deviation", "standard error")
@@ -174,42 +173,3 @@ def show_units(report: "UnitsReport") -> None:
         cells = f"{row.mean:.4g}", f"{row.deviation:.2g}", error
         table.add_row(row.owner, row.name + measured_in, *cells)
     out.print(table)
-
-
-def show_robot(report: "RobotReport") -> None:
-    """Shared causes, a row a joint, the robot as a whole."""
-    from frictionjoint.report.robot_wording import (
-        joint_rows,
-        shared_rows,
-        torsion_rows,
-        unstated,
-        whole,
-    )
-
-    out = console()
-    for row in shared_rows(report):
-        ties = f" (or {', '.join(row.ties)})" if row.ties else ""
-        cause = f"{row.cause}{row.place}{ties}"
-        out.print(f"shared: {cause}: {row.values}", soft_wrap=True, markup=False)
-        out.print(f"  cross-validated gain {row.gain:.1%}, p {row.p_value:.2g}", markup=False)
-    errors = ("torque before", "after", "replay before", "after")
-    table = Table("joint", "effects added", *errors, "verdict")
-    joints = joint_rows(report)
-    for line in joints:
-        cells = (line.before, line.after, line.replay_before, line.replay_after)
-        # why a joint has no result is a sentence, too long for a cell
-        table.add_row(
-            line.joint, line.effects, *cells, line.verdict if line.explained else "no result"
-        )
-    out.print(table)
-    if dash := unstated(joints):
-        out.print(dash, soft_wrap=True)
-    for joint, why in report.failed.items():
-        out.print(f"{joint}: {why}", soft_wrap=True, markup=False)
-    for twist in torsion_rows(report):
-        parts = f"stiffness {twist.stiffness}, backlash {twist.backlash}"
-        text = f"{twist.joint}: {parts}, hysteresis {twist.hysteresis}"
-        out.print(text, soft_wrap=True, markup=False)
-    proposals = [report.excitation.text] if report.excitation else []
-    for text in (whole(report), *report.notes, *proposals):
-        out.print(f"* {text}", soft_wrap=True, markup=False)

@@ -2,21 +2,23 @@
 
 import contextlib
 import re
+import time
 import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.diagnose.report_data import Report
-    from frictionjoint.diagnose.rms import Rms
     from frictionjoint.identify.result import Estimate
+    from frictionjoint.robot.report_data import RobotReport
 
-# "fit: start 3 of 12": work that says how much is left gets a bar
-_COUNTED = re.compile(r"(\d+) of (\d+)")
+# "fit: start 3 of 12": work that says how much is left
+_COUNTED = re.compile(r"(\d+)(?: of |/)(\d+)")
 _PIPED_WIDTH = 120
 
 
@@ -28,19 +30,56 @@ def console() -> Console:
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr that says what is being done and what is left of it."""
+    """A line on stderr: what is being done, the part of it that is done, and the time left.
+
+    A message that counts ("4 of 12", "4/12") has a percentage; the time left is estimated from the
+    time that the counted steps have taken so far.
+    """
     err = Console(stderr=True)
-    bar = BarColumn(bar_width=24)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), bar, TimeElapsedColumn())
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        TextColumn("{task.fields[left]}"),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as shown:
-        task = shown.add_task("reading", total=None)
+        task = shown.add_task("Reading", total=None, left="")
+        steps = Steps()
 
         def tell(text: str) -> None:
-            counted = _COUNTED.search(text)
-            done, total = (int(counted[1]) - 1, int(counted[2])) if counted else (0, None)
-            shown.update(task, description=text, completed=done, total=total)
+            left = steps.left(text, time.monotonic())
+            shown.update(task, description=text[:1].upper() + text[1:], left=left)
 
         yield tell
+
+
+@dataclass
+class Steps:
+    """Steps of one counted kind of work, and when they began."""
+
+    kind: str = ""
+    begin: float = 0.0
+    first: int = 0
+
+    def left(self, text: str, now: float) -> str:
+        """Per cent that is done and the time left, from a message such as "4 of 12"."""
+        counted = _COUNTED.search(text)
+        if not counted:
+            self.kind = ""
+            return ""
+        done, total = int(counted[1]) - 1, int(counted[2])
+        kind = text[: counted.start()]
+        if kind != self.kind:
+            self.kind, self.begin, self.first = kind, now, done
+        part = f"{100 * done // max(1, total)}%"
+        if done <= self.first:
+            return part
+        seconds = (now - self.begin) / (done - self.first) * (total - done)
+        return f"{part}, about {_duration(seconds)} left"
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min"
 
 
 @contextlib.contextmanager
@@ -53,37 +92,9 @@ def warnings_afterwards() -> Iterator[None]:
         warnings.warn(text, RuntimeWarning, stacklevel=3)
 
 
-def show_report(report: "Report") -> None:
-    """Errors before and after, what was added and why, the verdict, what to record next."""
-    from frictionjoint.report.wording import drive, interval, known_as, sentence
-
-    unit, position = report.units
-    table = Table(f"{drive(report)} rms", "fitted logs", "held out", "95% interval")
-    stages = (("before", report.before_torque), ("after", report.after_torque))
-    for (name, rms), pair in zip(stages, report.torque_interval or (None, None), strict=True):
-        table.add_row(name, *_errors(rms, unit), interval(pair))
-    out = console()
-    out.print(table)
-    if report.result_loops:
-        table = Table("position in closed loop, mean absolute error", "fitted logs", "held out")
-        for name, loops in zip(("before", "after"), report.result_loops, strict=True):
-            table.add_row(name, *_errors(loops.mae, position))
-        out.print(table)
-    for added in report.added:
-        ties = f", or {', '.join(added.evidence.ties)}" if added.evidence.ties else ""
-        out.print(
-            f"added {known_as(added.effect)}{ties}: "
-            f"cross-validated gain {added.evidence.held_out_gain:.1%}, "
-            f"p {added.evidence.p_value:.2g}, runner-up {added.evidence.runner_up}"
-        )
-    out.print(sentence(report), soft_wrap=True)
-    for text in (*report.notes, *report.proposals):
-        out.print(f"* {text}", soft_wrap=True, markup=False)
-
-
-def _errors(pair: "Rms", unit: str) -> list[str]:
-    """Cells of the logs fitted and of those held out."""
-    return ["-" if x is None else f"{x:.4g} {unit}" for x in (pair.fit, pair.held_out)]
+def show_report(report: "Report | RobotReport") -> None:
+    """The summary of a report: verdict, friction numbers, at most five notes."""
+    console().print(report.summary(), soft_wrap=True, markup=False, highlight=False)
 
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:

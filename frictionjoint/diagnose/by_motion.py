@@ -69,20 +69,20 @@ def _asked_for(
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
     for _ in range(_MOST_LOOKS):
-        progress("effects by motion")
+        progress("checking effects by the simulated motion")
         best = None
         for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
             other = _tried(prepared, fitted, courses, armature, partial(_begin, now, coefficients))
             part = taken(other, now) / float(np.mean(now.near_fitted**2))
-            progress(f"effects by motion: {term.name} takes {part:.0%}")
+            progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
             if not is_large(other, now, courses):
                 continue
             seen = told(term, other, now)
             (row,) = seen.rows
             gain = seen.gain(row)
-            progress(f"effects by motion: {term.name} gains {gain:.0%}, p {row.p_value:.3f}")
+            progress(f"checking {term.name} by the simulated motion: p {row.p_value:.3f}")
             if row.p_value <= SIGNIFICANCE and (best is None or gain > best[0].gain):
                 own = Finding(term, seen, row, gain, (), (), fitted)
                 best = own, prepared, other
@@ -108,7 +108,7 @@ def _with_armature(
         return now
     terms = (*found.final.effects, EffectTerm(ARMATURE))
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
-    progress("refine: armature")
+    progress("refining the armature")
     begin = partial(_begin, now, np.zeros(1))
     other = _tried(prepared, fitted, courses, now.vector.armature, begin)
     asked = clearly_less(other.near, now.near)

@@ -32,11 +32,13 @@ from frictionjoint.diagnose.report_data import LogEntry, Report
 from frictionjoint.diagnose.report_parts import (
     added,
     curves,
+    followed_positions,
     forms,
     intervals,
     rankings,
     replay_intervals,
     rivals,
+    simulated_positions,
     ties,
     torque_rms,
 )
@@ -153,7 +155,7 @@ def explain(
     if controller:
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
         said += unknown_notes(controller)
-    progress("rigid-body torque")
+    progress("computing the torque of the model")
     fitted_on = prepare(list(logs), mine, controller=controller)
     check(fitted_on)
     kept_back = None
@@ -194,7 +196,7 @@ def explain(
     cov = stated_covariance(moving, found.final)
     left = errors_elsewhere(moving, found.final, cov)
     kept_moving = weighted(kept_as_fitted, found.final, left) if kept_as_fitted else None
-    progress("replay")
+    progress("simulating the logs")
     spec = body.spec()
     if scaled:
         friction_spec(spec, joint, best)
@@ -202,6 +204,7 @@ def explain(
     if closed:  # the target drives the joint, as it will where the model is used
         after_it = refined.loops if refined and refined.taken else closed[1]
         runs = [loop.replays for loop in (closed[0], after_it)]
+        positions = followed_positions(closed[0], after_it)
     else:
         runs = [
             (replay(on, mine, f), replay(kept, theirs, f) if kept else None)
@@ -211,6 +214,7 @@ def explain(
             )
             if scaled
         ]
+        positions = simulated_positions(moving, kept_as_fitted, runs)
     before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
@@ -221,7 +225,7 @@ def explain(
     floor = noise_floor(moving, found.final.gain)
     final = law_estimates(found.final, cov, body.slide)
     open_questions = what_to_record(ties(found), forms(found), unexplained, final, bool(held_out))
-    progress("what to record next")
+    progress("choosing what to record next")
     computed: Sequence[str] = ()
     if scaled:  # else no motion says which torque it asks of the drive
         planner = Planner(moving, found.final, body)
@@ -253,15 +257,19 @@ def explain(
         rankings=rankings(found),
         proposals=(*open_questions, *computed),
         notes=(
+            *((DIVERGES,) if diverges else ()),
             *said,
             *notes(found, cov, shows),
             *(gain_note(outcome.gain_error) if outcome and scaled else ()),
-            *((DIVERGES,) if diverges else ()),
         ),
         closed_loops=closed,
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
         controller=found_controller(controller, best, scaled) if controller else None,
+        carried=(
+            JointFriction(law_parameters(best), tuple(simulated_effects(best))) if scaled else None
+        ),
+        positions=positions,
     )
     return report, found
 

@@ -75,7 +75,7 @@ class Laws:
 
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the rivals' shapes together with some effects, from all starts."""
-        self._progress("fit: other laws")
+        self._progress("fitting other friction laws")
 
         def ripest(forms: tuple[Shape, ...]) -> Shape:
             place = ripened(prepared, effects, forms)[0]
@@ -162,7 +162,7 @@ class Laws:
 
         As a coarse look has them, which is near enough to be simulated.
         """
-        self._progress("fit: laws that leave as much")
+        self._progress("fitting friction laws that explain as much")
         places = [p for f in self.forms for p in ripened(prepared, fitted.effects, f)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]

@@ -31,8 +31,8 @@ def gain_note(error: float) -> tuple[str, ...]:
     if error < 1.0 / SURE:
         return ()
     return (
-        f"What torque the drive makes is known to {error:.0%} only, and all torques with it; the "
-        "simulated motion does not depend on it. A payload whose mass the MJCF holds would tell.",
+        f"The torque scale is uncertain by {error:.0%}: all torques scale together, the simulated "
+        "motion does not change. Record motion with a payload of known mass to determine it.",
     )
 
 
@@ -69,9 +69,9 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     if per_torque * np.sqrt(np.mean(gravity**2)) > fitted.rms:
         return ()
     return (
-        "What torque the drive makes follows from the MJCF's inertia alone, for gravity hardly "
-        "loads this joint: where that inertia is wrong by a factor, so are all torques. --gain, or "
-        "motion with a payload of known mass that gravity pulls at, would tell.",
+        "Gravity hardly loads this joint, so the torque scale comes from the MJCF's inertia alone: "
+        "if that inertia is wrong by a factor, so are all torques. Give --gain, or record motion "
+        "with a payload of known mass that gravity loads.",
     )
 
 
@@ -99,17 +99,15 @@ def _law_note(found: Trace) -> tuple[str, ...]:
     if not found.other:
         return ()
     own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
-    unit, _ = units_of(found.final, found.prepared.slide)
-    mine, its = found.final.rms_in_motion, found.other.rms_in_motion
-    left = f"{mine:.3g} {unit} on fitted logs, {other} {its:.3g} {unit}"
     if own != final:
+        less = 1.0 - found.final.rms_in_motion / found.other.rms_in_motion
         return (
-            f"The friction law {final} takes the place of {own}: with the same effects it leaves "
-            f"{left}. --law {own} keeps {own}.",
+            f"The friction law {final} was used instead of {own}: with the same effects its error "
+            f"on fitted logs is {less:.0%} smaller. --law {own} uses {own}.",
         )
     return (
-        f"The effects were found with the law {other} and then added to {final}, which leaves "
-        f"{left}. --law {other} reports and simulates that law.",
+        f"The effects were found with the law {other} and then added to {final}. --law {other} "
+        "reports and simulates that law.",
     )
 
 
@@ -119,9 +117,8 @@ def _constraint_note(fitted: Fit) -> tuple[str, ...]:
         return ()
     lead = f"{1e3 * fitted.shape.lead:.2g} ms"
     return (
-        f"Friction changes direction {lead} ahead of the velocity. MuJoCo's own "
-        "frictionloss does so, and the law named here then follows the velocity. In the log of a "
-        "robot it says that the drive was read that much before the position.",
+        f"Torque leads position by {lead}: probably a sampling offset between the two signals. "
+        "MuJoCo's own frictionloss looks the same.",
     )
 
 

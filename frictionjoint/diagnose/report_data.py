@@ -1,21 +1,26 @@
 """What the loop found, as plain data: the content of report.json and of the page."""
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import ParameterError
+from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
-from frictionjoint.simulate.carrier import JointFriction
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
@@ -117,6 +122,23 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class SimulatedPosition:
+    """Measured and simulated position of one log, each of shape (n,), rad (m).
+
+    Without a controller the simulation restarts from the log every 0.5 s, where `before` and
+    `after` are NaN. With a controller it follows the target from the first sample on.
+    """
+
+    name: str
+    role: Role
+    time: Array
+    measured: Array
+    before: Array
+    after: Array
+    target: Array | None = None
+
+
+@dataclass(frozen=True)
 class Looked:
     """A look at all candidates.
 
@@ -129,8 +151,13 @@ class Looked:
     runner_up: str | None
     rows: tuple[tuple[str, float, float], ...]
 
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        rows = [{"effect": n, "gain": gain, "p_value": p} for n, gain, p in self.rows]
+        return {"chosen": self.chosen, "runner_up": self.runner_up, "rows": rows}
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Report:
     """Outcome of `close_loop`.
 
@@ -143,6 +170,8 @@ class Report:
     `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
     not determine the torque that a current or a voltage makes, torques are in A or V, or over a
     controller's unknown kp in rad or m; there is no replay and the model carries no friction.
+    `carried` is the friction that model.xml contains; None where the model carries none.
+    `positions` are the simulated positions of the logs, empty where nothing was simulated.
     """
 
     joint: str
@@ -175,6 +204,58 @@ class Report:
     controller: Controller | None = None
     reconstructed: bool = False
     posterior: Posterior | None = field(default=None, repr=False)
+    carried: JointFriction | None = field(default=None, repr=False)
+    positions: tuple[SimulatedPosition, ...] = field(default=(), repr=False)
+
+    def __repr__(self) -> str:
+        added = ", ".join(x.effect for x in self.added) or "nothing"
+        return f"Report(joint={self.joint!r}, verdict={self.verdict!r}, added: {added})"
+
+    def summary(self) -> str:
+        """The verdict, the errors and the friction numbers as text, as the command line prints."""
+        from frictionjoint.report.text import summary_text  # what draws is above this package
+
+        return summary_text(self.to_dict())
+
+    def plot(self) -> "Figure":
+        """Friction-speed curve, torque and position of the worst held-out stretch (matplotlib)."""
+        from frictionjoint.report.picture import draw
+
+        return draw(self)
+
+    def drive_rms(self, stage: Literal["before", "after"]) -> Rms:
+        """rms of the drive in motion, in the unit of torques; None for a role without logs.
+
+        Before it is the drive of the controller as its file says, after it is the drive as effects
+        of the drive have changed it.
+        """
+        values: dict[Role, float | None] = {}
+        for role in get_args(Role):
+            drives = [
+                (c.given if stage == "before" else c.measured)[c.in_motion]
+                for c in self.curves
+                if c.role == role
+            ]
+            together = np.concatenate(drives) if drives else np.zeros(0)
+            values[role] = float(np.sqrt(np.mean(together**2))) if len(together) else None
+        return Rms(values["fit"], values["held-out"])
+
+    def _at_rest(self) -> float:
+        """Fraction of the samples whose torque the position does not determine."""
+        moving = [c.in_motion for c in self.curves]
+        return 1.0 - float(np.mean(np.concatenate(moving))) if moving else 0.0
+
+    def _log_errors(self) -> list[dict[str, Any]]:
+        """rms errors of the torque in motion of each log, before and after."""
+        found = []
+        for c in self.curves:
+            on = c.in_motion
+            before, after = (
+                float(np.sqrt(np.mean((c.measured - x)[on] ** 2))) if on.any() else None
+                for x in (c.before, c.after)
+            )
+            found.append({"name": c.name, "role": c.role, "before": before, "after": after})
+        return found
 
     @property
     def changed(self) -> bool:
@@ -231,6 +312,21 @@ class Report:
             "joint": self.joint,
             "units": {"torque": self.units[0], "position": self.units[1]},
             "logs": [log.to_dict() for log in self.logs],
+            "log_errors": self._log_errors(),
+            "slide": self.slide,
+            "drive": {
+                "source": "controller" if self.reconstructed else "measured",
+                "rms": {
+                    "before": self.drive_rms("before").to_dict(),
+                    "after": self.drive_rms("after").to_dict(),
+                },
+            },
+            "intervals": {
+                "torque_rms": _staged(self.torque_interval),
+                "replay_rms": _staged(self.replay_interval),
+            },
+            "bandwidth_hz": self.bandwidth_hz,
+            "at_rest": self._at_rest(),
             "base": {
                 "law": self.laws[0].law,
                 "parameters": {name: x.to_dict() for name, x in self.base.items()},
@@ -250,9 +346,21 @@ class Report:
             },
             **({"refined": self._refined()} if self.refined else {}),
             **({"posterior": self.posterior.to_dict()} if self.posterior else {}),
+            **({"model": toml_document(*_both(self.carried)).unwrap()} if self.carried else {}),
+            "thresholds": {"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
+            "candidates": [look.to_dict() for look in self.rankings],
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
             "proposals": list(self.proposals),
             "notes": list(self.notes),
             "verdict": self.verdict,
         }
+
+
+def _staged(pair: Intervals | None) -> dict[str, list[float]] | None:
+    """An interval before and one after, as in report.json."""
+    return {"before": list(pair[0]), "after": list(pair[1])} if pair else None
+
+
+def _both(carried: JointFriction) -> tuple[Friction, tuple[SimulatedEffect, ...]]:
+    return carried.parameters, carried.effects

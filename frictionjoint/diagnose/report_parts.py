@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.closed_loop import ClosedLoop
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval
 from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.refined import LoopErrors
 from frictionjoint.diagnose.replay import Replay
 from frictionjoint.diagnose.report_data import (
     Added,
@@ -17,11 +19,12 @@ from frictionjoint.diagnose.report_data import (
     Intervals,
     Looked,
     Role,
+    SimulatedPosition,
 )
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import Q, V
+from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import term_estimates
 from frictionjoint.identify.segment import Prepared
@@ -155,6 +158,47 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
                 )
             )
     return tuple(curves)
+
+
+def simulated_positions(
+    fitted_on: Prepared,
+    kept_back: Prepared | None,
+    runs: Sequence[tuple[Replay, Replay | None]],
+) -> tuple[SimulatedPosition, ...]:
+    """Measured and replayed position of every log.
+
+    Args:
+        runs: before and after, of the logs fitted and of those held out; empty without a replay.
+    """
+    if not runs:
+        return ()
+    found = []
+    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
+    for i, (role, prepared) in enumerate(groups):
+        before, after = (run[i] for run in runs)
+        if prepared is None or before is None or after is None:
+            continue
+        for s, b, a in zip(prepared.segments, before.errors, after.errors, strict=True):
+            q, time = s.signals[:, Q], s.signals[:, TIME]
+            simulated = [q + np.where(np.isfinite(e), e, np.nan) for e in (b, a)]
+            found.append(SimulatedPosition(s.name, role, time, q, *simulated))
+    return tuple(found)
+
+
+def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[SimulatedPosition, ...]:
+    """Target, measured and simulated position of every log in closed loop."""
+    found = []
+    groups: list[tuple[Role, ClosedLoop | None, ClosedLoop | None]] = [
+        ("fit", before.fit, after.fit),
+        ("held-out", before.held_out, after.held_out),
+    ]
+    for role, first, last in groups:
+        if first is None or last is None:
+            continue
+        for c, b, a in zip(last.courses, first.simulated, last.simulated, strict=True):
+            time = c.time - c.time[0]
+            found.append(SimulatedPosition(c.name, role, time, c.position, b, a, c.target))
+    return tuple(found)
 
 
 def rankings(found: Trace) -> tuple[Looked, ...]:

@@ -96,19 +96,19 @@ def trace(
         ParameterError: no law has this name.
     """
     rng = np.random.default_rng(seed)
-    progress("base fit")
+    progress("fitting the friction law")
     prepared, base = law_alone(prepared, forms_of(law or INTEGRATED_LAW), progress)
     laws = Laws(prepared, base, asked=law is not None, progress=progress)
     prepared, current = laws.better(prepared, base)
     state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
     bent = False
     for change in range(1, _MOST_CHANGES + 1):
-        progress(f"step {change}: trying candidates")
+        progress(f"looking for missing effect {change}")
         state.law_errs = True
         left = state.fit.drive_rms
         taken = _step(state, rng)
         if taken:
-            progress(f"step {change}: {', '.join(taken)}")
+            progress(f"missing effect {change}: {', '.join(taken)}")
         # what is named now may have bent the laws, and as long as a drive is off they are bent
         bent = bent or state.fit.drive_rms**2 < (1.0 - APART) * left**2
         if bent and not (taken and _early(state)):

@@ -47,7 +47,7 @@ def fit(
     finalists = [p for p in ripe if p.cost <= _NEAR_BEST * ripe[0].cost][:_FINALISTS]
     final = []
     for i, place in enumerate(finalists):
-        progress(f"fit: all samples, start {i + 1} of {len(finalists)}")
+        progress(f"fitting the friction law to all samples, {i + 1} of {len(finalists)}")
         shape, moved = place.search.split(place.x)
         search = Search(prepared, moved, nearer(prepared, moved, shape.last_choices()))
         final.append(search.run(search.start, _FEW, ROUGH))
@@ -124,6 +124,6 @@ def unripe(
     places: list[Place] = []
     with side_by_side() as each:
         for i, found in enumerate(each(tried, forms)):
-            progress(f"fit: form {i + 1} of {len(forms)}")
+            progress(f"fitting the friction law, {i + 1} of {len(forms)}")
             places += found
     return in_order(places, lambda place: place.cost)

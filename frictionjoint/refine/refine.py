@@ -77,7 +77,7 @@ def refine(
     vectors = [Vector(prepared, fitted, cov, armature, begin) for begin in begins]
     vector, x = by_windows(vectors, courses, progress)
     found = tried(vector, courses, [x], progress)
-    progress("refine: guard")
+    progress("checking the refinement on logs left out")
     return judged(prepared, found, courses)
 
 

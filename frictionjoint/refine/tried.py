@@ -99,7 +99,7 @@ def tried(
     """
     windows = Objective(vector, courses, WINDOW_S, vector.start)
     objective = Objective(vector, courses, None, starts[0])
-    progress(f"refine: whole logs, {1e3 * objective.size:.3g} mrad")
+    progress(f"refining by simulation of whole logs, error {1e3 * objective.size:.3g} mrad")
     costs = [_cost(objective, start) for start in starts]
     some = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
     x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
@@ -115,7 +115,7 @@ def by_windows(
     found = []
     for vector in vectors:
         windows = Objective(vector, courses, WINDOW_S, vector.start)
-        progress(f"refine: windows of {WINDOW_S:g} s, {1e3 * windows.size:.3g} mrad")
+        progress(f"refining by simulation of {WINDOW_S:g} s, error {1e3 * windows.size:.3g} mrad")
         x, _ = _search(windows, vector.start)
         whole = Objective(vector, courses, None, x)
         found.append((float(np.mean(np.abs(whole.errors(whole.units(x))))), vector, x))

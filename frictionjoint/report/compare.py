@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from frictionjoint.arrays import Array
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
-from frictionjoint.report.figure import HALF, figure, svg
 from frictionjoint.report.html import fill
+from frictionjoint.report.picture import page_figure, svg
 from frictionjoint.simulate.carrier import JointFriction
 
 KINDS = (".html", ".png", ".svg")
@@ -137,7 +137,7 @@ def draw(found: list[Compared], kind: str) -> str | bytes:
 def _page(found: list[Compared]) -> str:
     panels = []
     for k, panel in enumerate(PANELS):
-        made, (axes,) = figure(HALF, 3.7)
+        made, axes = page_figure(5.0, 3.7)
         _panel(axes, found, k)
         panels.append((panel[0].capitalize(), svg(made, f"panel{k}")))
     return fill(
@@ -156,7 +156,6 @@ def _picture(found: list[Compared], kind: str) -> bytes:
         axes.set_title(PANELS[k][0])
         axes.ticklabel_format(axis="x", scilimits=(-2, 3))
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
     buffer = io.BytesIO()
     made.savefig(buffer, format=kind, dpi=120)
     return buffer.getvalue()
@@ -167,5 +166,6 @@ def _panel(axes: Axes, found: list[Compared], k: int) -> None:
         # dashes let equal curves be seen
         line = "-" if i % 2 == 0 else "--"
         axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
+    axes.legend(fontsize=8)
     axes.set_xlabel(PANELS[k][1])
     axes.set_ylabel(PANELS[k][2])

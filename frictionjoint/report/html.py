@@ -1,26 +1,77 @@
-"""What all pages have in common: template and style. Reading a page fetches nothing."""
+"""What all pages have in common: template, style, charts. Reading a page fetches nothing."""
 
+import json
+import math
 import platform
 from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import Environment
+import numpy as np
+from jinja2 import DictLoader, Environment
 from markupsafe import Markup
 
+from frictionjoint.arrays import Array
+from frictionjoint.report.charts import Chart
+
 _MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
+# figures of a number in a chart
+_FIGURES = 5
+
+
+def versions() -> dict[str, str]:
+    """Versions of what makes a report, by name."""
+    found = {name: version(name) for name in _MADE_BY}
+    return found | {"Python": platform.python_version()}
 
 
 def fill(template: str, filters: dict[str, Any], **values: Any) -> str:
     """A page from a template of this folder; whatever is no `Markup` is escaped."""
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= filters
-    versions = [f"{name} {version(name)}" for name in _MADE_BY]
+    loader = DictLoader({"macros": _text("macros.html.j2")})
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=loader)
+    environment.filters |= filters | {"chart": chart_html}
     return environment.from_string(_text(template)).render(
         values,
         style=Markup(_text("style.css")),
-        versions=", ".join([*versions, f"Python {platform.python_version()}"]),
+        charts=Markup(_text("chart.js")),
+        versions=", ".join(f"{name} {x}" for name, x in versions().items()),
     )
+
+
+def chart_html(chart: Chart, small: bool = False) -> Markup:
+    """A chart as a part of a page; `chart.js` draws it."""
+    data = {
+        "x_label": chart.x_label,
+        "y_label": chart.y_label,
+        "group": chart.group,
+        "series": [
+            {
+                "name": s.name,
+                "kind": s.kind,
+                "colour": s.colour,
+                "x": _rounded(s.x),
+                "y": _rounded(s.y),
+            }
+            for s in chart.series
+        ],
+    }
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    # nothing in it may end the element that holds it
+    text = text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+    size = "low" if chart.low else "small" if small else ""
+    return Markup(
+        '<figure class="chart {}"><figcaption>{}</figcaption><div class="legend"></div>'
+        '<canvas role="img" aria-label="{}"></canvas>'
+        '<script type="application/json">{}</script></figure>'
+    ).format(size, chart.title, chart.title, Markup(text))
+
+
+def _rounded(x: Array) -> list[float | None]:
+    """Numbers to five figures; null where there is none."""
+    return [
+        None if not math.isfinite(v) else float(f"{v:.{_FIGURES}g}")
+        for v in np.asarray(x, dtype=float).tolist()
+    ]
 
 
 def _text(name: str) -> str:

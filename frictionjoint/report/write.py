@@ -7,11 +7,14 @@ import secrets
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from frictionjoint.diagnose.report_data import Report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.model_text import placed, require_compiles
+from frictionjoint.report.html import versions
 from frictionjoint.report.page import render
 
 FILES = ("report.json", "report.html", "model.xml")
@@ -24,14 +27,30 @@ def write_report(report: Report, folder: Path, command: str) -> None:
     Raises:
         FrictionJointError: the folder cannot be written, or the model would not load there.
     """
+    content = report.to_dict() | {"made": made(command, report.seconds)}
     contents = {
-        "report.json": json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n",
-        "report.html": render(report, command),
+        "report.json": json_text(content),
+        "report.html": render(report, content),
         "model.xml": placed(report.mjcf, folder),
     }
     if report.controller is not None:
         contents["controller.toml"] = report.controller.to_toml()
     write_files(folder, contents, {"model.xml": require_compiles})
+
+
+def made(command: str, seconds: float | None = None) -> dict[str, Any]:
+    """How a report was made, as in report.json: command, date, versions, duration in s."""
+    found = {
+        "command": command,
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "versions": versions(),
+    }
+    return found if seconds is None else found | {"seconds": seconds}
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """report.json as text."""
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def write_files(

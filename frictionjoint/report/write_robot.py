@@ -3,22 +3,17 @@
 Where controllers are known, each joint has its own: what was found of its drive is in it.
 """
 
-import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from frictionjoint.model_text import placed, require_compiles
+from frictionjoint.report import charts
 from frictionjoint.report.html import fill
-from frictionjoint.report.page import render
-from frictionjoint.report.robot_wording import (
-    joint_rows,
-    shared_rows,
-    torsion_rows,
-    unstated,
-    whole,
-)
-from frictionjoint.report.wording import three
-from frictionjoint.report.write import write_files
+from frictionjoint.report.page import FILTERS, render
+from frictionjoint.report.robot_summary import joint_content, summarise_robot
+from frictionjoint.report.write import json_text, made, write_files
 from frictionjoint.robot.report_data import RobotReport
 
 
@@ -29,11 +24,15 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
         FrictionJointError: the folder cannot be written, or the model would not load there.
     """
     pages = page_names(list(report.joints))
+    content = report.to_dict() | {"made": made(command, report.seconds)}
     contents = {
-        "report.json": json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n",
-        "report.html": render_robot(report, pages, command),
+        "report.json": json_text(content),
+        "report.html": render_robot(report, pages, content),
         "model.xml": placed(report.mjcf, folder),
-    } | {pages[name]: render(r.report, command) for name, r in report.joints.items()}
+    } | {
+        pages[name]: render(result.report, joint_content(content, name))
+        for name, result in report.joints.items()
+    }
     for name, result in report.joints.items():
         if result.report.controller is not None:
             file = Path(pages[name]).with_suffix(".controller.toml").name
@@ -43,20 +42,26 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
     write_files(folder, contents, {"model.xml": require_compiles})
 
 
-def render_robot(report: RobotReport, pages: dict[str, str], command: str) -> str:
-    """The page as text; `pages`: names of the joints' own."""
-    joints = joint_rows(report)
+def render_robot(report: RobotReport, pages: dict[str, str], content: Mapping[str, Any]) -> str:
+    """The page as text.
+
+    Args:
+        report: whose time series are drawn. pages: file name of each joint's own page.
+        content: of report.json, which all figures and sentences come from.
+    """
+    pictures = []
+    for name, result in report.joints.items():
+        stretch = charts.worst_stretch(result.report)
+        drive, _ = charts.drive_charts(result.report, stretch, "", before=False)
+        speed = charts.friction_speed(result.report)
+        pictures.append((name, charts.small(drive), charts.small(speed)))
     return fill(
         "robot.html.j2",
-        {"figures": three},
-        report=report,
-        sentence=whole(report),
-        shared=shared_rows(report),
-        joints=joints,
-        unstated=unstated(joints),
-        twists=torsion_rows(report),
+        FILTERS,
+        s=summarise_robot(content),
         pages=pages,
-        command=command,
+        pictures=pictures,
+        made=content.get("made", {}),
     )
 
 

@@ -1,12 +1,13 @@
 """Write the reports of several robots of one kind: a page over all, a folder for each unit."""
 
-import json
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from frictionjoint.report.html import fill
-from frictionjoint.report.robot_wording import whole
-from frictionjoint.report.write import write_files
+from frictionjoint.report.robot_summary import summarise_robot
+from frictionjoint.report.write import json_text, made, write_files
 from frictionjoint.report.write_robot import write_robot_report
 from frictionjoint.robot.units import UnitsReport
 
@@ -22,12 +23,13 @@ def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
         FrictionJointError: the folder cannot be written, or a model would not load there.
     """
     new = not folder.exists()
+    content = report.to_dict() | {"made": made(command)}
     try:
         write_files(
             folder,
             {
-                "report.json": json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n",
-                "report.html": render_units(report, command),
+                "report.json": json_text(content),
+                "report.html": render_units(report, content),
             },
         )
         for name, unit in report.units.items():
@@ -38,13 +40,19 @@ def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
         raise
 
 
-def render_units(report: UnitsReport, command: str) -> str:
-    """The page as text."""
+def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
+    """The page as text, from the content of report.json."""
     return fill(
         "robot_units.html.j2",
         {},
         report=report,
-        sentences={name: whole(unit) for name, unit in report.units.items()},
+        sentences={name: unit_sentence(x) for name, x in content["units"].items()},
         spreads=report.spreads,
-        command=command,
+        made=content.get("made", {}),
     )
+
+
+def unit_sentence(content: Mapping[str, Any]) -> str:
+    """One unit's verdict and errors in two sentences."""
+    lines = dict(summarise_robot(content).verdict_lines)
+    return f"Missing: {lines['Missing']} Error: {lines['Error before and after']}"

@@ -83,7 +83,7 @@ def close_loop_robot(
     }
     count = processes(len(tasks)) if jobs is None else jobs
     with workers(count, scheduler) as each:
-        progress(f"base fit of {len(tasks)} joints")
+        progress(f"fitting the friction law of {len(tasks)} joints")
         firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
         failed = logs.failed | {n: x for n, x in firsts.items() if isinstance(x, str)}
         fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
@@ -98,27 +98,30 @@ def close_loop_robot(
         raise LogError(next(iter(failed.values())))
     corrected = ready[0].corrected
     assert corrected is not None
-    progress("what is not determined, and what to record next")
+    progress("choosing what to record next")
     settled = shared.settled.joints
     known = information(settled, logs.moving)
     excitation = next_trajectory(settled, logs.moving, known, seed)
-    progress("replay of all joints together")
+    progress("simulating all joints together")
     poses = _poses(next(iter(fitted.values())))
     spec = _with_friction(corrected, {n: x.after.fit for n, x in done.items()})
     spec.compile()
     results = {n: x.result for n, x in done.items()}
-    sizes = {n: r.report.measured_rms for n, r in results.items()}
     return RobotReport(
         logs=logs.entries,
         joints=results,
         failed=failed,
         shared=_stated(shared, done),
         before=RobotErrors(
-            mean_percent([(r.before_torque, sizes[n]) for n, r in results.items()]),
+            mean_percent(
+                [(r.before_torque, r.report.drive_rms("before")) for r in results.values()]
+            ),
             _replay(user, {n: x.before for n, x in done.items()}, poses),
         ),
         after=RobotErrors(
-            mean_percent([(r.report.after_torque, sizes[n]) for n, r in results.items()]),
+            mean_percent(
+                [(r.report.after_torque, r.report.drive_rms("after")) for r in results.values()]
+            ),
             _replay(corrected, {n: x.after for n, x in done.items()}, poses),
         ),
         undetermined=undetermined(known, {n: r.report.final for n, r in results.items()}),

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from frictionjoint.robot.compare import HARM
 from frictionjoint.robot.excitation import Excitation
 from frictionjoint.robot.paired import Interval
 from frictionjoint.robot.torsion import Torsion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SCHEMA = "frictionjoint/report-2"
 
@@ -37,6 +40,11 @@ class JointResult:
     before_replay: Rms
     increase: Mapping[str, Interval] = field(default_factory=dict)
     torsion: Torsion | None = None
+
+    @property
+    def shared_before(self) -> bool:
+        """Whether the user's model and the corrected one differ before effects are added."""
+        return self.before_torque != self.report.before_torque
 
     @property
     def worse(self) -> tuple[str, ...]:
@@ -69,6 +77,13 @@ class JointResult:
             "torque_rms": self.before_torque.to_dict(),
             "replay_rms": self.before_replay.to_dict(),
         }
+        if self.shared_before:
+            # errors before are those of the user's model, of which no interval is known
+            for pair in found["intervals"].values():
+                if pair:
+                    del pair["before"]
+            for row in found["log_errors"]:
+                row["before"] = None
         found["measured_rms"] = self.report.measured_rms
         found["increase"] = {
             name: [x if np.isfinite(x) else None for x in interval]
@@ -132,7 +147,7 @@ class RobotErrors:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RobotReport:
     """Outcome of `close_loop` for several joints.
 
@@ -151,6 +166,23 @@ class RobotReport:
     mjcf: str = field(repr=False)
     seconds: float
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        joints = ", ".join(f"{n}: {x.report.verdict}" for n, x in self.joints.items())
+        failed = f", failed: {', '.join(self.failed)}" if self.failed else ""
+        return f"RobotReport({joints}{failed})"
+
+    def summary(self) -> str:
+        """Verdict, shared causes and a table of the joints as text."""
+        from frictionjoint.report.text import robot_text  # what draws is above this package
+
+        return robot_text(self.to_dict())
+
+    def plot(self) -> "Figure":
+        """Torque of the worst held-out stretch and friction-speed curve per joint (matplotlib)."""
+        from frictionjoint.report.picture import draw_robot
+
+        return draw_robot(self)
 
     @property
     def verdict(self) -> Verdict:
@@ -179,14 +211,21 @@ class RobotReport:
         }
 
 
-def mean_percent(pairs: list[tuple[Rms, float]]) -> Rms:
-    """Errors over the rms of what was measured, in per cent, averaged over joints."""
+def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
+    """Errors over the rms of the drive on the same logs, in per cent, averaged over joints.
 
-    def mean(values: list[float | None]) -> float | None:
-        known = [x / size for x, (_, size) in zip(values, pairs, strict=True) if x is not None]
+    Args:
+        pairs: error and drive of each joint.
+    """
+
+    def mean(values: list[tuple[float | None, float | None]]) -> float | None:
+        known = [error / size for error, size in values if error is not None and size]
         return 100.0 * float(np.mean(known)) if known else None
 
-    return Rms(mean([rms.fit for rms, _ in pairs]), mean([rms.held_out for rms, _ in pairs]))
+    return Rms(
+        mean([(error.fit, drive.fit) for error, drive in pairs]),
+        mean([(error.held_out, drive.held_out) for error, drive in pairs]),
+    )
 
 
 def notes_of(results: Mapping[str, JointResult]) -> tuple[str, ...]:

@@ -89,7 +89,7 @@ def shared_causes(
     # sets of effects of single joints that the causes were settled beside
     besides: set[frozenset[str]] = set()
     for turn in range(1, _MOST_ROUNDS + 1):
-        progress(f"shared causes, round {turn}: trying candidates")
+        progress(f"looking for causes that joints share, round {turn}")
         here = now.settled.found
         possible = [*open_ones, *with_waves(now.joints, here)]
         candidates = [c for c in possible if c not in here.causes and c not in refused]
@@ -103,7 +103,9 @@ def shared_causes(
             common = _common(looked, seen)
             if not new:
                 break
-            progress(f"round {turn}: {', '.join(c.candidate.label for c in new)}")
+            progress(
+                f"causes that joints share, found: {', '.join(c.candidate.label for c in new)}"
+            )
             grown = _grown(now, new, each, beside)
             if grown is None:
                 refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}

@@ -1,0 +1,295 @@
+"""What a report draws, as data: the page draws it on a canvas, `Report.plot` with matplotlib."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.report_data import Curve, Report, SimulatedPosition
+from frictionjoint.law.motion import friction_torque
+from frictionjoint.parameters import Friction
+from frictionjoint.report.presliding import length, turns
+from frictionjoint.report.wording import axis
+
+Kind = Literal["line", "points"]
+Colour = Literal["measured", "before", "after", "target"]
+
+# points of a line and of a cloud, so that a page stays small
+_LINE, _CLOUD = 3000, 2500
+# s, and fraction of the log: length of the stretch that is shown in detail
+_STRETCH_S, _STRETCH = 2.0, 0.15
+# a gap in the samples is no line
+_GAP = 2.5
+# order in which a reader meets the quantities that an error may depend on
+_QUANTITIES = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
+# turning points drawn; length behind one over that of presliding
+_MOST_TURNS, _REACH = 12, 6.0
+# samples needed before sliding at a steady speed is reached, and its longest path, rad (m)
+_PATH = np.concatenate([[0.0], np.geomspace(1e-9, 10.0, 800)])
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve or cloud; x and y of shape (n,)."""
+
+    name: str
+    x: Array
+    y: Array
+    colour: Colour
+    kind: Kind = "line"
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One plot. Charts of one `group` are zoomed along x together."""
+
+    title: str
+    x_label: str
+    y_label: str
+    series: tuple[Series, ...]
+    group: str = ""
+    low: bool = False
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The part of a log that is shown in detail: its curve and samples."""
+
+    curve: Curve
+    window: slice
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """s, first and last."""
+        time = self.curve.time[self.window]
+        return float(time[0]), float(time[-1])
+
+
+def worst_stretch(report: Report) -> Stretch:
+    """Where the drive of a held-out log (else of a fitted one) is predicted worst."""
+    curves = [c for c in report.curves if c.role == "held-out"] or list(report.curves)
+    best = Stretch(curves[0], slice(0, len(curves[0].time))), -1.0
+    for c in curves:
+        span = float(c.time[-1] - c.time[0])
+        size = max(_STRETCH_S, _STRETCH * span)
+        squares = np.where(c.in_motion, (c.measured - c.after) ** 2, 0.0)
+        total = np.concatenate([[0.0], np.cumsum(squares)])
+        for begin in np.linspace(c.time[0], max(c.time[0], c.time[-1] - size), 60):
+            a, b = np.searchsorted(c.time, [begin, begin + size])
+            moving = int(c.in_motion[a:b].sum())
+            if moving < 2:
+                continue
+            error = float(total[b] - total[a]) / (b - a)
+            if error > best[1]:
+                best = Stretch(c, slice(int(a), int(b))), error
+    return best[0]
+
+
+def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[Chart, Chart]:
+    """Measured and predicted drive, and the error, over time."""
+    c, w = s.curve, s.window
+    name, unit = _drive(report), report.units[0]
+    predicted = [("before", c.before)] if before and report.changed else []
+    predicted.append(("after" if report.changed else "friction law", c.after))
+    above = [_line("measured", c.time[w], c.measured[w], "measured")]
+    below = []
+    for label, y in predicted:
+        colour: Colour = "before" if label == "before" else "after"
+        above.append(_line(label, c.time[w], y[w], colour))
+        below.append(_line(label, c.time[w], (c.measured - y)[w], colour))
+    return (
+        Chart(name.capitalize(), "time, s", f"{name}, {unit}", tuple(above), group),
+        Chart("Error (measured − predicted)", "time, s", unit, tuple(below), group, low=True),
+    )
+
+
+def position_charts(
+    report: Report, found: SimulatedPosition, times: tuple[float, float] | None, group: str
+) -> tuple[Chart, Chart]:
+    """Measured and simulated position, and the error, over time.
+
+    Args:
+        times: first and last, s; None for the whole log.
+    """
+    on = np.ones(len(found.time), dtype=bool)
+    if times:
+        on = (found.time >= times[0]) & (found.time <= times[1])
+    unit = report.units[1] if report.units[1] in ("rad", "m") else "rad"
+    t, q = found.time[on], found.measured[on]
+    above = [_line("measured", t, q, "measured")]
+    if found.target is not None:
+        above.append(_line("target", t, found.target[on], "target"))
+    below = []
+    stages: list[tuple[str, Array, Colour]] = [("after", found.after, "after")]
+    if report.changed:
+        stages.insert(0, ("before", found.before, "before"))
+    for label, x, colour in stages:
+        name = label if report.changed else "simulated"
+        above.append(_line(name, t, x[on], colour))
+        below.append(_line(name, t, x[on] - q, colour))
+    return (
+        Chart("Position", "time, s", f"position, {unit}", tuple(above), group),
+        Chart("Error (simulated − measured)", "time, s", unit, tuple(below), group, low=True),
+    )
+
+
+def worst_position(report: Report) -> SimulatedPosition | None:
+    """The held-out log (else a fitted one) whose position is simulated worst."""
+    held = [x for x in report.positions if x.role == "held-out"] or list(report.positions)
+    errors = [_rms(x.after - x.measured) for x in held]
+    return held[int(np.argmax(errors))] if held else None
+
+
+def worst_times(found: SimulatedPosition) -> tuple[float, float]:
+    """First and last time, s, of the stretch of a log where its position is simulated worst."""
+    first, last = float(found.time[0]), float(found.time[-1])
+    size = max(_STRETCH_S, _STRETCH * (last - first))
+    squares = np.nan_to_num((found.after - found.measured) ** 2)
+    total = np.concatenate([[0.0], np.cumsum(squares)])
+    begins = np.linspace(first, max(first, last - size), 60)
+    ends = np.searchsorted(found.time, begins + size)
+    sums = total[ends] - total[np.searchsorted(found.time, begins)]
+    begin = float(begins[int(np.argmax(sums))])
+    return begin, min(last, begin + size)
+
+
+def friction_speed(report: Report) -> Chart:
+    """Friction against speed: the fitted law, and what the rest of the model leaves of the data."""
+    moving = [c for c in report.curves if c.in_motion.any()] or list(report.curves)
+    v = np.concatenate([c.velocity[c.in_motion] for c in moving])
+    F = np.concatenate([(c.measured - c.after + c.friction)[c.in_motion] for c in moving])
+    fastest = float(np.abs(v).max()) if len(v) else 1.0
+    speeds, law = sliding(report.laws[1], fastest)
+    v, F = _thin(_CLOUD, v, F)
+    return Chart(
+        "Friction against speed",
+        axis("velocity", report.slide),
+        f"friction, {report.units[0]}",
+        (Series("data", v, F, "measured", "points"), Series("law, sliding", speeds, law, "after")),
+    )
+
+
+def sliding(law: Friction, fastest: float, points: int = 40) -> tuple[Array, Array]:
+    """Steady friction at speeds of both signs up to the fastest, shape (2 points + 1,)."""
+    half = np.geomspace(1e-3 * fastest, fastest, points)
+    speeds = np.concatenate([-half[::-1], [np.nan], half])
+    torques = [
+        np.nan if np.isnan(v) else friction_torque(law, _PATH / abs(v), np.sign(v) * _PATH)[-1]
+        for v in speeds
+    ]
+    # the line runs through zero speed as a step
+    speeds[points] = 0.0
+    return speeds, np.array(torques)
+
+
+def presliding(report: Report) -> Chart | None:
+    """Friction behind turning points, measured and by the law; None where the logs show none.
+
+    All turns are drawn as if the joint went on in the positive direction.
+    """
+    size = _REACH * length(report.laws[1])
+    found = [(c, window) for c in report.curves for window in turns(c, size)]
+    if not found:
+        return None
+    # the slowest ones: there presliding has the most samples
+    found.sort(key=lambda f: abs(np.ptp(f[0].position[f[1]])) / (f[1].stop - f[1].start))
+    gone, measured, law = [], [], []
+    for c, w in found[:_MOST_TURNS]:
+        sign = np.sign(c.position[w.stop - 1] - c.position[w.start])
+        gone.append(np.abs(c.position[w] - c.position[w.start]))
+        measured.append(sign * (c.measured - c.after + c.friction)[w])
+        law.append(sign * c.friction[w])
+    x, y = (_with_gaps(parts) for parts in (gone, law))
+    return Chart(
+        "Presliding behind the slowest turning points",
+        f"displacement since the turn, {report.units[1]}",
+        f"friction, {report.units[0]}",
+        (
+            Series("data", np.concatenate(gone), np.concatenate(measured), "measured", "points"),
+            Series("law", x, y, "after"),
+        ),
+    )
+
+
+def error_charts(report: Report) -> tuple[tuple[Chart, ...], tuple[Chart, ...]]:
+    """Error against measured quantities; second, those of other joints that explain nothing."""
+    found = {name for c in report.curves for name in c.quantities}
+    left = [n for n, _ in report.unexplained if n in found and n not in _QUANTITIES]
+    first = [n for n in _QUANTITIES if n in found] + left
+    others = sorted(found - set(first))
+    return tuple(_against(report, n) for n in first), tuple(_against(report, n) for n in others)
+
+
+def _against(report: Report, quantity: str) -> Chart:
+    curves = [c for c in report.curves if quantity in c.quantities]
+    on = np.concatenate([c.in_motion for c in curves])
+    x = np.concatenate([c.quantities[quantity] for c in curves])[on]
+    series = []
+    stages: list[tuple[str, Colour]] = [("after", "after")]
+    if report.changed:
+        stages.insert(0, ("before", "before"))
+    for stage, colour in stages:
+        e = np.concatenate([c.measured - getattr(c, stage) for c in curves])[on]
+        label = stage if report.changed else "friction law"
+        thin_x, thin_e = _thin(_CLOUD // 2, x, e)
+        series.append(Series(label, thin_x, thin_e, colour, "points"))
+        series.append(Series(f"{label}, mean", *_running_mean(x, e), colour))
+    label = axis(quantity, report.slide)
+    return Chart(f"Error against {label.partition(',')[0]}", label, report.units[0], tuple(series))
+
+
+def small(chart: Chart, most: int = 300) -> Chart:
+    """The chart with fewer points, for one of many side by side."""
+    series = []
+    for s in chart.series:
+        x, y = _thin(most, s.x, s.y)
+        series.append(replace(s, x=x, y=y))
+    return replace(chart, series=tuple(series))
+
+
+def _drive(report: Report) -> str:
+    """What the torques of a report are called."""
+    own = "force" if report.slide else "torque"
+    names = {"N m": own, "N": own, "A": "current", "V": "voltage"}
+    return names.get(report.units[0], f"{own} over kp")
+
+
+def _line(name: str, t: Array, y: Array, colour: Colour) -> Series:
+    """A line over time, broken where samples were left out."""
+    t, y = _thin(_LINE, t, y)
+    y = y.copy()
+    if len(t) > 2:
+        step = np.diff(t)
+        y[1:][step > _GAP * np.median(step)] = np.nan
+    return Series(name, t, y, colour)
+
+
+def _thin(most: int, *columns: Array) -> tuple[NDArray[np.float64], ...]:
+    """Every k-th sample."""
+    step = max(1, -(-len(columns[0]) // most))
+    return tuple(c[::step] for c in columns)
+
+
+def _with_gaps(parts: Sequence[Array]) -> Array:
+    gap = np.array([np.nan])
+    return np.concatenate([x for part in parts for x in (part, gap)])
+
+
+def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
+    """Means over equal numbers of samples."""
+    edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, 41)))
+    if len(edges) < 3:
+        return np.array([float(x.mean())]), np.array([float(y.mean())])
+    index = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+    count = np.maximum(np.bincount(index, minlength=len(edges) - 1), 1)
+    mean = np.bincount(index, y, minlength=len(edges) - 1) / count
+    return np.array([0.5 * (a + b) for a, b in pairwise(edges)]), mean
+
+
+def _rms(e: Array) -> float:
+    known = e[np.isfinite(e)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else 0.0

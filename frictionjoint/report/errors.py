@@ -1,0 +1,161 @@
+"""Errors of a report before and after, and the noise of the instruments, from report.json.
+
+What the logs do not support is withheld, with its reason: a noise estimate above an error that
+remains or far below what an instrument resolves, and a percentage of a drive that is next to zero.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from frictionjoint.report.wording import percentage, three
+
+Content = Mapping[str, Any]
+Stage = Literal["before", "after"]
+STAGES: tuple[Stage, Stage] = ("before", "after")
+
+# the estimate of a noise is no better than this factor
+_ESTIMATE_ERROR = 1.5
+# part of the drive that no instrument resolves: 14 bits of its range
+_RESOLUTION = 1e-4
+# an error beyond this multiple of the drive is no fraction of it
+_NO_FRACTION = 10.0
+_UNIT_NAMES = {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}
+
+
+@dataclass(frozen=True)
+class ErrorRow:
+    """An error before or after, on the logs fitted and held out.
+
+    Attributes:
+        quantity: what is predicted. stage: "before" or "after". unit: of the values.
+        values: by role, None where not stated. fractions: of the drive by role, as text.
+        interval: 95%, of the logs held out where there are any.
+    """
+
+    quantity: str
+    stage: Stage
+    unit: str
+    values: dict[str, float | None]
+    fractions: dict[str, str] = field(default_factory=dict)
+    interval: tuple[float, float] | None = None
+
+    def text(self, role: str) -> str:
+        """The value with unit and fraction."""
+        value = self.values[role]
+        if value is None:
+            return "not stated"
+        fraction = self.fractions.get(role)
+        return f"{three(value)}\u00a0{self.unit}" + (f" ({fraction})" if fraction else "")
+
+
+def units_of(content: Content) -> tuple[str, str]:
+    """Units of drive and position."""
+    units = content.get("units") or {"torque": "N m", "position": "rad"}
+    return units["torque"], units["position"]
+
+
+def drive_of(content: Content, unit: str) -> str:
+    """What the torques of a report are called."""
+    own = "force" if content.get("slide") else "torque"
+    # in the unit of a position they are over a kp that is not known
+    name = _UNIT_NAMES.get(unit, f"{own} over kp")
+    source = content.get("drive", {}).get("source", "measured")
+    return f"{'controller’s' if source == 'controller' else 'measured'} {name}"
+
+
+def models_differ(content: Content) -> bool:
+    """Whether the errors before and after are of two models."""
+    keys = ("fit", "held_out")
+    pairs = [[content[stage]["torque_rms"][key] for key in keys] for stage in STAGES]
+    return any(a != b for a, b in zip(*pairs, strict=True))
+
+
+def errors_of(content: Content, units: tuple[str, str]) -> tuple[ErrorRow, ...]:
+    """Every error that is stated, before and after."""
+    drive = drive_of(content, units[0]).split(" ", 1)[1]
+    found = []
+    kinds = (
+        ("torque_rms", drive, units[0]),
+        ("replay_rms", "position", units[1]),
+        ("closed_loop_mae", "position in closed loop", units[1]),
+    )
+    for key, name, unit in kinds:
+        for stage in STAGES:
+            values = content[stage].get(key)
+            if not values or all(x is None for x in values.values()):
+                continue
+            fractions = _fractions(content, stage, values) if key == "torque_rms" else {}
+            pair = ((content.get("intervals") or {}).get(key) or {}).get(stage)
+            shown = values["fit"] if values["held_out"] is None else values["held_out"]
+            # an interval that does not contain its error is one of other samples
+            inside = pair is not None and shown is not None and pair[0] <= shown <= pair[1]
+            interval = (pair[0], pair[1]) if pair and inside else None
+            found.append(ErrorRow(name, stage, unit, dict(values), fractions, interval))
+    return tuple(found)
+
+
+def _fractions(content: Content, stage: Stage, errors: Content) -> dict[str, str]:
+    """Errors as percentages of the drive on the same logs."""
+    whole = content.get("drive", {}).get("rms", {}).get(stage, {})
+    return {
+        role: percentage(error, whole[role])
+        for role, error in errors.items()
+        if error is not None and whole.get(role) and error < _NO_FRACTION * whole[role]
+    }
+
+
+def _remaining(content: Content) -> float | None:
+    """The smallest rms error of the drive in the report."""
+    stages = [content[stage]["torque_rms"] for stage in STAGES]
+    stages += [added["torque_rms"] for added in content["added"]]
+    values = [x for errors in stages for x in errors.values() if x is not None]
+    values += [
+        x for row in content.get("log_errors", ()) for x in (row["before"], row["after"]) if x
+    ]
+    return min(values, default=None)
+
+
+def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
+    """The noise of the instruments in a sentence, and its value where it is plausible."""
+    estimate, least = content.get("noise_floor"), _remaining(content)
+    if not estimate or least is None:
+        return "The noise of the instruments cannot be determined from these logs.", None
+    if estimate > _ESTIMATE_ERROR * least:
+        return (
+            f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
+            f"is above an error that remains, {three(least)} {unit}, so the estimate is wrong."
+        ), None
+    whole = content.get("drive", {}).get("rms", {}).get("after", {})
+    drive = max((x for x in whole.values() if x), default=None)
+    if drive and estimate < _RESOLUTION * drive:
+        return (
+            f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
+            "is less than instruments resolve. The log may have been filtered or simulated."
+        ), None
+    noise = min(estimate, least)
+    return f"The noise of the instruments is about {three(noise)} {unit} in this band.", noise
+
+
+def compared(before: ErrorRow | None, after: ErrorRow | None, role: str) -> str:
+    """How an error changes: "falls" or "rises" beyond its intervals, "may be chance", "no fall"."""
+    if before is None or after is None:
+        return ""
+    first, last = before.values[role], after.values[role]
+    if first is None or last is None:
+        return ""
+    if before.interval and after.interval:
+        if after.interval[0] > before.interval[1]:
+            return "rises"
+        if after.interval[1] < before.interval[0]:
+            return "falls"
+    return "no fall" if last > first else "may be chance" if before.interval else "falls by"
+
+
+def arrow(before: ErrorRow, after: ErrorRow, role: str) -> str:
+    """An error before and after, with its unit."""
+    first, last = before.values[role], after.values[role]
+    text = f"{three(first)} → {three(last)}\u00a0{after.unit}"
+    if role in before.fractions and role in after.fractions:
+        text += f" ({before.fractions[role]} → {after.fractions[role]})"
+    return text

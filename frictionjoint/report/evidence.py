@@ -1,0 +1,132 @@
+"""Effects that were added, and the candidates of each step of the search, from report.json.
+
+An effect that its p-value or its size does not support is in the model, but it is not called
+missing. A candidate that explains as much as the one that was chosen could also be the cause.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from frictionjoint.identify.result import Estimate
+from frictionjoint.report.numbers import effect_estimates, size_is_determined, size_of
+from frictionjoint.report.wording import listed, three, title
+
+Content = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class EffectRow:
+    """An effect that was added.
+
+    Attributes:
+        name: canonical. title: common name. cause, size: in words.
+        gain, p_value, frequency: evidence as decided. error: rms after adding it, by role.
+        rivals: common names of what could also be the cause.
+        next_best: common name and gain of the runner-up, where it explains less.
+        doubt: why the logs do not support it by itself; empty where they do.
+    """
+
+    name: str
+    title: str
+    cause: str
+    size: tuple[str, ...]
+    gain: float
+    p_value: float
+    frequency: float
+    error: dict[str, float | None]
+    rivals: tuple[str, ...]
+    next_best: tuple[str, float] | None
+    doubt: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A candidate of one step of the search."""
+
+    title: str
+    gain: float
+    p_value: float
+    outcome: str
+
+
+def effect_of(content: Content, added: Content) -> EffectRow:
+    """An added effect with its evidence."""
+    evidence, name = added["evidence"], added["effect"]
+    parameters = effect_estimates(content, added)
+    gain, p, runner = evidence["held_out_gain"], evidence["p_value"], evidence["runner_up"]
+    rivals = list(evidence.get("ties", ()))
+    as_good = runner is not None and evidence["margin"] <= 0.0
+    if as_good:
+        rivals.append(runner)
+    look = next((x for x in content.get("candidates", ()) if x["chosen"] == name), None)
+    if look:
+        own = max((r["gain"] for r in look["rows"] if r["effect"] == name), default=math.inf)
+        rivals += [r["effect"] for r in look["rows"] if r["gain"] >= own]
+    others = {a["effect"] for a in content["added"]}
+    rivals = [r for r in dict.fromkeys(rivals) if r not in others]
+    next_best = None
+    if runner is not None and runner not in rivals:
+        next_best = (title(runner), max(0.0, gain - evidence["margin"]))
+    return EffectRow(
+        name=name,
+        title=title(name),
+        cause=added.get("cause", ""),
+        size=size_of(parameters, content.get("slide", False)),
+        gain=gain,
+        p_value=p,
+        frequency=evidence["selection_frequency"],
+        error=dict(added["torque_rms"]),
+        rivals=tuple(map(title, rivals)),
+        next_best=next_best,
+        doubt=_doubt(content, name, gain, p, parameters),
+    )
+
+
+def _doubt(
+    content: Content, name: str, gain: float, p: float, parameters: Mapping[str, Estimate]
+) -> str:
+    """Why the logs do not support an effect by itself."""
+    significant = content.get("thresholds", {}).get("p_value", 0.05)
+    if p > significant:
+        return f"p = {three(p)}"
+    if gain <= 0.0:
+        return "it does not reduce the error on motion that it was not fitted to"
+    if not size_is_determined(name, parameters):
+        return "its size does not differ from zero by two standard errors"
+    return ""
+
+
+def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, ...]:
+    """Candidates of one step, best first."""
+    chosen = next((e for e in effects if e.name == look["chosen"]), None)
+    found = []
+    for row in sorted(look["rows"], key=lambda r: -r["gain"]):
+        name = title(row["effect"])
+        outcome = "not added"
+        if row["effect"] == look["chosen"]:
+            outcome = "added" if chosen else "added, replaced later"
+        elif chosen and name in chosen.rivals:
+            outcome = "could also be"
+        found.append(Candidate(name, max(0.0, row["gain"]), row["p_value"], outcome))
+    return tuple(found)
+
+
+def threshold_of(content: Content, effects: tuple[EffectRow, ...]) -> str:
+    """What an effect normally needs, and which of those shown have less."""
+    limits = content.get("thresholds")
+    if not limits:
+        return ""
+    text = (
+        f"An effect normally needs {limits['gain']:.0%} of the squared residual and p of at most "
+        f"{limits['p_value']:g}."
+    )
+    less = [
+        f"{e.title} ({e.gain:.1%}, p {three(e.p_value)})"
+        for e in effects
+        if e.gain < limits["gain"] or e.p_value > limits["p_value"]
+    ]
+    if less:
+        text += f" Added with less than that: {listed(less)}."
+    return text

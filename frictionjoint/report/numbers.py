@@ -1,0 +1,207 @@
+"""Parameters of a report as a reader meets them: friction numbers, sizes of effects, the model.
+
+Everything is read from the content of report.json.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.result import Estimate
+from frictionjoint.report import wording
+
+Content = Mapping[str, Any]
+Status = Literal["determined", "not determined", "assumed", "fixed"]
+
+# a standard error beyond this fraction of the value: the logs do not determine the value. The same
+# fraction decides which motion is recommended (``diagnose.advice``)
+LOOSE = 0.5
+# standard errors by which a size must differ from no effect
+_BEYOND = 2.0
+# what a factor is where there is no effect; of any other number it is 0
+_NULL = {"factor": 1.0}
+# an exact copy in two files
+_SAME = 1e-9
+_CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
+
+
+@dataclass(frozen=True)
+class Number:
+    """One parameter.
+
+    Attributes:
+        name: symbol, without a direction where both are equal. meaning: in words.
+        text: value ± standard error with its unit. status: how well the logs determine it.
+    """
+
+    name: str
+    meaning: str
+    text: str
+    status: Status
+
+    @property
+    def qualified(self) -> str:
+        """The text with what a reader must know of it in brackets."""
+        known = self.status in ("determined", "fixed")
+        return self.text if known else f"{self.text} ({self.status})"
+
+
+def estimates(parameters: Content) -> dict[str, Estimate]:
+    """Estimates by name, from their dicts."""
+    return {name: Estimate(**x) for name, x in parameters.items()}
+
+
+def result_estimates(content: Content) -> dict[str, Estimate]:
+    """Estimates of the law of the result: those of the refinement where that is the result."""
+    refined = content.get("refined")
+    if refined and refined["taken"]:
+        return {n: x for n, x in estimates(refined["parameters"]).items() if " " not in n}
+    return estimates(content["after"]["parameters"])
+
+
+def effect_estimates(content: Content, added: Content) -> dict[str, Estimate]:
+    """Estimates of an added effect of the result."""
+    own = estimates(added["parameters"])
+    refined = content.get("refined")
+    if refined and refined["taken"]:
+        prefix = added["effect"] + " "
+        found = estimates(refined["parameters"])
+        own |= {n.removeprefix(prefix): x for n, x in found.items() if n.startswith(prefix)}
+    return own
+
+
+def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
+    """Every parameter of a law; the two directions are one row where they are equal."""
+    found = []
+    for name, x in law.items():
+        base, _, side = name.rpartition("_")
+        if side == "neg" and f"{base}_pos" in law:
+            continue
+        other = law.get(f"{base}_neg") if side == "pos" else None
+        if other is None:
+            found.append(_number(name, wording.meaning(name), x))
+        elif _equal(x, other):
+            found.append(_number(base, wording.MEANINGS.get(base, "parameter of the law"), x))
+        else:
+            found += [
+                _number(n, wording.meaning(n), y) for n, y in ((name, x), (f"{base}_neg", other))
+            ]
+    return tuple(found)
+
+
+def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
+    """The friction numbers that every engineer asks for first."""
+    rows = law_numbers(law)
+    return tuple(
+        row
+        for symbol in _CARD
+        for row in rows
+        if row.name.removesuffix("_pos").removesuffix("_neg") == symbol
+    )
+
+
+def _number(name: str, meaning: str, x: Estimate) -> Number:
+    return Number(name, meaning, with_unit(x), status_of(name, x))
+
+
+def with_unit(x: Estimate) -> str:
+    """Value ± standard error, and the unit."""
+    unit = "" if x.unit == "1" else f"\u00a0{wording.unit(x.unit)}"
+    return wording.value(x, spread=x.stderr is not None) + unit
+
+
+def status_of(name: str, x: Estimate) -> Status:
+    """How well the logs determine a parameter of a law."""
+    symbol = name.partition("_")[0]
+    if x.stderr is None or not math.isfinite(x.stderr):
+        if symbol == "stiffness":
+            return "assumed"
+        return "not determined" if symbol in ("Vs", "delta", "Fs") else "fixed"
+    return "not determined" if x.stderr > LOOSE * abs(x.value) else "determined"
+
+
+def _equal(a: Estimate, b: Estimate) -> bool:
+    return math.isclose(a.value, b.value, rel_tol=_SAME) and a.stderr == b.stderr
+
+
+def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
+    """Numbers of an effect in words; a wave is an amplitude, a count per turn and a phase."""
+    left = dict(parameters)
+    found = []
+    for suffix in ("", *(f"_{k}" for k in range(2, len(left)))):
+        keys = [f"{name}{suffix}" for name in ("sin", "cos", "N")]
+        if all(key in left for key in keys):
+            sine, cosine, count = (left.pop(key) for key in keys)
+            found.append(_wave(sine, cosine, count, slide))
+    found += [f"{name.replace('_', ' ')} {with_unit(x)}" for name, x in left.items()]
+    return tuple(found)
+
+
+def _wave(sine: Estimate, cosine: Estimate, count: Estimate, slide: bool) -> str:
+    amplitude = math.hypot(sine.value, cosine.value)
+    error = None
+    if sine.stderr is not None and cosine.stderr is not None and amplitude:
+        parts = sine.value * sine.stderr, cosine.value * cosine.stderr
+        error = math.hypot(*parts) / amplitude
+    size = with_unit(Estimate(amplitude, error, sine.unit))
+    phase = math.degrees(math.atan2(cosine.value, sine.value))
+    if not slide:
+        turns = wording.value(
+            Estimate(count.value, count.stderr, "1"), spread=count.stderr is not None
+        )
+        often = f"{turns} per turn"
+    else:
+        period = 2.0 * math.pi / count.value
+        spread = None if count.stderr is None else period * count.stderr / count.value
+        often = f"every {with_unit(Estimate(period, spread, 'm'))}"
+    return f"amplitude {size}, {often}, phase {wording.three(phase)}°"
+
+
+def size_is_determined(effect: str, parameters: Mapping[str, Estimate]) -> bool:
+    """Whether a size of an effect differs from no effect by more than two standard errors."""
+    names = {
+        name
+        for e in (*CATALOGUE, *DRIVE_EFFECTS)
+        if e.name == effect
+        for name in (e.coefficients or e.shape)
+    }
+    sizes = {n: x for n, x in parameters.items() if n in names and x.stderr is not None}
+    if not sizes:
+        return True
+    return any(
+        abs(x.value - _NULL.get(name, 0.0)) > _BEYOND * (x.stderr or 0.0)
+        for name, x in sizes.items()
+    )
+
+
+def carried(content: Content) -> tuple[Number, ...]:
+    """The parameters that model.xml contains, with the standard errors of the estimates."""
+    model = content.get("model")
+    if not model:
+        return ()
+    known = result_estimates(content)
+    law = {}
+    for name, value in model.items():
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            continue
+        estimate = known.get(name)
+        law[name] = Estimate(
+            float(value),
+            estimate.stderr if estimate else None,
+            estimate.unit if estimate else "1",
+        )
+    if "stiffness" in known and "stiffness" not in law:
+        law["stiffness"] = known["stiffness"]
+    rows = list(law_numbers({n: x for n, x in law.items() if x.value or n in known}))
+    inside = [table["effect"] for table in model.get("effects", [])]
+    for added in content["added"]:
+        own = effect_estimates(content, added)
+        name = wording.title(added["effect"])
+        where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
+        rows += [
+            Number(name, text + where, text, "determined")
+            for text in size_of(own, content.get("slide", False))
+        ]
+    return tuple(rows)

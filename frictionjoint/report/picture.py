@@ -1,0 +1,128 @@
+"""Charts drawn with matplotlib, for `Report.plot` and notebooks."""
+
+import io
+import math
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from markupsafe import Markup
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from frictionjoint.diagnose.report_data import Report
+from frictionjoint.report import charts
+from frictionjoint.robot.report_data import RobotReport
+
+COLOURS = {"measured": "#8a8f94", "target": "#7570b3", "before": "#d95f02", "after": "#1b9e77"}
+# stand for what the style sheet of a page decides
+_INK, _LINE = "#010203", "#040506"
+_STYLE: dict[Any, Any] = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9.5,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+}
+PAGE_STYLE = _STYLE | {
+    "axes.edgecolor": _LINE,
+    "axes.labelcolor": _INK,
+    "grid.color": _LINE,
+    "legend.labelcolor": _INK,
+    "text.color": _INK,
+    "xtick.color": _INK,
+    "ytick.color": _INK,
+}
+# what matplotlib numbers through a figure: of no use in a page of many
+_NUMBERED = re.compile(r' id="[A-Za-z0-9.]+_\d+"')
+_DPI = 150
+# inches
+_WIDE, _ROW, _PANEL = 10.0, 2.3, 3.2
+
+
+def draw(report: Report, style: Mapping[str, Any] = MappingProxyType({})) -> Figure:
+    """Friction-speed curve, then drive and position of the worst held-out stretch, with errors.
+
+    Args:
+        style: matplotlib settings beyond those of all reports.
+    """
+    stretch = charts.worst_stretch(report)
+    rows = [charts.friction_speed(report), *charts.drive_charts(report, stretch, "", True)]
+    position = charts.worst_position(report)
+    if position:
+        rows += charts.position_charts(report, position, charts.worst_times(position), "")
+    with rc_context(_STYLE | dict(style)):
+        heights = [_PANEL, *(_ROW * (0.6 if c.low else 1.0) for c in rows[1:])]
+        figure = Figure(figsize=(_WIDE, sum(heights)), layout="constrained")
+        axes = figure.subplots(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for one, chart in zip(axes, rows, strict=True):
+            draw_chart(one, chart)
+        figure.suptitle(f"joint {report.joint}, log {stretch.curve.name}")
+    return figure
+
+
+def draw_robot(report: RobotReport) -> Figure:
+    """Drive of the worst held-out stretch and friction-speed curve, one row per joint."""
+    with rc_context(_STYLE):
+        figure = Figure(figsize=(_WIDE, _ROW * len(report.joints)), layout="constrained")
+        axes = figure.subplots(len(report.joints), 2, squeeze=False)
+        for (left, right), (name, result) in zip(axes, report.joints.items(), strict=True):
+            stretch = charts.worst_stretch(result.report)
+            draw_chart(left, charts.drive_charts(result.report, stretch, "", False)[0])
+            draw_chart(right, charts.friction_speed(result.report))
+            left.set_title(name)
+    return figure
+
+
+def draw_chart(axes: Axes, chart: charts.Chart) -> None:
+    """A chart into axes."""
+    for s in chart.series:
+        if s.kind == "points":
+            axes.plot(
+                s.x,
+                s.y,
+                "o",
+                color=COLOURS[s.colour],
+                label=s.name,
+                markersize=2.0,
+                markeredgewidth=0.0,
+                rasterized=True,
+            )
+        else:
+            width = 2.4 if s.colour == "measured" else 1.2
+            style = ":" if s.colour == "target" else "-"
+            axes.plot(s.x, s.y, style, color=COLOURS[s.colour], label=s.name, linewidth=width)
+    axes.set_xlabel(chart.x_label)
+    axes.set_ylabel(chart.y_label)
+    axes.ticklabel_format(scilimits=(-4, 5))
+    axes.legend(fontsize=8, ncols=math.ceil(len(chart.series) / 2))
+
+
+def svg(figure: Figure, name: str) -> Markup:
+    """A figure as a part of a page, in the page's own colours.
+
+    Args:
+        name: unlike that of any other figure of the page.
+    """
+    buffer = io.StringIO()
+    with rc_context(PAGE_STYLE | {"svg.hashsalt": name}):
+        figure.savefig(buffer, format="svg", transparent=True, dpi=_DPI, metadata={"Date": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r' width="[\d.]+pt"| height="[\d.]+pt"', "", text, count=2)
+    text = _NUMBERED.sub("", text).replace(_INK, "var(--soft)").replace(_LINE, "var(--line)")
+    return Markup(text)
+
+
+def page_figure(width: float, height: float) -> tuple[Figure, Axes]:
+    """An empty figure in a page's style, inches."""
+    with rc_context(PAGE_STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        axes = figure.subplots()
+    return figure, axes

@@ -1,0 +1,252 @@
+"""Every figure and sentence that a report shows of a whole robot, from report.json alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from frictionjoint.identify.result import Estimate
+from frictionjoint.report.notes import without_repetition
+from frictionjoint.report.numbers import estimates, with_unit
+from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.wording import listed, percentage, three, title
+
+Content = Mapping[str, Any]
+
+# a rise of the position error that is more than that of another run
+_WORSE = 1.1
+_NONE = "–"
+_FRICTION = ("Fc", "Fs", "sigma2", "stiffness")
+# what belongs to a robot, not to one of its joints
+_ROBOT = ("schema", "logs", "made")
+
+
+@dataclass(frozen=True)
+class SharedRow:
+    """A shared cause: where it is, its numbers, and the torque error of each joint it acts on."""
+
+    title: str
+    size: tuple[str, ...]
+    gain: float
+    p_value: float
+    rivals: tuple[str, ...]
+    joints: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class JointRow:
+    """A joint in a table: effects, errors before and after, verdict; `friction` by symbol."""
+
+    joint: str
+    effects: str
+    torque: str
+    position: str
+    verdict: str
+    friction: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class TorsionRow:
+    """Between motor and link."""
+
+    joint: str
+    stiffness: str
+    backlash: str
+    hysteresis: str
+    delay: str
+    twist: str
+    left: str
+
+
+@dataclass(frozen=True)
+class RobotSummary:
+    """All that is shown of a robot.
+
+    Attributes:
+        joints: summary of each. rows: one per joint. failed: why a joint has no result.
+        logs: name, samples, duration in s, role.
+    """
+
+    verdict: str
+    verdict_lines: tuple[tuple[str, str], ...]
+    role: str
+    joints: dict[str, Summary]
+    rows: tuple[JointRow, ...]
+    failed: dict[str, str]
+    shared: tuple[SharedRow, ...]
+    torsion: tuple[TorsionRow, ...]
+    undetermined: tuple[str, ...]
+    notes: tuple[str, ...]
+    record_next: tuple[str, ...]
+    logs: tuple[tuple[str, int, float, str], ...]
+
+    @property
+    def friction_head(self) -> tuple[str, ...]:
+        """Heads of the columns of friction numbers."""
+        return ("Coulomb", "breakaway", "viscous", "presliding stiffness")
+
+
+def joint_content(content: Content, name: str) -> dict[str, Any]:
+    """The content of one joint of report-2, as that of a report-1."""
+    own = {key: content[key] for key in _ROBOT if key in content}
+    return {**own, "joint": name, **content["joints"][name]}
+
+
+def summarise_robot(content: Content) -> RobotSummary:
+    """All that is shown of a robot.
+
+    Args:
+        content: of report.json, schema report-2.
+    """
+    joints = {name: summarise(joint_content(content, name)) for name in content["joints"]}
+    held = content["after"]["torque_percent"]["held_out"] is not None
+    role = "held_out" if held else "fit"
+    shared = tuple(
+        sorted((_shared(content, joints, x) for x in content["shared"]), key=lambda r: -r.gain)
+    )
+    missing = [
+        f"{x.title} of {name}" for name, s in joints.items() for x in s.effects if not x.doubt
+    ]
+    causes = [x.title for x in shared]
+    rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in shared if x.rivals] + [
+        f"{listed(x.rivals)} instead of {x.title} of {name}"
+        for name, s in joints.items()
+        for x in s.effects
+        if x.rivals
+    ]
+    worse = [n for n in content["joints"] if content["joints"][n].get("worse")]
+    text = listed(causes + missing) or "nothing that these logs show for certain"
+    if worse:
+        text += f"; worse on held-out logs than before: {listed(worse)}"
+    if content["failed"]:
+        text += f"; without a result: {listed(list(content['failed']))}"
+    next_one = tuple(dict.fromkeys(content.get("proposals", ())))
+    lines = (
+        ("Missing", text + "."),
+        ("Error before and after", _errors(content, role)),
+        ("Could also be", "; ".join(rivals) + "." if rivals else ""),
+        ("Record next", next_one[0] if next_one else "nothing in particular"),
+    )
+    return RobotSummary(
+        verdict=content["verdict"],
+        verdict_lines=tuple((label, line) for label, line in lines if line),
+        role=role,
+        joints=joints,
+        rows=tuple(_row(content, name, s, role) for name, s in joints.items()),
+        failed=dict(content["failed"]),
+        shared=shared,
+        torsion=tuple(
+            _torsion(name, x["torsion"]) for name, x in content["joints"].items() if "torsion" in x
+        ),
+        undetermined=tuple(x["text"] for x in content["undetermined"]),
+        notes=without_repetition(content.get("notes", ())),
+        record_next=next_one,
+        logs=tuple((x["name"], x["samples"], x["duration_s"], x["role"]) for x in content["logs"]),
+    )
+
+
+def _errors(content: Content, role: str) -> str:
+    """The errors of the robot before and after in one sentence."""
+    first, last = (content[stage]["torque_percent"][role] for stage in ("before", "after"))
+    parts = [f"torque {_percent(first)} → {_percent(last)} (mean of the joints)"]
+    before, after = (content[stage]["replay_rms"] for stage in ("before", "after"))
+    if before[role] is not None and after[role] is not None:
+        text = f"position {three(before[role])} → {three(after[role])} rad, all joints together"
+        fitted = before["fit"], after["fit"]
+        if role == "held_out" and None not in fitted and fitted[1] > _WORSE * fitted[0]:
+            text += f" (worse on fitted logs: {three(fitted[0])} → {three(fitted[1])} rad)"
+        parts.append(text)
+    where = "held-out" if role == "held_out" else "fitted"
+    worse = ", which is worse" if None not in (first, last) and last > first else ""
+    return f"{'; '.join(parts)}{worse} ({where} logs; per cent of the drive)."
+
+
+def _percent(x: float | None) -> str:
+    return _NONE if x is None else percentage(x, 100.0)
+
+
+def _row(content: Content, name: str, s: Summary, role: str) -> JointRow:
+    names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
+    if s.laws[0] != s.laws[1]:
+        names.append(f"law {s.laws[1]}")
+    torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
+    worse = content["joints"][name].get("worse") or ()
+    kinds = {"torque_rms": "torque", "replay_rms": "position"}
+    verdict = s.verdict.replace("-", " ")
+    if worse:
+        verdict += f", worse on held-out logs ({listed([kinds[x] for x in worse])})"
+    by_symbol = {x.name: x for x in s.friction}
+    return JointRow(
+        joint=name,
+        effects=", ".join(names) or "none",
+        torque=_change([e.fractions.get(role) or e.text(role) for e in torque]),
+        position=_change([e.text(role) for e in s.errors if e.quantity == "position"]),
+        verdict=verdict,
+        friction=tuple(_cell(by_symbol, symbol) for symbol in _FRICTION),
+    )
+
+
+def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
+    """A friction number; the two directions where they differ."""
+    if symbol in numbers:
+        return str(numbers[symbol].qualified)
+    sides = [
+        numbers[f"{symbol}_{side}"].qualified
+        for side in ("pos", "neg")
+        if f"{symbol}_{side}" in numbers
+    ]
+    return " / ".join(sides) or _NONE
+
+
+def _change(texts: list[str]) -> str:
+    return " → ".join(dict.fromkeys(texts)) if texts else _NONE
+
+
+def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> SharedRow:
+    keys = ("cause", "parameters", "evidence", "joints")
+    where = listed([str(x) for key, x in found.items() if key not in keys])
+    rows = []
+    for name, errors in found["joints"].items():
+        if name in joints:
+            rms = content["joints"][name].get("drive", {}).get("rms", {})
+            before, after = (
+                _fraction(errors[stage]["torque_rms"], rms.get("after", {}), joints[name].role)
+                for stage in ("before", "after")
+            )
+            rows.append((name, before, after))
+    evidence = found["evidence"]
+    return SharedRow(
+        title=title(found["cause"]) + (f" of {where}" if where else ""),
+        size=tuple(
+            f"{name.replace('_', ' ')} {with_unit(x)}"
+            for name, x in estimates(found["parameters"]).items()
+        ),
+        gain=evidence["held_out_gain"],
+        p_value=evidence["p_value"],
+        rivals=tuple(title(x) for x in evidence.get("ties", ())),
+        joints=tuple(rows),
+    )
+
+
+def _fraction(errors: Content, whole: Content, role: str) -> str:
+    error, size = errors[role], whole.get(role)
+    if error is None:
+        return _NONE
+    return percentage(error, size) if size else three(error)
+
+
+def _torsion(name: str, x: Content) -> TorsionRow:
+    geared = [f"motor also geared to {n} ({c:.4g})" for n, c in x.get("geared", {}).items()]
+
+    def text(key: str) -> str:
+        value = x.get(key)
+        return with_unit(Estimate(**value)) if value else "none seen"
+
+    return TorsionRow(
+        ", ".join([name, *geared]),
+        text("stiffness"),
+        text("backlash"),
+        text("hysteresis"),
+        text("link_position_older"),
+        three(x["twist_rms"]),
+        three(x["left_rms"]),
+    )

@@ -1,0 +1,62 @@
+"""A report as plain text: what the terminal and `Report.summary` print."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from frictionjoint.report.robot_summary import RobotSummary, summarise_robot
+from frictionjoint.report.summary import Summary, summarise
+
+# notes that a terminal has room for; the page has all of them
+_MOST_NOTES = 5
+
+
+def summary_text(content: Mapping[str, Any]) -> str:
+    """One joint: the verdict, the friction numbers, the effects, the most important notes.
+
+    Args:
+        content: of report.json, schema report-1.
+    """
+    s = summarise(content)
+    lines = _labelled(s.verdict_lines)
+    lines += ["", f"Friction of {s.joint or 'the joint'}, law {s.laws[1]}:"]
+    lines += _labelled([(x.meaning, x.qualified) for x in s.friction], indent="  ")
+    for x in s.effects:
+        lines.append(f"  {x.title}: {'; '.join(x.size) or 'in the model'}")
+    return "\n".join([*lines, *_notes(s)])
+
+
+def robot_text(content: Mapping[str, Any]) -> str:
+    """A robot: the verdict, the shared causes, one line per joint, the most important notes.
+
+    Args:
+        content: of report.json, schema report-2.
+    """
+    s = summarise_robot(content)
+    lines = _labelled(s.verdict_lines)
+    for cause in s.shared:
+        lines.append(f"  {cause.title}: {', '.join(cause.size)}")
+    for row in s.rows:
+        lines += ["", f"{row.joint}: {row.verdict}; missing: {row.effects}"]
+        lines.append(f"  error: torque {row.torque}, position {row.position}")
+        numbers = zip(s.friction_head, row.friction, strict=True)
+        lines.append("  " + ", ".join(f"{name} {x}" for name, x in numbers))
+    lines += [f"{name}: no result: {why}" for name, why in s.failed.items()]
+    for t in s.torsion:
+        lines.append(
+            f"{t.joint}: gear stiffness {t.stiffness}, backlash {t.backlash}, "
+            f"hysteresis {t.hysteresis}"
+        )
+    return "\n".join([*lines, *_notes(s)])
+
+
+def _notes(s: Summary | RobotSummary) -> list[str]:
+    lines = ["", *(f"* {note}" for note in s.notes[:_MOST_NOTES])] if s.notes else []
+    if len(s.notes) > _MOST_NOTES:
+        lines.append(f"* {len(s.notes) - _MOST_NOTES} more notes are in report.html.")
+    return lines
+
+
+def _labelled(rows: Any, indent: str = "") -> list[str]:
+    rows = list(rows)
+    width = max((len(label) for label, _ in rows), default=0)
+    return [f"{indent}{label + ':':<{width + 1}} {text}" for label, text in rows]
