@@ -1,8 +1,10 @@
 """A model carries its friction: exact through XML, prefixes and copies; mistakes get one line."""
 
+import copy
 import warnings
 
 import mujoco
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +17,7 @@ from frictionjoint.simulate.carrier import MAGIC, SimulatedEffect, read_friction
 XML = """
 <mujoco>
   <worldbody>
-    <body><joint name="{name}" type="{kind}"/><geom size=".1"/></body>
+    <body name="link"><joint name="{name}" type="{kind}"/><geom size=".1"/></body>
   </worldbody>
 </mujoco>
 """
@@ -89,11 +91,68 @@ def test_users_own_data_stays_in_front():
     assert list(data.userdata[:3]) == [1, 2, 3]
 
 
-def test_too_little_userdata_says_how_much_and_where():
+def test_a_model_with_too_little_userdata_gets_room_behind_its_own():
     spec = carrying(friction())
-    spec.nuserdata = 5
-    with pytest.raises(ModelError, match=r'needs \d+ numbers.*<size nuserdata="\d+"/>'):
-        read_friction(spec.compile())
+    need, spec.nuserdata = spec.nuserdata, 5
+    model = spec.compile()
+    with fj.attach(model):
+        assert model.nuserdata == 5 + need
+        data = mujoco.MjData(model)
+        data.userdata[:5] = 7.0
+        data.qfrc_applied[0] = 0.5
+        mujoco.mj_step(model, data, nstep=20)
+        assert fj.torque(model, data)["elbow"].hysteresis > 0.0
+        mujoco.mj_step(model, copied := copy.copy(data))
+        assert copied.time > data.time
+    assert list(data.userdata[:5]) == [7.0] * 5
+
+
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_data_made_before_their_model_got_room_are_left_alone_with_one_warning(backend):
+    spec = carrying(friction())
+    spec.nuserdata = 0
+    model = spec.compile()
+    early, free = mujoco.MjData(model), mujoco.MjData(model)
+    mujoco.mj_step(model, free, nstep=50)
+    with fj.attach(model, backend):
+        with pytest.warns(RuntimeWarning, match=r"make them anew, mujoco\.MjData\(model\)") as told:
+            mujoco.mj_step(model, early, nstep=50)
+        assert len(told) == 1
+        np.testing.assert_array_equal(early.qpos, free.qpos)
+        mujoco.mj_resetData(model, early)
+        with pytest.raises(ModelError, match="0 numbers of userdata, the model"):
+            fj.torque(model, early)
+
+
+def test_friction_of_an_attached_child_acts_whatever_user_data_the_parent_has(tmp_path):
+    for own in (0, 3):
+        child, parent = carrying(friction()), mujoco.MjSpec()
+        parent.nuserdata = own
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
+            parent.attach(child, prefix="L_", frame=parent.worldbody.add_frame())
+            model = parent.compile()
+        with fj.attach(model):
+            data = mujoco.MjData(model)
+            data.qfrc_applied[0] = 0.5
+            mujoco.mj_step(model, data)
+            assert list(fj.torque(model, data)) == ["L_elbow"]
+            assert fj.torque(model, data)["L_elbow"].time == 0.0
+
+
+def test_friction_comes_with_attach_in_an_mjcf(tmp_path):
+    (tmp_path / "arm.xml").write_text(carrying(friction()).to_xml())
+    (tmp_path / "cell.xml").write_text(
+        '<mujoco><asset><model name="arm" file="arm.xml"/></asset><worldbody>'
+        '<attach model="arm" body="link" prefix="R_"/></worldbody></mujoco>'
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
+        model = fj.load_model(tmp_path / "cell.xml")
+    data = mujoco.MjData(model)
+    with fj.attach(model):
+        mujoco.mj_step(model, data)
+    assert fj.torque(model, data)["R_elbow"].time == 0.0
 
 
 @pytest.mark.parametrize(

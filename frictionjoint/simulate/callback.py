@@ -26,7 +26,12 @@ from frictionjoint.simulate.carrier import (
     RESOLVED,
     ROW,
 )
-from frictionjoint.simulate.first_sight import make_ready, make_ready_in_c
+from frictionjoint.simulate.first_sight import (
+    make_ready,
+    make_ready_in_c,
+    warn_of_no_room,
+    warn_of_no_room_in_c,
+)
 from frictionjoint.simulate.layout import offsets
 from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.pointers import (
@@ -42,6 +47,7 @@ from frictionjoint.simulate.pointers import (
 from frictionjoint.simulate.row import T_EVALUATED, torque_now
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
+from frictionjoint.simulate.userdata_room import lacks_room
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
     coupled_load,
@@ -67,6 +73,7 @@ def build_native() -> Any:
     at_mass, at_xmat, at_xaxis = (data_at[k] for k in ("M", "xmat", "xaxis"))
     at_time, at_qpos, at_qvel = (data_at[k] for k in ("time", "qpos", "qvel"))
     at_passive, at_user = data_at["qfrc_passive"], data_at["userdata"]
+    at_behind_user, at_nuser = data_at["sensordata"], model_at["nuserdata"]
     at_qacc, at_constraint = data_at["qacc"], data_at["qfrc_constraint"]
     at_nu, at_flags, at_off = (model_at[k] for k in ("nu", "disableflags", "disableactuator"))
     at_kind, at_target = model_at["actuator_trntype"], model_at["actuator_trnid"]
@@ -80,6 +87,10 @@ def build_native() -> Any:
     def native(m: ctypes.c_void_p, d: ctypes.c_void_p) -> None:
         n = int(field(m, at_nnumeric, whole)[0])
         if n == 0:
+            return
+        there = field(d, at_behind_user, whole)[0] - field(d, at_user, whole)[0]
+        if there < 8 * field(m, at_nuser, whole)[0]:
+            warn_of_no_room_in_c(m)
             return
         address, P = array(m, at_adr, short), array(m, at_numeric, real)
         qpos, qvel = array(d, at_qpos, real), array(d, at_qvel, real)
@@ -219,6 +230,9 @@ def link_what_acts(model: mujoco.MjModel, blocks: Iterable[int]) -> None:
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The same callback in Python: slower, but every line can be stepped through."""
     P, X = model.numeric_data, data.userdata
+    if lacks_room(model, data):
+        warn_of_no_room(model._address)
+        return
     step = model.opt.timestep
     h = 0.0 if model.opt.integrator == RK4 else step
     stiff: list[int] = []

@@ -43,6 +43,7 @@ from frictionjoint.simulate.native_friction import (
 )
 from frictionjoint.simulate.row import row_size
 from frictionjoint.simulate.shaft_wave import resolve_waves
+from frictionjoint.simulate.userdata_room import make_room
 
 MAGIC = 199797.0
 VERSION = 1.0
@@ -212,7 +213,8 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
     Args:
-        in_userdata: whether the state is to live there.
+        in_userdata: whether the state is to live there. A model that has too little gets room for
+            data made from now on; one that is being stepped, a `ModelView`, does not.
     Raises:
         ModelError: a block without its joint, of another version or damaged, too little
             ``userdata``, or a motor that gives less than asked and cannot be followed.
@@ -238,10 +240,13 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
     need = sum(sizes.values())
     if in_userdata and need > model.nuserdata:
-        raise ModelError(
-            f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
-            f'{model.nuserdata}: write <size nuserdata="{need}"/> in the MJCF'
-        )
+        if isinstance(model, ModelView):
+            raise ModelError(
+                f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
+                f"{model.nuserdata}: call frictionjoint.attach(model) before mujoco.MjData(model), "
+                f'or write <size nuserdata="{need}"/> in the MJCF'
+            )
+        make_room(model, need)
     row = model.nuserdata - need
     for name, at in found.items():
         joint = ids[name]

@@ -29,6 +29,7 @@ _SCALARS = {
 MODEL_FIELDS = (
     "nv",
     "nnumeric",
+    "nuserdata",
     "numeric_adr",
     "numeric_data",
     "opt",
@@ -56,6 +57,7 @@ DATA_FIELDS = (
     "qfrc_passive",
     "qfrc_constraint",
     "userdata",
+    "sensordata",
     "M",
     "xmat",
     "xaxis",
@@ -99,6 +101,12 @@ def model_structure() -> Any:
 
 
 @lru_cache(maxsize=1)
+def data_structure() -> Any:
+    """mjData as a ctypes structure."""
+    return _structure(structs.STRUCTS["mjData"].fields)
+
+
+@lru_cache(maxsize=1)
 def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
     """The arrays of mjModel by name: C type of a number, and extents or their fields."""
     return {
@@ -116,7 +124,7 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
         LayoutMismatchError: a live model does not hold what the offsets promise.
     """
     model_type = model_structure()
-    data_type = _structure(structs.STRUCTS["mjData"].fields)
+    data_type = data_structure()
     model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
     data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
     option = _structure(structs.STRUCTS["mjOption"].fields)
@@ -138,7 +146,7 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
         "actuatorgroupdisable='3'>"
         "<flag warmstart='disable' spring='disable' damper='disable'/></option>"
         "<worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
-        "<actuator><motor joint='j'/></actuator>"
+        "<actuator><motor joint='j'/></actuator><sensor><clock/></sensor>"
         "<custom><numeric name='a' data='1'/><numeric name='b' data='2 3'/></custom></mujoco>"
     )
     data = mujoco.MjData(model)
@@ -146,6 +154,7 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     expected: list[tuple[int, type[np.generic], Any]] = [
         (model._address + model_at["nv"], np.int64, model.nv),
         (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
+        (model._address + model_at["nuserdata"], np.int64, model.nuserdata),
         (model._address + model_at["nu"], np.int64, model.nu),
         (model._address + model_at["disableflags"], np.int32, model.opt.disableflags),
         (model._address + model_at["disableactuator"], np.int32, model.opt.disableactuator),

@@ -1,0 +1,38 @@
+"""Room for friction in the user data of models that were put together after `install`.
+
+``MjSpec.attach`` and MJCF's ``<attach>`` keep the parameters that a child model carries and drop
+its ``nuserdata``. So a compiled model that lacks room gets it: MuJoCo lays out the next
+``mujoco.MjData(model)`` by the model's ``nuserdata``. Data made before have too little, and the
+callback leaves them alone (`lacks_room`); MuJoCo itself refuses to copy between the two.
+"""
+
+import mujoco
+
+from frictionjoint.errors import ModelError
+from frictionjoint.simulate.layout import data_structure, model_structure
+
+_BYTES = 8
+
+
+def make_room(model: mujoco.MjModel, need: int) -> None:
+    """Enlarge a compiled model's user data by what friction needs; its own stay in front.
+
+    Args:
+        model: changed in place. need: numbers of float64.
+    Raises:
+        ModelError: this would let MuJoCo's reset of data that exist already write past their end.
+    """
+    own, data = int(model.nuserdata), mujoco.MjData(model)
+    fields = data_structure().from_address(data._address)
+    behind = (fields.buffer or 0) + fields.nbuffer - (fields.userdata or 0)
+    if behind < _BYTES * (own + need):
+        raise ModelError(
+            f'friction needs {need} numbers of user data: write <size nuserdata="{own + need}"/> '
+            "in the MJCF, or set nuserdata of the spec"
+        )
+    model_structure().from_address(model._address).nuserdata = own + need
+
+
+def lacks_room(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+    """Whether data were made before their model got room for friction."""
+    return len(data.userdata) < int(model.nuserdata)
