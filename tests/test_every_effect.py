@@ -34,9 +34,8 @@ def test_the_torque_of_each_is_read_by_its_name():
             seen.append([*friction.effects.values()])
     assert [key.partition("_")[0] for key in friction.effects] == [e.name for e in ALL]
     assert np.abs(seen).max() > 0.1
-    assert friction.total == pytest.approx(
-        friction.hysteresis + friction.damping + friction.viscous + sum(seen[-1]), abs=1e-12
-    )
+    law = friction.hysteresis + friction.damping + friction.viscous + friction.implicit
+    assert friction.total == pytest.approx(law + sum(seen[-1]), abs=1e-12)
 
 
 @pytest.mark.parametrize("effect", [e for e in SIMULATED if e.acts != "torque"], ids=name)

@@ -137,8 +137,9 @@ def test_a_law_that_is_a_plain_joint_loses_nothing(tmp_path):
     path = arm(tmp_path, {"turn": static})
     done, _ = written(path, Target.NATIVE, tmp_path / "out", speeds=(0.1, 1.0))
     (loss,) = done.losses
-    # all but the samples at the turning points, where a plain joint has any torque
-    assert loss.torque_lost < 0.06 * loss.torque
+    # all but the 26 of 10,000 samples that rest at a turning point, where a plain joint has any
+    # torque: there they are at most two levels of 1 N m apart
+    assert loss.torque_lost < 2.0 * np.sqrt(26 / 10_000)
 
 
 def test_lugre_is_nearer_to_a_law_with_presliding(tmp_path):

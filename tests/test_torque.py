@@ -9,7 +9,7 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError
-from frictionjoint.rivals import LuGreParameters
+from frictionjoint.rivals import ElastoplasticParameters, LuGreParameters, StaticParameters
 from frictionjoint.simulate.carrier import SimulatedEffect
 
 KNOTS = ((1e-2, 1.5), (1e-1, 3.2))
@@ -21,6 +21,18 @@ LAWS = {
         Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0, sigma1=0.3, sigma2=0.2
     ),
 }
+
+
+def fj_laws():
+    """One joint, level 1 N m, in laws with and without presliding of their own."""
+    level = {"Fs": 1.0, "Fc": 1.0, "Vs": 0.05, "sigma2": 20.0}
+    return [
+        fj.FrictionParameters.symmetric(**level, n=2, knots=((1e-4, 1.0), (1e-3, 2.1))),
+        StaticParameters.symmetric(**level, V0=0.01),
+        ElastoplasticParameters.symmetric(**level, sigma0=1e4, sigma1=0.0, breakaway=0.8),
+    ]
+
+
 JOINT = """
 <mujoco>
   <option timestep="0.001" gravity="0 0 0"/>
@@ -50,6 +62,16 @@ def pushed(m, steps=400):
         yield data
 
 
+def acted(m, data):
+    """What Newton's law leaves for friction: applied torque less inertia times acceleration."""
+    plain = mujoco.MjData(m)
+    plain.qpos[:] = data.qpos
+    mujoco.mj_fwdPosition(m, plain)
+    inertia = np.zeros((m.nv, m.nv))
+    mujoco.mj_fullM(*((m, inertia, plain.qM) if hasattr(plain, "qM") else (m, plain, inertia)))
+    return data.qfrc_applied[0] - (inertia @ data.qacc)[0]
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_the_parts_are_those_of_the_law_and_add_up_to_what_acts(law):
     m = model(law)
@@ -58,15 +80,14 @@ def test_the_parts_are_those_of_the_law_and_add_up_to_what_acts(law):
         for data in pushed(m):
             (name, read), *more = fj.torque(m, data).items()
             assert (name, more) == ("j", [])
-            assert read.total == -data.qfrc_passive[0]
+            assert read.total == pytest.approx(acted(m, data), abs=1e-12)
             assert read.time == data.time
-            assert read.implicit == 0.0
             assert read.viscous == 0.2 * data.qvel[0]
             times.append(data.time)
             path.append(data.qpos[0])
             states.add(read.sticks)
     assert states == {True, False}, "it never broke away"
-    parts = read.hysteresis + read.damping + read.viscous
+    parts = read.hysteresis + read.damping + read.viscous + read.implicit
     assert parts == pytest.approx(read.total, rel=1e-14)
     bristles = dataclasses.replace(LAWS[law], sigma1=0.0, sigma2_pos=0.0, sigma2_neg=0.0)
     alone = fj.friction_torque(bristles, times, path)[-1]
@@ -87,7 +108,7 @@ def test_effects_are_read_one_by_one():
     assert read.effects["torque-bias"] == 0.25
     assert read.effects["torque-bias_2"] == -0.05
     assert read.effects["spring"] == pytest.approx(0.7 * data.qpos[0] + 0.1)
-    assert read.total == pytest.approx(-data.qfrc_passive[0], rel=1e-14)
+    assert read.total == pytest.approx(acted(m, data), rel=1e-12)
 
 
 def test_both_backends_leave_the_same_to_read():
@@ -102,15 +123,48 @@ def test_both_backends_leave_the_same_to_read():
         assert native[key] == pytest.approx(python[key], rel=1e-12)
 
 
-def test_what_the_implicit_step_adds_to_a_stiff_joint_is_a_part():
-    m = model(armature=1e-4, knots=((1e-5, 1.5), (1e-4, 3.2)))
+@pytest.mark.parametrize("armature", [1.0, 1e-4])
+def test_after_a_step_it_is_what_acted_over_that_step(armature):
+    m = model(armature=armature, knots=((1e-5, 1.5), (1e-4, 3.2)))
+    data, largest = mujoco.MjData(m), 0.0
     with fj.attach(m):
-        reads = [(fj.torque(m, d)["j"], d.qfrc_passive[0]) for d in pushed(m, 30)]
-    assert any(abs(read.implicit) > 0.01 for read, _ in reads)
-    for read, passive in reads:
-        assert read.total == pytest.approx(-passive, rel=1e-12, abs=1e-12)
-        parts = read.hysteresis + read.damping + read.viscous + read.implicit
-        assert parts == pytest.approx(read.total, rel=1e-12, abs=1e-12)
+        for k in range(200):
+            data.qfrc_applied[0] = 2.5 * np.sin(0.02 * k)
+            mujoco.mj_step(m, data)
+            read = fj.torque(m, data)["j"]
+            assert read.total == pytest.approx(acted(m, data), abs=1e-9)
+            largest = max(largest, abs(read.implicit))
+    assert largest > 0.01
+
+
+def test_without_an_implicit_step_the_parts_of_the_law_are_all():
+    m = model()
+    m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    with fj.attach(m):
+        for data in pushed(m, 100):
+            read = fj.torque(m, data)["j"]
+            assert read.implicit == 0.0
+            assert read.total == -data.qfrc_passive[0]
+
+
+@pytest.mark.parametrize("load", [0.6, 1.02])
+@pytest.mark.parametrize("law", fj_laws())
+def test_a_joint_that_drifts_does_not_stick(law, load):
+    """Below breakaway it sticks and stays; beyond it goes and does not stick, however slowly."""
+    spec = mujoco.MjSpec.from_string(JOINT.format(armature=1.0))
+    fj.install(spec, {"j": law})
+    m, still = spec.compile(), []
+    data = mujoco.MjData(m)
+    data.qfrc_applied[0] = load
+    with fj.attach(m):
+        mujoco.mj_step(m, data, nstep=3000)
+        begin = data.qpos[0]
+        for _ in range(1000):
+            mujoco.mj_step(m, data)
+            still.append(fj.torque(m, data)["j"].sticks)
+    went = abs(data.qpos[0] - begin)
+    assert all(still) if load < 1.0 else not any(still)
+    assert went < 1e-6 if load < 1.0 else went > 1e-4
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -160,7 +214,7 @@ def test_a_user_sensor_carries_it():
                 data.qfrc_applied[0] = 2.5
                 mujoco.mj_step(m, data)
             mujoco.mj_forward(m, data)
-            assert data.sensor("friction").data[0] == -data.qfrc_passive[0]
+            assert data.sensor("friction").data[0] == pytest.approx(acted(m, data), abs=1e-12)
             assert data.sensor("friction").data[1] == 0.0
     finally:
         mujoco.set_mjcb_sensor(None)

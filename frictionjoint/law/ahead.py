@@ -12,7 +12,7 @@ and the step is the implicit Euler step of the joint with its friction.
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.law.kernel import commit, row_size, step_row
+from frictionjoint.law.kernel import commit, hold_row, row_size
 
 # (h**2 K + h sigma1) / J from which on the explicit torque is left: half of where it oscillates
 STIFF = 0.25
@@ -24,7 +24,7 @@ def _miss(
     P: Vector, p: int, S: Vector, s: int, h: float, f: float, J: float, v: float, end: float
 ) -> tuple[float, float]:
     """How far a guess of the velocity at the end misses, and the torque there."""
-    F = step_row(P, p, S, s, h * end, h, end)
+    F = hold_row(P, p, S, s, h * end, h, end)
     return end - v - h * (f - F) / J, F
 
 

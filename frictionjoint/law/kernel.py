@@ -12,7 +12,7 @@ first in each.
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, link
+from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, link, room
 from frictionjoint.law import (
     armstrong,
     bristle,
@@ -24,7 +24,7 @@ from frictionjoint.law import (
     maxwell_slip,
     static,
 )
-from frictionjoint.law.memory import CAPACITY, FH, HEADER, make_room
+from frictionjoint.law.memory import CAPACITY, FH, HEADER, N_MAX, N_MIN, RATE, make_room
 from frictionjoint.law.relaxation import late_advance, late_distance
 from frictionjoint.law.stribeck import FC
 
@@ -33,6 +33,8 @@ INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_ST
 _start_integrated = integrated.start
 _step_integrated = integrated.usual_step
 _step_static = static.step
+_hold_static = static.elastic_step
+_stiffness_of_static = static.stiffness
 _step_armstrong = armstrong.step
 _step_dahl = dahl.step
 _step_dahl_stribeck = dahl_stribeck.step
@@ -92,28 +94,40 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
 
 
 @compiled
-def step_rival(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
-    """`step_row` for any law but the integrated one."""
+def step_rival(
+    P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float
+) -> float:
+    """A step of any law but the integrated one, from header `a` to header `h` (may be `a`)."""
     law = int(P[p])
-    h = x + _rival_header(P, p)
     if law == LUGRE:
-        return _step_lugre(P, p + 1, X, x, h, dq, dt, v)
+        return _step_lugre(P, p + 1, X, a, h, dq, dt, v)
     if law == MAXWELL_SLIP:
-        return _step_maxwell_slip(P, p + 1, X, x, h, dq, dt, v)
+        return _step_maxwell_slip(P, p + 1, X, a, h, dq, dt, v)
     if law == ELASTOPLASTIC:
-        return _step_elastoplastic(P, p + 1, X, x, h, dq, dt, v)
+        return _step_elastoplastic(P, p + 1, X, a, h, dq, dt, v)
     if law == DAHL:
-        return _step_dahl(P, p + 1, X, x, h, dq, dt, v)
+        return _step_dahl(P, p + 1, X, a, h, dq, dt, v)
     if law == DAHL_STRIBECK:
-        return _step_dahl_stribeck(P, p + 1, X, x, h, dq, dt, v)
+        return _step_dahl_stribeck(P, p + 1, X, a, h, dq, dt, v)
     if law == ARMSTRONG:
-        return _step_armstrong(P, p + 1, X, x, h, dq, dt, v)
+        return _step_armstrong(P, p + 1, X, a, h, dq, dt, v)
     if law == STATIC:
-        return _step_static(P, p + 1, X, x, h, dq, dt, v)
+        return _step_static(P, p + 1, X, a, h, dq, dt, v)
     return np.nan
 
 
-_late_rival = late(step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, REAL, REAL, REAL))
+@compiled
+def hold_rival(
+    P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float
+) -> float:
+    """`step_rival` in a simulation, where the static law has an elastic element."""
+    if P[p] == STATIC:
+        return _hold_static(P, p + 1, X, a, h, dq, dt, v)
+    return step_rival(P, p, X, a, h, dq, dt, v)
+
+
+_late_rival = late(step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, REAL, REAL, REAL))
+_late_hold = late(hold_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, REAL, REAL, REAL))
 
 
 @in_line
@@ -121,13 +135,58 @@ def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
     """Torque after a displacement from the committed point; leaves the committed point alone."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return _late_rival(P, p, X, x, dq, dt, v)
+    return _late_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+
+
+@in_line
+def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
+    """`step_row` in a simulation: every law holds at rest."""
+    if P[p] == INTEGRATED:
+        return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+    return _late_hold(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+
+
+@compiled
+def trial(
+    P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float
+) -> tuple[float, float]:
+    """Fh, N m, and dz/dq after a further displacement, in a simulation; the row stays as it is.
+
+    The row needs a free slot on each stack.
+    """
+    if P[p] == INTEGRATED:
+        h, s = x + HEADER, x + 2 * HEADER
+        # a reversal writes above the top, where the committed stack may go on
+        low = s + int(X[h + N_MIN])
+        high = s + CAPACITY + int(X[h + N_MAX])
+        minimum, maximum = X[low], X[high]
+        kept = room(HEADER)
+        for i in range(HEADER):
+            kept[i] = X[h + i]
+        _step_integrated(P, p + 1, X, h, h, s, dq, dt, v)
+        Fh, rate = X[h + FH], X[h + RATE]
+        for i in range(HEADER):
+            X[h + i] = kept[i]
+        X[low] = minimum
+        X[high] = maximum
+        return Fh, rate
+    n = _rival_header(P, p)
+    h = x + n
+    kept = room(n)
+    for i in range(n):
+        kept[i] = X[h + i]
+    _late_hold(P, p, X, h, h, dq, dt, v)
+    Fh, rate = X[h + bristle.FH], X[h + bristle.RATE]
+    for i in range(n):
+        X[h + i] = kept[i]
+    return Fh, rate
 
 
 def link_law(P: Vector, p: int) -> None:
     """Compile or load what a step of this block's law needs now, not at its first step."""
     if P[p] != INTEGRATED:
         link(_late_rival)
+        link(_late_hold)
     elif P[p + 1 + integrated.EXPONENT] not in (1.0, 2.0) or P[p + 1 + integrated.LAMPAERT] == 1.0:
         link(late_advance)
         link(late_distance)
@@ -170,12 +229,12 @@ def coulomb_level(P: Vector, p: int) -> float:
 
 @compiled
 def presliding(P: Vector, p: int) -> tuple[float, float]:
-    """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding; none where unknown."""
+    """Largest stiffness, N m/rad, and damping, N m s/rad, before sliding, in a simulation."""
     law = int(P[p])
     if law == INTEGRATED:
         return P[p + 1 + integrated.KNOTS + 3], P[p + 1 + integrated.SIGMA1]
     if law == STATIC:
-        return 0.0, 0.0
+        return _stiffness_of_static(P, p + 1), 0.0
     if law == MAXWELL_SLIP:
         K = 0.0
         for i in range(int(P[p + 1 + maxwell_slip.N_ELEMENTS])):

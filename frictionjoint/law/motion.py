@@ -9,7 +9,6 @@ from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import (
     commit,
-    commit_rival,
     row_size,
     start_rival,
     start_row,
@@ -89,8 +88,7 @@ def drive_rival(
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            step_rival(block, p, X, x, dq, dt, dq / dt)
-            commit_rival(block, p, X, x)
+            step_rival(block, p, X, x, x, dq, dt, dq / dt)
             H[k] = X[bristle.FH]
             rate[k] = X[bristle.RATE]
 

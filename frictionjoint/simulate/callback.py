@@ -13,9 +13,7 @@ import numpy as np
 from numba import cfunc, types
 
 from frictionjoint.compiled import link
-from frictionjoint.law.ahead import STIFF
-from frictionjoint.law.kernel import link_law, presliding
-from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.kernel import link_law
 from frictionjoint.simulate.carrier import (
     DOF,
     EFFECTS,
@@ -33,20 +31,21 @@ from frictionjoint.simulate.first_sight import (
     warn_of_no_room_in_c,
 )
 from frictionjoint.simulate.layout import offsets
+from frictionjoint.simulate.mass import put_in, take_back
 from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.pointers import (
     array,
     field,
+    mj_factor_m,
     mj_free_stack,
     mj_mark_stack,
     mj_mul_m,
+    mj_project_constraint,
     mj_rne,
-    mj_solve_m,
     mj_stack_numbers,
 )
-from frictionjoint.simulate.row import T_EVALUATED, torque_now
+from frictionjoint.simulate.row import BASE, T_EVALUATED, over_the_step, torque_now
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
-from frictionjoint.simulate.together import between, is_stiff, late_settle, settle
 from frictionjoint.simulate.userdata_room import lacks_room
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
@@ -55,7 +54,8 @@ from frictionjoint.simulate.with_effects import (
     late_joint_effects,
 )
 
-# its four evaluations a step are no steps of their own
+PGS = int(mujoco.mjtSolver.mjSOL_PGS)
+# its four evaluations a step are no steps of their own: friction stays explicit
 RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 
 
@@ -81,6 +81,19 @@ def build_native() -> Any:
     at_gain, at_bias = model_at["actuator_gainprm"], model_at["actuator_biasprm"]
     at_limited, at_range = model_at["actuator_ctrllimited"], model_at["actuator_ctrlrange"]
     at_ctrl = data_at["ctrl"]
+    at_solver, at_noslip = model_at["solver"], model_at["noslip_iterations"]
+    at_nefc, at_arena, at_used = (data_at[k] for k in ("nefc", "arena", "parena"))
+    projected = ("efc_Y_rownnz", "efc_Y", "efc_AR_rownnz", "efc_AR")
+    at_projected = tuple(data_at[k] for k in projected if k in data_at)
+    has_copies = "iM" in data_at
+    at_second, at_second_entry = data_at.get("qM", 0), model_at.get("dof_Madr", 0)
+    at_island_mass, at_island_factor, at_island_diagonal = (
+        data_at.get(k, 0) for k in ("iM", "iLD", "iLDiagInv")
+    )
+    at_factor, at_diagonal = data_at.get("qLD", 0), data_at.get("qLDiagInv", 0)
+    at_island_row, at_dof_of, at_island_dofs = (
+        data_at.get(k, 0) for k in ("iM_rowadr", "map_idof2dof", "nidof")
+    )
     real, short, whole, byte = types.float64, types.int32, types.int64, types.uint8
 
     @cfunc(types.void(types.voidptr, types.voidptr), cache=True, error_model="numpy")
@@ -102,8 +115,9 @@ def build_native() -> Any:
             h = 0.0
         weights = array(m, at_weight, real)
         nv = int(field(m, at_nv, whole)[0])
-        stiff = 0
-        row = 0
+        M = array(d, at_mass, real)
+        first_of, count_of = array(m, at_rowadr, short), array(m, at_rownnz, short)
+        changed = False
         loaded = False
         bias = moved = qvel
         for i in range(n):
@@ -124,7 +138,12 @@ def build_native() -> Any:
             v = qvel[dof]
             effects = block + int(P[block + EFFECTS])
             later = X[x + T_EVALUATED] != t
+            entry = int(first_of[dof] + count_of[dof]) - 1
+            take_back(X, x, M, entry)
+            own = X[x + BASE]
             F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
+            if F == F and h > 0.0:
+                F = over_the_step(P, block + HEAD, X, x, h, v, own, 1.0 / weights[dof])
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
                 asked = 0.0
@@ -146,8 +165,6 @@ def build_native() -> Any:
                         array(m, at_range, real),
                         array(d, at_ctrl, real),
                     )
-                last = int(array(m, at_rowadr, short)[dof] + array(m, at_rownnz, short)[dof]) - 1
-                own = array(d, at_mass, real)[last]
                 load = 0.0
                 loads = asks_for_load(P, effects)
                 if loads >= 0:
@@ -156,9 +173,11 @@ def build_native() -> Any:
                         mj_mark_stack(d)
                         bias, moved = mj_stack_numbers(d, nv), mj_stack_numbers(d, nv)
                         mj_rne(m, d, 0, bias)
-                        mj_mul_m(m, d, moved, array(d, at_qacc, real))
-                    others = moved[dof] - own * array(d, at_qacc, real)[dof]
-                    others -= array(d, at_constraint, real)[dof]
+                        qacc = array(d, at_qacc, real)
+                        mj_mul_m(m, d, moved, qacc)
+                        for k in range(nv):  # friction changes the diagonal entries
+                            moved[k] -= M[int(first_of[k] + count_of[k]) - 1] * qacc[k]
+                    others = moved[dof] - array(d, at_constraint, real)[dof]
                     load = bias[dof]
                     load += coupled_load(P, block + HEAD, X, x, loads, later, others)
                 F += late_joint_effects(
@@ -180,51 +199,53 @@ def build_native() -> Any:
                     asked,
                 )
             passive[dof] -= F
+            if put_in(X, x, M, entry, h):
+                changed = True
+                if has_copies:
+                    second = int(array(m, at_second_entry, short)[dof])
+                    array(d, at_second, real)[second] = M[entry]
             if F != F:
                 break  # gone astray: MuJoCo resets the whole state
-            if is_stiff(P, block + HEAD, X, x, h, weights[dof]):
-                stiff += 1
-                row = max(row, law_row_size(P, block + HEAD))
         if loaded:
             mj_free_stack(d)
-        if stiff == 0 or F != F:
+        if not changed:
             return
-        mj_mark_stack(d)
-        blocks, W = mj_stack_numbers(d, stiff), mj_stack_numbers(d, stiff * stiff)
-        units, columns = mj_stack_numbers(d, stiff * nv), mj_stack_numbers(d, stiff * nv)
-        Y = mj_stack_numbers(d, 3 * stiff + row)
-        for i in range(stiff * nv):
-            units[i] = 0.0
-        k = 0
-        for i in range(n):
-            block = int(address[i])
-            if P[block] != MAGIC or P[block + RESOLVED] != 1.0:
-                continue
-            dof = int(P[block + DOF])
-            if is_stiff(P, block + HEAD, X, int(P[block + ROW]), h, weights[dof]):
-                blocks[k] = float(block)
-                units[nv * k + dof] = 1.0
-                k += 1
-        mj_solve_m(m, d, columns, units, stiff)
-        between(P, blocks, stiff, columns, nv, W)
-        late_settle(P, blocks, stiff, X, h, W, Y)
-        for i in range(stiff):
-            passive[int(P[int(blocks[i]) + DOF])] -= Y[i]
-        mj_free_stack(d)
+        mj_factor_m(m, d)
+        if has_copies and field(d, at_island_mass, whole)[0] != 0:
+            factor, diagonal = array(d, at_factor, real), array(d, at_diagonal, real)
+            island_mass = array(d, at_island_mass, real)
+            island_factor = array(d, at_island_factor, real)
+            island_diagonal = array(d, at_island_diagonal, real)
+            row, dof_of = array(d, at_island_row, short), array(d, at_dof_of, short)
+            for i in range(int(field(d, at_island_dofs, short)[0])):
+                dof = int(dof_of[i])
+                island_diagonal[i] = diagonal[dof]
+                for k in range(int(count_of[dof])):
+                    island_mass[int(row[i]) + k] = M[int(first_of[dof]) + k]
+                    island_factor[int(row[i]) + k] = factor[int(first_of[dof]) + k]
+        if field(d, at_nefc, short)[0] == 0:
+            return
+        if field(m, at_solver, short)[0] == PGS or field(m, at_noslip, short)[0] > 0:
+            # the projection that the position stage made goes: it is the last in the arena
+            lowest = 0
+            for at in at_projected:
+                begin = int(field(d, at, whole)[0])
+                if begin != 0 and (lowest == 0 or begin < lowest):
+                    lowest = begin
+            if lowest != 0:
+                field(d, at_used, whole)[0] = lowest - int(field(d, at_arena, whole)[0])
+            mj_project_constraint(m, d)
 
     return native
 
 
 def link_what_acts(model: mujoco.MjModel, blocks: Iterable[int]) -> None:
     """Compile or load now what the native callback will need for these blocks of a model."""
-    P, h = model.numeric_data, model.opt.timestep
+    P = model.numeric_data
     for block in blocks:
         link_law(P, block + HEAD)
         if P[block + int(P[block + EFFECTS])] > 0.0:
             link(late_joint_effects)
-        K, damping = presliding(P, block + HEAD)
-        if h * (h * K + damping) * model.dof_invweight0[int(P[block + DOF])] > STIFF:
-            link(late_settle)
 
 
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -235,9 +256,9 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         return
     step = model.opt.timestep
     h = 0.0 if model.opt.integrator == RK4 else step
-    stiff: list[int] = []
     bias, moved = np.zeros(model.nv), np.zeros(model.nv)
-    loaded = False
+    loaded = changed = False
+    diagonal = model.M_rowadr + model.M_rownnz - 1
     for i in range(model.nnumeric):
         block = int(model.numeric_adr[i])
         if P[block] != MAGIC and P[block] != SHAFT:
@@ -252,9 +273,14 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
         q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
         effects = block + int(P[block + EFFECTS])
-        last = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        entry = int(diagonal[dof])
         later = X[x + T_EVALUATED] != t
+        take_back(X, x, data.M, entry)
+        own = float(X[x + BASE])
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
+        if F == F and h > 0.0:
+            free = 1.0 / float(model.dof_invweight0[dof])
+            F = over_the_step(P, block + HEAD, X, x, h, v, own, free)
         if P[effects] > 0.0:
             asked = 0.0
             if gives_less(P, effects):
@@ -275,14 +301,15 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     model.actuator_ctrlrange.reshape(-1),
                     data.ctrl,
                 )
-            own, load = data.M[last], 0.0
+            load = 0.0
             loads = asks_for_load(P, effects)
             if loads >= 0:
                 if not loaded:
                     loaded = True
                     mujoco.mj_rne(model, data, 0, bias)
                     mujoco.mj_mulM(model, data, moved, data.qacc)
-                others = moved[dof] - own * data.qacc[dof] - data.qfrc_constraint[dof]
+                    moved -= data.M[diagonal] * data.qacc
+                others = moved[dof] - data.qfrc_constraint[dof]
                 load = bias[dof] + coupled_load(P, block + HEAD, X, x, loads, later, others)
             F += joint_effects(
                 P,
@@ -303,19 +330,24 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 asked,
             )
         data.qfrc_passive[dof] -= F
+        if put_in(X, x, data.M, entry, h):
+            changed = True
+            if hasattr(data, "qM"):
+                data.qM[model.dof_Madr[dof]] = data.M[entry]
         if F != F:
-            return
-        if is_stiff(P, block + HEAD, X, x, h, model.dof_invweight0[dof]):
-            stiff.append(block)
-    if not stiff:
-        return
-    k, nv = len(stiff), model.nv
-    dofs = [int(P[block + DOF]) for block in stiff]
-    units, columns = np.zeros((k, nv)), np.zeros((k, nv))
-    units[np.arange(k), dofs] = 1.0
-    mujoco.mj_solveM(model, data, columns, units)
-    blocks, W = np.array(stiff, dtype=np.float64), np.empty(k * k)
-    Y = np.empty(3 * k + max(int(law_row_size(P, block + HEAD)) for block in stiff))
-    between(P, blocks, k, columns.reshape(-1), nv, W)
-    settle(P, blocks, k, X, h, W, Y)
-    data.qfrc_passive[dofs] -= Y[:k]
+            break
+    if changed:
+        mujoco.mj_factorM(model, data)
+        if hasattr(data, "iM"):
+            _copy_to_islands(model, data)
+        if data.nefc and (model.opt.solver == PGS or model.opt.noslip_iterations > 0):
+            mujoco.mj_projectConstraint(model, data)
+
+
+def _copy_to_islands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Mass matrix and factors of MuJoCo until 3.10, which keeps them by island too."""
+    for i, dof in enumerate(data.map_idof2dof[: data.nidof]):
+        data.iLDiagInv[i] = data.qLDiagInv[dof]
+        begin, n, to = model.M_rowadr[dof], model.M_rownnz[dof], data.iM_rowadr[i]
+        data.iM[to : to + n] = data.M[begin : begin + n]
+        data.iLD[to : to + n] = data.qLD[begin : begin + n]

@@ -62,6 +62,26 @@ DATA_FIELDS = (
     "xmat",
     "xaxis",
     "ctrl",
+    "arena",
+    "parena",
+    "nefc",
+    "efc_AR",
+    "efc_AR_rownnz",
+)
+# from MuJoCo 3.11 on
+NEW_DATA_FIELDS = ("efc_Y", "efc_Y_rownnz")
+# until then: the mass matrix in a second format too, copies of it and of its factors by island
+OLD_MODEL_FIELDS = ("dof_Madr",)
+OLD_DATA_FIELDS = (
+    "qM",
+    "iM",
+    "iLD",
+    "iLDiagInv",
+    "qLD",
+    "qLDiagInv",
+    "iM_rowadr",
+    "map_idof2dof",
+    "nidof",
 )
 
 
@@ -118,7 +138,7 @@ def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
 
 @lru_cache(maxsize=1)
 def offsets() -> tuple[dict[str, int], dict[str, int]]:
-    """Byte offsets in mjModel and mjData by field name.
+    """Byte offsets in mjModel and mjData by field name; fields of some versions only where there.
 
     Raises:
         LayoutMismatchError: a live model does not hold what the offsets promise.
@@ -127,14 +147,22 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     data_type = data_structure()
     model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
     data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
+    model |= _where(model_type, OLD_MODEL_FIELDS)
+    data |= _where(data_type, (*NEW_DATA_FIELDS, *OLD_DATA_FIELDS))
     option = _structure(structs.STRUCTS["mjOption"].fields)
     model["gravity"] = model["opt"] + option.gravity.offset
     model["timestep"] = model["opt"] + option.timestep.offset
     model["integrator"] = model["opt"] + option.integrator.offset
+    model["solver"] = model["opt"] + option.solver.offset
+    model["noslip_iterations"] = model["opt"] + option.noslip_iterations.offset
     model["disableflags"] = model["opt"] + option.disableflags.offset
     model["disableactuator"] = model["opt"] + option.disableactuator.offset
     _check(model, data)
     return model, data
+
+
+def _where(structure: Any, names: tuple[str, ...]) -> dict[str, int]:
+    return {name: getattr(structure, name).offset for name in names if hasattr(structure, name)}
 
 
 def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
@@ -142,14 +170,15 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     # one knows nothing of this model
     model = mujoco.MjModel.from_xml_string(
         "<mujoco><size nuserdata='3'/>"
-        "<option timestep='0.00137' integrator='implicitfast' gravity='0.3 0 -9' "
-        "actuatorgroupdisable='3'>"
+        "<option timestep='0.00137' integrator='implicitfast' gravity='0.3 0 -9' solver='PGS' "
+        "jacobian='sparse' noslip_iterations='7' actuatorgroupdisable='3'>"
         "<flag warmstart='disable' spring='disable' damper='disable'/></option>"
-        "<worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
+        "<worldbody><body><joint name='j' frictionloss='1'/><geom size='1'/></body></worldbody>"
         "<actuator><motor joint='j'/></actuator><sensor><clock/></sensor>"
         "<custom><numeric name='a' data='1'/><numeric name='b' data='2 3'/></custom></mujoco>"
     )
     data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
     data.time = 0.731
     expected: list[tuple[int, type[np.generic], Any]] = [
         (model._address + model_at["nv"], np.int64, model.nv),
@@ -161,12 +190,17 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
         (model._address + model_at["timestep"], np.float64, model.opt.timestep),
         (model._address + model_at["integrator"], np.int32, model.opt.integrator),
         (model._address + model_at["gravity"], np.float64, model.opt.gravity[0]),
+        (model._address + model_at["solver"], np.int32, model.opt.solver),
+        (model._address + model_at["noslip_iterations"], np.int32, model.opt.noslip_iterations),
         (data._address + data_at["time"], np.float64, data.time),
+        (data._address + data_at["nefc"], np.int32, data.nefc),
+        (data._address + data_at["parena"], np.int64, data.parena),
     ]
-    pairs = [(model, model_at, MODEL_FIELDS), (data, data_at, DATA_FIELDS)]
-    for owner, at, names in pairs:
-        for name in names:
-            array = getattr(owner, name)
+    if "nidof" in data_at:
+        expected.append((data._address + data_at["nidof"], np.int32, data.nidof))
+    for owner, at in ((model, model_at), (data, data_at)):
+        for name in at:
+            array = getattr(owner, name, None)
             if isinstance(array, np.ndarray):
                 expected.append((owner._address + at[name], np.int64, array.ctypes.data))
     for address, kind, value in expected:

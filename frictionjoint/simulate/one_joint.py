@@ -22,7 +22,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import SimulatedEffect
-from frictionjoint.simulate.row import FRONT, evaluate, row_size, torque_now
+from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
 # positions at which a load is evaluated: three determine its mean and its first harmonic
@@ -350,10 +350,11 @@ def _part(
         second = drive[k - late - 1] if k > late else before
         torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
         brake = emf if on[k] else 0.0
-        F = evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
+        evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
+        F, damping = X[TORQUE], brake + X[GAIN]
         if some:
             F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)
-        v = (inertia * v + h * (torque - F - bias)) / (inertia + h * brake)
+        v = (inertia * v + h * (torque - F - bias)) / (inertia + h * damping)
         if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):
                 position[later] = 1e6

@@ -67,12 +67,13 @@ mj_mul_m = cast(
     "Callable[[ctypes.c_void_p, ctypes.c_void_p, Vector, Vector], None]",
     types.ExternalFunction("mj_mulM", types.void(types.voidptr, types.voidptr, VECTOR, VECTOR)),
 )
-mj_solve_m = cast(
-    "Callable[[ctypes.c_void_p, ctypes.c_void_p, Vector, Vector, int], None]",
-    types.ExternalFunction(
-        "mj_solveM",
-        types.void(types.voidptr, types.voidptr, VECTOR, VECTOR, types.int32),
-    ),
+mj_factor_m = cast(
+    "Callable[[ctypes.c_void_p, ctypes.c_void_p], None]",
+    types.ExternalFunction("mj_factorM", types.void(types.voidptr, types.voidptr)),
+)
+mj_project_constraint = cast(
+    "Callable[[ctypes.c_void_p, ctypes.c_void_p], None]",
+    types.ExternalFunction("mj_projectConstraint", types.void(types.voidptr, types.voidptr)),
 )
 mj_mark_stack = cast(
     "Callable[[ctypes.c_void_p], None]",

@@ -14,29 +14,36 @@ state that somebody has set: ``mujoco.rollout`` from states of increasing time, 
 data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
 that was longer, so that shortening the time step during a run is no leap.
 
-Row ``X[x:]``: STARTED, committed time and position, evaluated time, position, velocity and
-torque, committed velocity and torque, then the law's row, then the effects' memory, committed and
-evaluated, then the evaluated torque of each effect.
+Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
+GAIN times the step is added to the joint's entry of MuJoCo's mass matrix (``simulate.mass``).
+
+Row ``X[x:]``: STARTED; committed time and position; evaluated time, position, velocity, and torque
+over the step without its GAIN; committed velocity and torque; GAIN evaluated and committed, the
+joint's entry of the mass matrix (BASE) and what stands in its place (WRITTEN); then the law's row,
+then the effects' memory, committed and evaluated, then the evaluated torque of each effect.
 """
 
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled, in_line, room
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.effects.kernel import MEMORY
-from frictionjoint.law.ahead import STIFF, torque_ahead
-from frictionjoint.law.kernel import commit, presliding, start_row, step_row
+from frictionjoint.law.kernel import commit, hold_row, hysteresis_torque, start_row
 from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.secant import secant
 
 STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
     range(8)
 )
-TORQUE_COMMITTED = 8
+TORQUE_COMMITTED, GAIN, GAIN_COMMITTED, BASE, WRITTEN = range(8, 13)
 # time steps
 LEAP = 3.0
-FRONT = 9
+FRONT = 13
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = 1e10
+# h^2 K / J at which half of a spring is implicit: a soft one loses less energy explicitly, a stiff
+# one must be implicit
+HALF_IMPLICIT = 0.25
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -90,6 +97,8 @@ def torque_now(
         X[x + T_COMMITTED] = t
         X[x + Q_COMMITTED] = q
         X[x + V_COMMITTED] = v
+        X[x + TORQUE_COMMITTED] = 0.0
+        X[x + GAIN_COMMITTED] = 0.0
         start_row(P, p, X, law)
         forget_effects(P, p, effects, X, x)
     elif gap > 0.0:
@@ -99,18 +108,49 @@ def torque_now(
         commit_effects(P, p, effects, X, x)
         X[x + V_COMMITTED] = X[x + V_EVALUATED]
         X[x + TORQUE_COMMITTED] = X[x + TORQUE]
+        X[x + GAIN_COMMITTED] = X[x + GAIN]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]
         X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
     dt = t - X[x + T_COMMITTED]
     if dt == 0.0:
         # still at the start: no motion has led here, wherever "here" is put
         X[x + Q_COMMITTED] = q
-    F = step_row(P, p, X, law, q - X[x + Q_COMMITTED], dt, v)
+    F = hold_row(P, p, X, law, q - X[x + Q_COMMITTED], dt, v)
     X[x + T_EVALUATED] = t
     X[x + Q_EVALUATED] = q
     X[x + V_EVALUATED] = v
     X[x + TORQUE] = F
+    X[x + GAIN] = 0.0
     return F
+
+
+@in_line
+def over_the_step(
+    P: Vector, p: int, X: Vector, x: int, h: float, v: float, J: float, free: float
+) -> float:
+    """After `torque_now`: make the torque that of the step of h s that begins; its value at v, N m.
+
+    The end's velocity is expected from what the row knows: the acceleration of the last step tells
+    all other torque on the joint, which is expected to last.
+
+    Args:
+        J: kg m^2, the joint's entry of the mass matrix. free: its inertia with all others free.
+    """
+    dt = X[x + T_EVALUATED] - X[x + T_COMMITTED]
+    w = v
+    if dt > 0.0 and J > 0.0:
+        G = X[x + GAIN_COMMITTED]
+        others = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED] + G * v
+        w = J * v + h * (others - hysteresis_torque(P, p, X, x + FRONT))
+        w /= J + h * G
+    if not abs(w) <= ASTRAY:
+        w = v
+    constant, K, D = secant(P, p, X, x + FRONT, h, w)
+    stiff = h * h * K
+    implicit = stiff / (stiff + HALF_IMPLICIT * free) if K > 0.0 else 0.0
+    X[x + TORQUE] = constant
+    X[x + GAIN] = implicit * h * K + D
+    return constant + X[x + GAIN] * v
 
 
 @compiled
@@ -126,19 +166,8 @@ def evaluate(
     h: float,
     J: float,
 ) -> float:
-    """`torque_now`, or for a joint alone and stiff the torque of the step's end (``law.ahead``).
-
-    With a step h, s, of one evaluation and the joint's inertia J, kg m^2; h = 0 asks for the
-    torque here and now, whatever the gap.
-    """
+    """`torque_now`, or with a step h, s, `over_the_step` of a joint alone, of inertia J, kg m^2."""
     F = torque_now(P, p, effects, X, x, t, q, v, h)
-    dt = t - X[x + T_COMMITTED]
-    # a joint without inertia has no equation of motion to solve
-    if F == F and dt > 0.0 and h > 0.0 and J > 0.0:
-        K, damping = presliding(P, p)
-        if h * (h * K + damping) > STIFF * J:
-            f = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED]
-            S = room(law_row_size(P, p))
-            F = torque_ahead(P, p, X, x + FRONT, S, 0, h, f, J, v)
-            X[x + TORQUE] = F
+    if F == F and h > 0.0:
+        return over_the_step(P, p, X, x, h, v, J, J)
     return F

@@ -15,7 +15,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.carrier import ROW, read_friction, resolve
-from frictionjoint.simulate.row import FRONT, TORQUE
+from frictionjoint.simulate.row import FRONT, GAIN, TORQUE
 from frictionjoint.simulate.torque import sticks
 
 STICK_COLOUR = (0.10, 0.75, 0.55)
@@ -86,7 +86,7 @@ class Scope:
             float(data.time),
             float(data.qpos[self._q]),
             velocity,
-            float(X[self._row + TORQUE]),
+            float(X[self._row + TORQUE] + X[self._row + GAIN] * velocity),
             sticks(velocity, float(X[header + RATE]), self._stribeck),
             max(0, int(X[header + N_MIN] + X[header + N_MAX]) - 2),
         )

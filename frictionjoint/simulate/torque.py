@@ -10,23 +10,23 @@ from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.errors import ModelError
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import INTEGRATED, STATIC, header_size, hysteresis_torque
+from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
 from frictionjoint.simulate.acting import warn_if_idle
-from frictionjoint.simulate.carrier import EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
-from frictionjoint.simulate.row import FRONT, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
+from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
+from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
 
 # A joint slower than this fraction of its Stribeck velocity counts as resting.
-_RESTING = 0.01
+_RESTING = 1e-6
 _NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
 
 
 @dataclass(frozen=True)
 class FrictionTorque:
-    """Friction of one joint at the last evaluation; N m, or N for a slide.
+    """Friction of one joint over the last step; N m, or N for a slide.
 
     Torques are positive where they oppose positive motion; the joint feels minus `total`.
 
@@ -34,9 +34,11 @@ class FrictionTorque:
         total: the sum of the parts that follow.
         hysteresis: Fh, what the bristles hold.
         damping: sigma1 dz/dt. viscous: sigma2 v.
-        implicit: what the implicit step of a joint too stiff for the time step adds; else 0.
+        implicit: what the torque over the step adds to these three, which are those of its
+            beginning; 0 with RK4.
         effects: torque of each effect by name; a second one of a name is "name_2".
-        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
+        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests: a joint
+            that drifts does not stick.
         temperature: deg C, of a joint with `heating` or an effect of it; else None.
         time: s, of the evaluation; NaN before the first one.
     """
@@ -55,9 +57,8 @@ class FrictionTorque:
 def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorque]:
     """Friction torque of every joint that carries friction, by name of the joint.
 
-    It is what acted when MuJoCo last asked for passive forces: in ``mj_step`` at the beginning of
-    the step, so that ``data.time`` is a step ahead; after ``mj_forward`` it is that of now. Only
-    the model's numerics and the data's user data are read.
+    After ``mj_step`` it is the torque that acted over the step, which began at `time`; after
+    ``mj_forward`` the torque that a step from here has.
 
     Args:
         model: attached, or while `enable` is in force. data: of that model.
@@ -67,14 +68,14 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
     """
     require_model(model, "torque")
     require_data(data, "torque", model)
-    P, X = model.numeric_data, data.userdata
+    P = model.numeric_data
     found = blocks(model)
     if any(P[at + RESOLVED] != 1.0 for at in found.values()):
         found = resolve(model)
     if not found:
         raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
     warn_if_idle(model, data, found)
-    return {name: _of_joint(P, block, X, int(P[block + ROW])) for name, block in found.items()}
+    return {name: _of_joint(model, data, block) for name, block in found.items()}
 
 
 def sticks(velocity: float, rate: float, stribeck: float) -> bool:
@@ -82,7 +83,15 @@ def sticks(velocity: float, rate: float, stribeck: float) -> bool:
     return rate > 0.5 or abs(velocity) <= _RESTING * stribeck
 
 
-def _of_joint(P: Array, block: int, X: Array, x: int) -> FrictionTorque:
+def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float) -> float:
+    """Velocity at the end of the step that begins at the time `evaluated`."""
+    v = float(data.qvel[dof])
+    return v if data.time > evaluated else v + model.opt.timestep * float(data.qacc[dof])
+
+
+def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> FrictionTorque:
+    P, X = model.numeric_data, data.userdata
+    x = int(P[block + ROW])
     if X[x + STARTED] == 0.0:
         nothing, cold = dict.fromkeys(_effects(P, block, X, x), 0.0), temperature_of(P, block, X)
         return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, cold, float("nan"))
@@ -93,19 +102,19 @@ def _of_joint(P: Array, block: int, X: Array, x: int) -> FrictionTorque:
     rate = float(X[law + header_size(P, p) + place])
     hysteresis = float(hysteresis_torque(P, p, X, law))
     sigma1, sigma2 = float(P[p + 1 + layout.SIGMA1]), float(P[side + SIGMA2])
-    # as the kernel adds them: what is left is an implicit step's, and else exactly 0
-    implicit = float(X[x + TORQUE]) - (hysteresis + (sigma1 * rate + sigma2) * v)
+    end = _end(model, data, int(P[block + DOF]), float(X[x + T_EVALUATED]))
+    law_torque = float(X[x + TORQUE] + X[x + GAIN] * end)
+    # as the kernel adds them: without a gain exactly 0 is left
+    implicit = law_torque - (hysteresis + (sigma1 * rate + sigma2) * v)
     effects = _effects(P, block, X, x)
-    # the static law has no bristles: up to its V0 it creeps in place of sticking
-    slow = float(P[p + 1 + bristle.OWN]) / _RESTING if P[p] == STATIC else float(P[side + VS])
     return FrictionTorque(
-        total=float(X[x + TORQUE]) + sum(effects.values()),
+        total=law_torque + sum(effects.values()),
         hysteresis=hysteresis,
         damping=sigma1 * rate * v,
         viscous=sigma2 * v,
         implicit=implicit,
         effects=effects,
-        sticks=sticks(v, rate, slow),
+        sticks=sticks(v, rate, float(P[side + VS])),
         temperature=temperature_of(P, block, X),
         time=float(X[x + T_EVALUATED]),
     )

@@ -28,6 +28,8 @@ from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
 from frictionjoint.simulate.row import (
     FRONT,
+    GAIN_COMMITTED,
+    Q_COMMITTED,
     T_COMMITTED,
     T_EVALUATED,
     TORQUE_COMMITTED,
@@ -65,7 +67,7 @@ def effects_torque(
     contacts, plus the inertia behind the gear, that of the joint without its armature, times the
     acceleration since the committed point; with the armature's it is the joint's load. `asked` is
     the torque of the joint's motors before anything saturates. An effect `heating` comes first, and
-    has the loss of the committed point.
+    has the loss since the committed point.
     """
     sig = room(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
@@ -88,8 +90,9 @@ def effects_torque(
         X[memory + n + i] = X[memory + i]
     heats = P[effects + 1] == _HEATING
     if heats:
-        # its second number is the torque of the effects
-        sig[LOSS] = (X[x + TORQUE_COMMITTED] + X[memory + 1]) * X[x + V_COMMITTED]
+        # the work of the last step over its time; its second number is the torque of the effects
+        acted = X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v + X[memory + 1]
+        sig[LOSS] = acted * (q - X[x + Q_COMMITTED]) / dt if dt > 0.0 else 0.0
     total = total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
     if heats:
         X[memory + n + 1] = total
