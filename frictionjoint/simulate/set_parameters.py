@@ -28,6 +28,7 @@ from frictionjoint.simulate.carrier import (
     resolve,
     rows_of_block,
 )
+from frictionjoint.simulate.row import BASE, FRONT
 
 
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
@@ -114,7 +115,9 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
         block = model.numeric_data[found[name] :]
         row = int(block[ROW])
         size = rows_of_block(block[: HEAD + int(block[COUNT])])
-        data.userdata[row : row + size] = 0.0
+        # what was written into the mass matrix is still there
+        data.userdata[row : row + BASE] = 0.0
+        data.userdata[row + FRONT : row + size] = 0.0
 
 
 def _one_of(found: dict[str, int], joint: str) -> str:
