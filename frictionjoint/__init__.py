@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.evaluation.run import evaluate
     from frictionjoint.law.motion import friction_torque
     from frictionjoint.parameters import FrictionParameters
     from frictionjoint.simulate.attach import attach, disable, enable
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
     "close_loop": "frictionjoint.diagnose.close_loop",
+    "evaluate": "frictionjoint.evaluation.run",
     "attach": "frictionjoint.simulate.attach",
     "disable": "frictionjoint.simulate.attach",
     "enable": "frictionjoint.simulate.attach",
@@ -45,6 +47,7 @@ __all__ = [
     "close_loop",
     "disable",
     "enable",
+    "evaluate",
     "forget",
     "friction_torque",
     "install",

@@ -14,6 +14,7 @@ from frictionjoint.cli.close_loop import close_loop_command
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.demo import demo
+from frictionjoint.cli.evaluate import evaluate
 from frictionjoint.cli.export import export
 from frictionjoint.cli.identify import identify
 from frictionjoint.cli.models import check, install, uninstall, view
@@ -39,7 +40,9 @@ app = typer.Typer(
         "it, and reports the error before and after on data held out.\n"
         "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
         "together with others.\n"
-        "3. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
+        "3. `evaluate` says how far any model is from logs, whatever friction it has; nothing is "
+        "fitted.\n"
+        "4. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
         "again; `check` says whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones. "
@@ -69,7 +72,7 @@ def options(
 
 app.command()(demo)
 app.command("close-loop")(close_loop_command)
-for command in (identify, compare, sample, install, uninstall, check, view, export):
+for command in (evaluate, identify, compare, sample, install, uninstall, check, view, export):
     app.command()(command)
 app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")

@@ -34,7 +34,7 @@ def _of(model: mujoco.MjModel, joint: str) -> Controller:
     number = model.joint(joint).id
     own = [
         i
-        for i in range(model.nu)
+        for i in range(len(model.actuator_group))  # one without control does not count in nu
         if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
     ]
     if len(own) != 1:

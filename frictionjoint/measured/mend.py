@@ -68,6 +68,21 @@ def without_lone_readings(
     return found, tuple(notes)
 
 
+def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, int]]:
+    """First sample and the one after the last of stretches in which a joint moves without a drive.
+
+    Args:
+        time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
+    """
+    moving = np.abs(np.diff(position, append=position[-1])) > 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], drive == 0.0, [0]]).astype(int)))
+    return [
+        (int(a), int(b))
+        for a, b in zip(edges[::2], edges[1::2], strict=True)
+        if time[b - 1] - time[a] > _SILENT_S and np.mean(moving[a:b]) > 0.5
+    ]
+
+
 def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """A note on each drive that is exactly zero for long while the joint moves.
 
@@ -76,16 +91,8 @@ def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """
     position = next(x for name, x in columns.items() if name in ("position_rad", "position_m"))
     time, notes = columns["time_s"], []
-    moving = np.abs(np.diff(position, append=position[-1])) > 0.0
     for name, x in columns.items():
-        if name not in _DRIVES:
-            continue
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], x == 0.0, [0]]).astype(int)))
-        runs = [
-            (int(a), int(b))
-            for a, b in zip(edges[::2], edges[1::2], strict=True)
-            if time[b - 1] - time[a] > _SILENT_S and np.mean(moving[a:b]) > 0.5
-        ]
+        runs = silent_runs(time, position, x) if name in _DRIVES else []
         if runs:
             share = sum(b - a for a, b in runs) / len(x)
             first, last = time[runs[0][0]], time[runs[0][1] - 1]

@@ -1,0 +1,104 @@
+"""The command `evaluate`: how far a model is from logs."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.logs import (
+    LOG_FORMATS,
+    Columns,
+    ControllerFile,
+    Fixed,
+    Gain,
+    Join,
+    Reading,
+    Units,
+    Wrap,
+    log_paths,
+    poses,
+)
+from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.terminal import console, progress
+
+FILES = ("evaluation.html", "evaluation.json")
+
+
+def evaluate(
+    model: Annotated[
+        Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with whatever friction it has.")
+    ],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--joint",
+            metavar="NAME",
+            help="A joint in the model and in the logs. Repeatable. Default: all with a drive.",
+        ),
+    ] = None,
+    controller: ControllerFile = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="Where a page with plots is written."),
+    ] = None,
+    fixed: Fixed = None,
+    gain: Gain = None,
+    column: Columns = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say how far a model is from logs, whatever friction it has; nothing is fitted.
+
+    Examples:
+
+    `frictionjoint evaluate arm.xml a.csv b.csv --joint elbow`
+
+    `frictionjoint evaluate arm_friction.xml logs --controller elbow.toml --out evaluation --json`
+    """
+    from frictionjoint.evaluation.page import figures, page
+    from frictionjoint.evaluation.run import evaluate as run
+    from frictionjoint.report.write import write_files
+
+    with progress() as say:
+        paths = log_paths(logs, [], join)
+        if out is not None:
+            require_writable(out, [*paths.logs, model], force, FILES)
+        reading = Reading.of("", column, None, wrap, gain, unit, paths.joined)
+        say("evaluating")
+        found = run(
+            model,
+            paths.logs,
+            joint,
+            controller,
+            poses(fixed),
+            lambda path, name: replace(reading, joint=name).read(path),
+        )
+        text = json.dumps(found.to_dict(), indent=2)
+        if out is not None:
+            say("writing the page")
+            write_files(out, dict(zip(FILES, (page(found), text + "\n"), strict=True)))
+    if as_json:
+        typer.echo(text)
+        return
+    table = Table("joint", "friction", "torque error", "of it", "replay", "closed loop")
+    for name, x in found.joints.items():
+        table.add_row(
+            name,
+            x.friction,
+            figures(x.torque_rms, x.unit),
+            figures(x.torque_percent, "%"),
+            figures(x.replay_rms, x.position_unit),
+            figures(x.closed_loop_mae, x.position_unit),
+        )
+    console().print(table)
+    for note in found.notes:
+        console().print(f"* {note}", soft_wrap=True, markup=False)
+    if out is not None:
+        typer.echo(f"Page: {out / FILES[0]}")

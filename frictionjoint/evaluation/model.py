@@ -1,0 +1,202 @@
+"""A user's model as it is evaluated: its friction in words, and where a log's drive enters it.
+
+A measured torque takes the place of all actuators; of a `dcmotor` only the friction and the cogging
+stay. A measured voltage or current is the control of the joint's own actuator.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from frictionjoint.errors import ModelError
+from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
+from frictionjoint.identify.held import resolve as resolve_poses
+from frictionjoint.model_files import ONE_DOF, compile_model
+from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.carrier import blocks, read_friction
+from frictionjoint.simulate.native_friction import native_friction
+
+_ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+# a motor constant so small that a dcmotor makes no torque; MuJoCo 3 refuses 0
+_NO_CONSTANT = 1e-6
+# parameters of a dcmotor: motor constant among those of the gain; Coulomb torque of its LuGre
+# friction among those of the bias
+_CONSTANT, _LUGRE = 1, 3
+
+
+class EvaluatedModel:
+    """A compiled model whose other joints are held.
+
+    Args:
+        source: path or text of an MJCF or URDF. joints: that are evaluated.
+        moving: further joints whose motion the logs hold.
+        drives: what each joint's log holds, "torque", "voltage" or "current".
+        fixed: poses of joints that no log holds, by name, rad or m.
+    Attributes:
+        model: compiled; contacts are off. dofs, qpos: addresses of the joints, shape (k,).
+        controls: index in `ctrl` of each joint's drive; None: it is a torque.
+        friction: what friction each joint has, in words.
+    Raises:
+        ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
+    """
+
+    def __init__(
+        self,
+        source: str | Path,
+        joints: Sequence[str],
+        moving: Sequence[str],
+        drives: Mapping[str, str],
+        fixed: Mapping[str, Pose] | None = None,
+    ) -> None:
+        self.model = compile_model(source)
+        self.joints = list(joints)
+        self.ids = [require_joint(self.model, name) for name in joints]
+        led = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in moving]
+        self.led = {name: j for name, j in zip(moving, led, strict=True) if j >= 0}
+        self.dofs = self.model.jnt_dofadr[self.ids].astype(int)
+        self.qpos = self.model.jnt_qposadr[self.ids].astype(int)
+        self.slide = {
+            name: int(self.model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+            for name, j in zip(joints, self.ids, strict=True)
+        }
+        self.friction = {name: friction_words(self.model, name) for name in joints}
+        self.carries = bool(blocks(self.model))
+        take_pose(self.model, resolve_poses(self.model, -1, fixed))
+        used = {name: self._actuator(name, drives[name]) for name in joints}
+        self.controls = {
+            name: None if i is None else _control_of(self.model, i) for name, i in used.items()
+        }
+        self._silence({i for i in used.values() if i is not None})
+        lock(self.model, *self.ids, *self.led.values(), *self._behind())
+        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+
+    @property
+    def acts(self) -> bool:
+        """Whether an actuator still acts."""
+        return count_of(self.model) > 0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether MuJoCo itself keeps a state that must be stepped: activations, plasticity."""
+        return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
+
+    @contextmanager
+    def acting(self) -> Iterator[None]:
+        """The friction that the model carries acts inside the block."""
+        with attach(self.model) if self.carries else nullcontext():
+            yield
+
+    def _actuator(self, joint: str, drive: str) -> int | None:
+        if drive == "torque":
+            return None
+        own = actuators_of(self.model, joint)
+        named = [i for i in own if self.model.actuator(i).name == f"{joint}_{drive}"]
+        fixed = int(mujoco.mjtGain.mjGAIN_FIXED)
+        takes = named or [
+            i
+            for i in own
+            if (_is_dcmotor(self.model, i) and _constant(self.model, i) > _NO_CONSTANT)
+            or (self.model.actuator_gaintype[i] == fixed and not self.model.actuator_biasprm[i, 1])
+        ]
+        if len(takes) != 1:
+            many = f"{len(takes)} actuators" if takes else "no actuator"
+            raise ModelError(
+                f"the log of joint {joint!r} holds a {drive} and the model has {many} that it "
+                "could be the control of: add a motor or dcmotor to the joint, or give --gain"
+            )
+        return int(takes[0])
+
+    def _silence(self, used: set[int]) -> None:
+        """Take the torque off actuators that the logs do not drive."""
+        for i in set(range(count_of(self.model))) - used:
+            if _is_dcmotor(self.model, i):
+                self.model.actuator_gainprm[i, _CONSTANT] = _NO_CONSTANT
+            else:
+                self.model.actuator_gainprm[i] = 0.0
+                self.model.actuator_biasprm[i] = 0.0
+
+    def _behind(self) -> list[int]:
+        """Joints that the friction itself added: links behind springs."""
+        from frictionjoint.simulate.mechanism import deflection
+
+        return [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
+
+
+def require_joint(model: mujoco.MjModel, joint: str) -> int:
+    """Number of a hinge or slide.
+
+    Raises:
+        ModelError: the model has none of that name.
+    """
+    j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+    if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
+        names = [joint_label(model, i) for i in range(model.njnt)]
+        raise ModelError(
+            f"no hinge or slide joint {joint!r} in the model: it has {', '.join(names) or 'none'}"
+        )
+    return j
+
+
+def count_of(model: mujoco.MjModel) -> int:
+    """Number of actuators; a `dcmotor` without input is one that has no control."""
+    return len(model.actuator_group)
+
+
+def _control_of(model: mujoco.MjModel, i: int) -> int:
+    """Index of an actuator's first control; before MuJoCo 3.12 each actuator has one."""
+    return int(model.actuator_ctrladr[i]) if hasattr(model, "actuator_ctrladr") else i
+
+
+def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
+    """Actuators on a joint itself."""
+    number = model.joint(joint).id
+    return [
+        i
+        for i in range(count_of(model))
+        if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
+    ]
+
+
+def friction_words(model: mujoco.MjModel, joint: str) -> str:
+    """What friction a joint has in a model, in words."""
+    said = []
+    if joint in blocks(model):
+        carried = read_friction(model)[joint]
+        effects = "".join(f", {e.effect.name}" for e in carried.effects)
+        said.append(f"frictionjoint law {carried.parameters.law}{effects}")
+    native = native_friction(model, [joint]).get(joint)
+    if native:
+        said.append(native)
+    j = model.joint(joint).id
+    if hasattr(model, "jnt_springyield"):
+        tendons = _yielding_tendons(model, j)
+        if model.jnt_springyield[j] > 0.0 or tendons:
+            count = int(model.jnt_springyield[j] > 0.0) + tendons
+            said.append(f"{count} yield spring{'s' if count > 1 else ''}")
+    for i in actuators_of(model, joint):
+        if _is_dcmotor(model, i) and model.actuator_biasprm[i, _LUGRE] > 0.0:
+            said.append(f"dcmotor {model.actuator(i).name or i} with LuGre friction")
+    return "; ".join(said) or "none"
+
+
+def _yielding_tendons(model: mujoco.MjModel, joint: int) -> int:
+    """Number of fixed tendons of this joint alone whose spring yields."""
+    count = 0
+    for t in range(model.ntendon):
+        wraps = range(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t])
+        own = [model.wrap_objid[w] for w in wraps]
+        of_joint = model.wrap_type[wraps[0]] == int(mujoco.mjtWrap.mjWRAP_JOINT)
+        count += of_joint and own == [joint] and model.tendon_springyield[t] > 0.0
+    return int(count)
+
+
+def _is_dcmotor(model: mujoco.MjModel, i: int) -> bool:
+    kind = getattr(mujoco.mjtGain, "mjGAIN_DCMOTOR", None)
+    return kind is not None and model.actuator_gaintype[i] == int(kind)
+
+
+def _constant(model: mujoco.MjModel, i: int) -> float:
+    return float(np.abs(model.actuator_gainprm[i, _CONSTANT]))

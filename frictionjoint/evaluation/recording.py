@@ -1,0 +1,121 @@
+"""One log of one or more joints, on the grid that a model is driven along."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import LogError
+from frictionjoint.measured.derivatives import (
+    HIGHEST,
+    motion_band,
+    on_a_grid,
+    uniform,
+    uniform_motion,
+)
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.lowpass import LowPass, steep
+from frictionjoint.measured.mend import silent_runs
+
+# s, the longest step of a simulation
+_STEP_S = 1e-3
+# periods of the filter's corner at each end of a log that what lies beyond it spoils
+_SPOILT = 2.0
+_KINDS = ("torque", "voltage", "current")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A log ready to be compared.
+
+    Attributes:
+        name: of the log. logs: as read, by joint.
+        time: s, from 0, shape (n,). step: s between two of them.
+        motion: smooth position, velocity and acceleration by joint, each of shape (n,).
+        led: the same of joints that are not evaluated.
+        drive: as measured, by joint, shape (n,). filtered: behind the filter of the motion.
+        kinds: "torque", "voltage" or "current" by joint.
+        known: where the drive is known, by joint, shape (n,).
+        smooth: the filter on this grid.
+    """
+
+    name: str
+    logs: dict[str, JointLog]
+    time: Array
+    step: float
+    motion: dict[str, tuple[Array, Array, Array]]
+    led: dict[str, tuple[Array, Array, Array]]
+    drive: dict[str, Array]
+    filtered: dict[str, Array]
+    kinds: dict[str, str]
+    known: dict[str, NDArray[np.bool_]]
+    smooth: LowPass
+
+    @classmethod
+    def of(cls, logs: Mapping[str, JointLog]) -> "Recording":
+        """Put the joints of one log on a grid of a millisecond or less.
+
+        Args:
+            logs: of each joint that is evaluated, all of the same times.
+        """
+        first = next(iter(logs.values()))
+        raw_time, _, sample = on_a_grid(first)
+        raw = {name: on_a_grid(log)[1] for name, log in logs.items()}
+        bands = [motion_band(position, sample).whole for position in raw.values()]
+        corner = min(max(bands), HIGHEST / sample)
+        up = max(1, int(np.ceil(sample / _STEP_S - 1e-6)))
+        finer = LowPass(len(raw_time), sample, corner, steep, 1, up)
+        step, n = sample / up, (len(raw_time) - 1) * up + 1
+        time = raw_time[0] + step * np.arange(n)
+
+        def track(position: Array) -> tuple[Array, Array, Array]:
+            spectrum = finer.spectrum(position)
+            return finer.back(spectrum), finer.back(spectrum, 1), finer.back(spectrum, 2, 0.0)
+
+        others = {n: q for n, q in first.other_positions.items() if n not in logs}
+        kinds = {name: _kind(log) for name, log in logs.items()}
+        edge = int(_SPOILT / (corner * step))
+        inside = np.zeros(n, dtype=bool)
+        inside[edge : n - edge] = True
+        measured = {name: getattr(log, kinds[name]) for name, log in logs.items()}
+        return cls(
+            name=first.name,
+            logs=dict(logs),
+            time=time - time[0],
+            step=step,
+            motion={name: track(position) for name, position in raw.items()},
+            led={
+                name: track(uniform_motion(first.time, q, raw_time)) for name, q in others.items()
+            },
+            drive={name: uniform(logs[name].time, x, time) for name, x in measured.items()},
+            filtered={
+                name: finer.back(finer.spectrum(uniform(logs[name].time, x, raw_time)))
+                for name, x in measured.items()
+            },
+            kinds=kinds,
+            known={name: inside & _known(log, time) for name, log in logs.items()},
+            smooth=LowPass(n, step, corner, steep),
+        )
+
+    def filter(self, x: Array) -> Array:
+        """What the filter of the motion leaves of a torque on this grid, shape (n,)."""
+        return self.smooth(x)
+
+
+def _kind(log: JointLog) -> str:
+    for kind in _KINDS:
+        if getattr(log, kind) is not None:
+            return kind
+    raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
+
+
+def _known(log: JointLog, time: Array) -> NDArray[np.bool_]:
+    """Where the drive of a log is what moved the joint."""
+    known = np.ones(len(log.time), dtype=bool)
+    if log.torque_enabled is not None:
+        known &= log.torque_enabled
+    for begin, end in silent_runs(log.time, log.position, getattr(log, _kind(log))):
+        known[begin:end] = False
+    return np.asarray(np.interp(time, log.time, known.astype(float)) > 0.999)

@@ -1,0 +1,315 @@
+"""Evaluate a model against logs: torque error, replay and closed loop per joint."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.controller import UNKNOWN, Controller
+from frictionjoint.control.controller_file import GivenController, controller_of
+from frictionjoint.control.in_mjcf import controller_in
+from frictionjoint.control.reconstruct import measures_drive, with_drive
+from frictionjoint.errors import LogError, NoMotionError, ParameterError, few
+from frictionjoint.evaluation.model import EvaluatedModel, require_joint
+from frictionjoint.evaluation.recording import Recording
+from frictionjoint.evaluation.simulated import closed_loop, replay, windows_of
+from frictionjoint.evaluation.torque import torque_along
+from frictionjoint.identify.held import Pose
+from frictionjoint.measured.gaps import split_at_gaps
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import joints_with_drive, log_files, read_log
+from frictionjoint.measured.validate import require_motion
+from frictionjoint.model_files import compile_model
+from frictionjoint.mujoco_warnings import unheard
+
+SCHEMA = "frictionjoint/evaluate-1"
+# per cent of the measured drive above which the figure says nothing but that the drive is off
+_MOST_PERCENT = 1000.0
+ReadLog = Callable[[str | Path, str], JointLog]
+
+
+@dataclass(frozen=True)
+class JointCurves:
+    """What a log and the model did at one joint, each of shape (n,).
+
+    Attributes:
+        log: name. time: s. velocity: rad/s or m/s, measured.
+        drive: torque that acted. needed: torque that the model needs for the motion; both behind
+            one filter. known: where they are compared. position: measured.
+        replay_error: rad or m, NaN where nothing was run; None: no replay.
+        closed_loop: simulated position; None: no closed loop.
+    """
+
+    log: str
+    time: Array
+    velocity: Array
+    drive: Array
+    needed: Array
+    known: NDArray[np.bool_]
+    position: Array
+    replay_error: Array | None
+    closed_loop: Array | None
+
+    @property
+    def torque_error(self) -> Array:
+        """Needed less acted, where compared."""
+        return (self.needed - self.drive)[self.known]
+
+
+@dataclass(frozen=True)
+class JointEvaluation:
+    """How far a model is from the logs at one joint.
+
+    Attributes:
+        friction: of the model, in words. unit, position_unit: of torques and positions.
+        drive_rms: of the torque that acted. torque_rms: of the error. torque_percent: the error's
+            rms in per cent of the drive's; None where the drive is next to nothing.
+        replay_rms: position error of simulations restarted from measured states every 0.5 s and
+            driven by the measured drive; None: no measured drive, or the runs leave the motion.
+        closed_loop_mae: mean absolute position error of whole logs simulated from their target;
+            None: no target or no controller.
+        curves: of each log.
+    """
+
+    friction: str
+    unit: str
+    position_unit: str
+    drive_rms: float | None
+    torque_rms: float | None
+    torque_percent: float | None
+    replay_rms: float | None
+    closed_loop_mae: float | None
+    curves: tuple[JointCurves, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Figures alone, and those of each log."""
+        names = ("friction", "unit", "position_unit", "drive_rms", "torque_rms", "torque_percent")
+        own = {name: getattr(self, name) for name in (*names, "replay_rms", "closed_loop_mae")}
+        logs = [
+            {
+                "log": c.log,
+                "torque_rms": _rms(c.torque_error),
+                "replay_rms": _replay_rms([c]),
+                "closed_loop_mae": _closed_loop_mae([c]),
+            }
+            for c in self.curves
+        ]
+        return own | {"logs": logs}
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """How far a model is from logs, see `evaluate`.
+
+    Attributes:
+        model: its name. joints: by name. notes: what to know of the figures, a sentence each.
+    """
+
+    model: str
+    joints: dict[str, JointEvaluation]
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``evaluate --json`` prints it."""
+        joints = {name: x.to_dict() for name, x in self.joints.items()}
+        return {"schema": SCHEMA, "model": self.model, "joints": joints, "notes": list(self.notes)}
+
+
+def evaluate(
+    model: str | Path,
+    logs: Sequence[str | Path | JointLog],
+    joints: Sequence[str] | None = None,
+    controller: GivenController | None = None,
+    fixed: Mapping[str, Pose] | None = None,
+    read: ReadLog = read_log,
+) -> Evaluation:
+    """How far a model is from logs, whatever friction it has; nothing is fitted.
+
+    MuJoCo's own friction and damping, yield springs, the friction of a `dcmotor`, ours, or none:
+    all are part of the model as it is. Contacts are off, joints that no log holds stay at their
+    initial pose.
+
+    Args:
+        model: path or text of an MJCF or URDF. logs: paths, folders, or logs of one joint.
+        joints: names; None: all of the model whose drive every log holds, or its only joint.
+        controller: that drove the joints to their targets, as `close_loop` takes it; None: the
+            position servo of the model, where it has one and the log a target.
+        fixed: poses of joints that no log holds, rad or m. read: how a path is read.
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+    """
+    paths = [x for log in logs for x in ([log] if isinstance(log, JointLog) else log_files(log))]
+    if not paths:
+        raise LogError("no log: give at least one")
+    compiled = compile_model(model)
+    names = list(joints) if joints else _joints(paths, compiled)
+    for name in names:
+        require_joint(compiled, name)
+    controllers = {name: _controller(controller, name, compiled) for name in names}
+    collected: dict[str, list[JointCurves]] = {name: [] for name in names}
+    words: dict[str, tuple[str, str, str]] = {}
+    notes: dict[str, None] = {}
+    with unheard():
+        for path in paths:
+            for parts in _parts(path, names, read, notes):
+                _one_log(model, parts, controllers, fixed, collected, words, notes)
+    found = {
+        name: _of_joint(words[name], curves, name, notes)
+        for name, curves in collected.items()
+        if curves
+    }
+    if not found:
+        raise LogError(f"{few(names)}: no log in which it moves, record a motion")
+    title = Path(model).name if not str(model).lstrip().startswith("<") else "the MJCF"
+    return Evaluation(title, found, tuple(notes))
+
+
+def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
+    """Joints to evaluate where none is named."""
+    from frictionjoint.robot.logs import joints_to_explain
+
+    names = [model.joint(j).name for j in range(model.njnt)]
+    held = [[x.joint] if isinstance(x, JointLog) else joints_with_drive(x) for x in paths]
+    if len(names) == 1 and not all(held):
+        return names
+    if all(isinstance(x, JointLog) for x in paths):
+        return [name for name in names if all(name in some for some in held)]
+    return joints_to_explain([x for x in paths if not isinstance(x, JointLog)], model)
+
+
+def _controller(given: GivenController | None, joint: str, model: Any) -> Controller | None:
+    if given is None:
+        try:
+            return controller_in([model], joint)
+        except ParameterError:
+            return None
+    found = controller_of(given, joint, [model])
+    if found is not None and UNKNOWN in (found.kp, found.supply_v):
+        raise ParameterError(
+            f"controller of joint {joint!r}: kp or supply_v is unknown: nothing is fitted here, "
+            "give numbers"
+        )
+    return found
+
+
+def _parts(
+    path: str | Path | JointLog, names: Sequence[str], read: ReadLog, notes: dict[str, None]
+) -> list[dict[str, JointLog]]:
+    """The stretches of a log between its gaps, with the joints that move."""
+    by_joint: dict[str, list[JointLog]] = {}
+    for name in names:
+        try:
+            log = path if isinstance(path, JointLog) else read(path, name)
+            require_motion(f"{log.name}, {name}", log.position)
+        except NoMotionError as error:
+            if len(names) == 1:
+                raise
+            notes[f"{error}; left out."] = None
+            continue
+        notes |= dict.fromkeys(log.notes)
+        by_joint[name] = split_at_gaps(log)
+    count = min((len(parts) for parts in by_joint.values()), default=0)
+    return [{name: parts[i] for name, parts in by_joint.items()} for i in range(count)]
+
+
+def _one_log(
+    model: str | Path,
+    logs: dict[str, JointLog],
+    controllers: Mapping[str, Controller | None],
+    fixed: Mapping[str, Pose] | None,
+    collected: dict[str, list[JointCurves]],
+    words: dict[str, tuple[str, str, str]],
+    notes: dict[str, None],
+) -> None:
+    """Add the curves of one log."""
+    measured = {name: measures_drive(log) for name, log in logs.items()}
+    recording = Recording.of({n: with_drive(log, controllers[n]) for n, log in logs.items()})
+    m = EvaluatedModel(model, list(logs), list(recording.led), recording.kinds, fixed)
+    along = torque_along(m, recording, windows_of(recording))
+    runs = replay(m, recording, along) if all(measured.values()) else None
+    known = {n: c for n in logs if (c := controllers[n]) and logs[n].target is not None}
+    loop = closed_loop(m, recording, known) if set(known) == set(logs) else None
+    if known and loop is None:
+        notes["Closed loop: not every joint has a target and a controller."] = None
+    for name, log in recording.logs.items():
+        torque_measured = m.controls[name] is None
+        drive = recording.filtered[name] if torque_measured else along.given[name]
+        smooth = recording.filter
+        motion = recording.motion[name]
+        low, high = _limits(m, name)
+        inside = (motion[0] > low) & (motion[0] < high)
+        collected[name].append(
+            JointCurves(
+                log=log.name,
+                time=recording.time,
+                velocity=motion[1],
+                drive=drive if torque_measured else smooth(drive),
+                needed=smooth(along.needed[name]),
+                known=recording.known[name] & inside,
+                position=motion[0],
+                replay_error=runs[name] if runs else None,
+                closed_loop=loop.position[name] if loop else None,
+            )
+        )
+        slide = m.slide[name]
+        words[name] = m.friction[name], "N" if slide else "N m", "m" if slide else "rad"
+
+
+def _limits(m: EvaluatedModel, joint: str) -> tuple[float, float]:
+    j = m.ids[m.joints.index(joint)]
+    if not m.model.jnt_limited[j]:
+        return -np.inf, np.inf
+    low, high = m.model.jnt_range[j]
+    return float(low), float(high)
+
+
+def _of_joint(
+    words: tuple[str, str, str], curves: list[JointCurves], joint: str, notes: dict[str, None]
+) -> JointEvaluation:
+    error = np.concatenate([c.torque_error for c in curves])
+    drive = np.concatenate([c.drive[c.known] for c in curves])
+    torque, size = _rms(error), _rms(drive)
+    percent = None
+    if torque is None or size is None:
+        notes[f"{joint}: no part of the logs has a known drive: no torque error is stated."] = None
+    elif 100.0 * torque <= _MOST_PERCENT * size:
+        percent = 100.0 * torque / size
+    else:
+        notes[
+            f"{joint}: the drive in the logs is next to nothing, {size:.3g} {words[1]} rms, and "
+            f"the model needs {torque:.3g} {words[1]} more: was it off, or in another unit? No "
+            "percentage is stated."
+        ] = None
+    replayed = _replay_rms(curves)
+    if replayed is not None and replayed > max(float(np.ptp(c.position)) for c in curves):
+        notes[f"{joint}: replayed runs leave the measured motion: no error is stated."] = None
+        replayed = None
+    return JointEvaluation(
+        *words,
+        drive_rms=size,
+        torque_rms=torque,
+        torque_percent=percent,
+        replay_rms=replayed,
+        closed_loop_mae=_closed_loop_mae(curves),
+        curves=tuple(curves),
+    )
+
+
+def _rms(x: Array) -> float | None:
+    return float(np.sqrt(np.mean(x**2))) if len(x) else None
+
+
+def _replay_rms(curves: Sequence[JointCurves]) -> float | None:
+    errors = [c.replay_error for c in curves if c.replay_error is not None]
+    return _rms(x[~np.isnan(x)]) if errors and len(x := np.concatenate(errors)) else None
+
+
+def _closed_loop_mae(curves: Sequence[JointCurves]) -> float | None:
+    """None where a simulation became unstable, too."""
+    errors = [c.closed_loop - c.position for c in curves if c.closed_loop is not None]
+    mean = float(np.mean(np.abs(np.concatenate(errors)))) if errors else np.inf
+    return mean if np.isfinite(mean) else None

@@ -1,0 +1,144 @@
+"""Positions that a model simulates: from measured states every half second, and in closed loop."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.control.block import block_of, delay_of, supply_of
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.kernel import COUNT, STATE, one_tick
+from frictionjoint.control.profile import held
+from frictionjoint.evaluation.model import EvaluatedModel
+from frictionjoint.evaluation.recording import Recording
+from frictionjoint.evaluation.torque import STATE as FULL
+from frictionjoint.evaluation.torque import Along, Led
+from frictionjoint.measured.at_first import first_velocity
+from frictionjoint.mujoco_warnings import became_unstable
+
+WINDOW_S = 0.5
+
+
+def windows_of(recording: Recording) -> int:
+    """Samples of a window of the replay."""
+    return max(2, round(WINDOW_S / recording.step))
+
+
+def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, Array]:
+    """Position error of runs from measured states, driven by the measured drive.
+
+    Returns:
+        simulated less measured by joint, rad or m, shape (n,); NaN where nothing was run.
+    """
+    model, data = m.model, mujoco.MjData(m.model)
+    step, model.opt.timestep = model.opt.timestep, recording.step
+    led, n, every = Led(m, recording), len(recording.time), along.every
+    torques = np.stack(
+        [recording.drive[x] if m.controls[x] is None else np.zeros(n) for x in m.joints], axis=1
+    )
+    controls = {i: recording.drive[name] for name, i in m.controls.items() if i is not None}
+    measured = np.stack([recording.motion[name][0] for name in m.joints], axis=1)
+    known = np.all([recording.known[name] for name in m.joints], axis=0)
+    errors = np.full((n, len(m.joints)), np.nan)
+    with m.acting():
+        for w, begin in enumerate(range(0, n - every, every)):
+            if not known[begin : begin + every].all():
+                continue
+            mujoco.mj_resetData(model, data)
+            mujoco.mj_setState(model, data, along.states[w], FULL)
+            for k in range(begin, begin + every):
+                data.qfrc_applied[m.dofs] = 0.5 * (torques[k] + torques[k + 1])
+                for i, drive in controls.items():
+                    data.ctrl[i] = 0.5 * (drive[k] + drive[k + 1])
+                mujoco.mj_step(model, data)
+                led.put(data, k + 1)
+                errors[k + 1] = data.qpos[m.qpos] - measured[k + 1]
+            if became_unstable(data):
+                errors[begin + 1 : begin + every + 1] = np.inf
+    model.opt.timestep = step
+    return dict(zip(m.joints, errors.T, strict=True))
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """A whole log simulated from its target alone.
+
+    Attributes:
+        position: simulated, by joint, at the times of the recording, shape (n,).
+        error: simulated less measured, by joint.
+    """
+
+    position: dict[str, Array]
+    error: dict[str, Array]
+
+
+def closed_loop(
+    m: EvaluatedModel, recording: Recording, controllers: Mapping[str, Controller]
+) -> ClosedLoop:
+    """Simulate a log from its target: controller, actuator, friction and load.
+
+    Args:
+        controllers: of every joint that is evaluated.
+    """
+    model, data = m.model, mujoco.MjData(m.model)
+    step, model.opt.timestep = model.opt.timestep, recording.step
+    led, n = Led(m, recording), len(recording.time)
+    loops = [_Loop(m, recording, name, controllers[name]) for name in m.joints]
+    position = np.empty((n, len(loops)))
+    for loop in loops:
+        loop.begin(data)
+    led.put(data, 0)
+    with m.acting():
+        mujoco.mj_forward(model, data)
+        for k in range(n):
+            position[k] = data.qpos[m.qpos]
+            for loop in loops:
+                loop.drive(data, k)
+            mujoco.mj_step(model, data)
+            led.put(data, min(k + 1, n - 1))
+            if became_unstable(data):
+                position[k:] = np.inf
+                break
+    model.opt.timestep = step
+    measured = {
+        name: np.interp(recording.time, log.time - log.time[0], log.position)
+        for name, log in recording.logs.items()
+    }
+    by_joint = dict(zip(m.joints, position.T, strict=True))
+    return ClosedLoop(by_joint, {name: by_joint[name] - measured[name] for name in m.joints})
+
+
+class _Loop:
+    """The controller of one joint in a simulation."""
+
+    def __init__(
+        self, m: EvaluatedModel, recording: Recording, joint: str, controller: Controller
+    ) -> None:
+        log = recording.logs[joint]
+        assert log.target is not None
+        self._block, self._state = block_of(controller, log), np.zeros(STATE)
+        now = recording.time + log.time[0]
+        self._time = recording.time
+        self._target = held(log.time, log.target, now - delay_of(controller))
+        self._supply = held(log.time, supply_of(controller, log), now)
+        on = np.ones(len(log.time)) if log.torque_enabled is None else log.torque_enabled
+        self._on = held(log.time, on.astype(float), now) > 0.5
+        self._control = m.controls[joint]
+        k = m.joints.index(joint)
+        self._at, self._dof = int(m.qpos[k]), int(m.dofs[k])
+        start = first_velocity(log.time, log.position, float(self._block[COUNT]))
+        self._start = float(log.position[0]), start
+
+    def begin(self, data: mujoco.MjData) -> None:
+        data.qpos[self._at], data.qvel[self._dof] = self._start
+
+    def drive(self, data: mujoco.MjData, k: int) -> None:
+        q, v = float(data.qpos[self._at]), float(data.qvel[self._dof])
+        u = one_tick(self._block, self._state, self._time[k], self._target[k], q, v)
+        u = u * self._supply[k] if self._on[k] else 0.0
+        if self._control is None:
+            data.qfrc_applied[self._dof] = u
+        else:
+            data.ctrl[self._control] = u

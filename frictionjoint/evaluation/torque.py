@@ -1,0 +1,120 @@
+"""The torque that a model takes along a measured motion, and its states on the way.
+
+MuJoCo's inverse dynamics of the model with all its friction. What friction remembers, ours or
+MuJoCo's own, is carried along the motion.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.evaluation.model import EvaluatedModel
+from frictionjoint.evaluation.recording import Recording
+
+# its steps are never implicit: the torque is wanted here and now, not at a step's end
+_EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
+STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+
+
+@dataclass(frozen=True)
+class Along:
+    """What a model does along the motion of a recording.
+
+    Attributes:
+        needed: torque that must act on each joint, N m or N, shape (n,).
+        given: torque that each joint's actuator makes of its control, shape (n,); zero for a
+            joint whose log holds the torque.
+        states: full state of MuJoCo at samples 0, `every`, 2 `every` ...
+    """
+
+    needed: dict[str, Array]
+    given: dict[str, Array]
+    states: list[Array]
+    every: int
+
+
+def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
+    """Drive a model along a recording.
+
+    Args:
+        every: samples from one state that is kept to the next.
+    """
+    model, data = m.model, mujoco.MjData(m.model)
+    before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
+    model.opt.timestep = recording.step
+    q, v, a = (np.stack([recording.motion[n][i] for n in m.joints], axis=1) for i in range(3))
+    led = Led(m, recording)
+    n = len(recording.time)
+    needed, given = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
+    controls = {i: recording.drive[name] for name, i in m.controls.items() if i is not None}
+    own = [k for k, name in enumerate(m.joints) if m.controls[name] is not None]
+    free = [k for k in range(len(m.joints)) if k not in own]
+    states = []
+    with m.acting():
+        for k in range(n):
+            data.time = recording.time[k]
+            data.qpos[m.qpos], data.qvel[m.dofs], data.qacc[m.dofs] = q[k], v[k], a[k]
+            led.put(data, k)
+            for i, drive in controls.items():
+                data.ctrl[i] = drive[k]
+            if k % every == 0:
+                model.opt.integrator = _EXPLICIT
+                mujoco.mj_forward(model, data)
+                states.append(_state(model, data))
+                data.qacc[:] = 0.0
+                data.qacc[m.dofs] = a[k]
+                led.put(data, k)
+            _without_limits(model, True)
+            model.opt.integrator = _EXPLICIT
+            if m.acts:
+                mujoco.mj_fwdPosition(model, data)
+                mujoco.mj_fwdVelocity(model, data)
+                mujoco.mj_fwdActuation(model, data)
+            mujoco.mj_inverse(model, data)
+            acting = data.qfrc_actuator[m.dofs] if m.acts else np.zeros(len(m.joints))
+            needed[k] = data.qfrc_inverse[m.dofs]
+            needed[k, free] -= acting[free]
+            given[k, own] = acting[own]
+            _without_limits(model, False)
+            if m.remembers:
+                model.opt.integrator = before[1]
+                mujoco.mj_step(model, data)
+    model.opt.timestep, model.opt.integrator, model.opt.disableflags = before
+    return Along(
+        dict(zip(m.joints, needed.T, strict=True)),
+        dict(zip(m.joints, given.T, strict=True)),
+        states,
+        every,
+    )
+
+
+class Led:
+    """Joints that follow their measured motion."""
+
+    def __init__(self, m: EvaluatedModel, recording: Recording) -> None:
+        known: Mapping[str, int] = {n: j for n, j in m.led.items() if n in recording.led}
+        ids = list(known.values())
+        self._at = m.model.jnt_qposadr[ids].astype(int)
+        self._dofs = m.model.jnt_dofadr[ids].astype(int)
+        self._motion = np.array([[recording.led[n][i] for n in known] for i in range(3)])
+
+    def put(self, data: mujoco.MjData, k: int) -> None:
+        """Where they are at a sample, and how they move."""
+        if len(self._at):
+            data.qpos[self._at], data.qvel[self._dofs] = self._motion[:2, :, k]
+            data.qacc[self._dofs] = self._motion[2, :, k]
+
+
+def _without_limits(model: mujoco.MjModel, off: bool) -> None:
+    """Joint limits off: a measured motion that touches one has an unknown torque there."""
+    bit = int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
+    model.opt.disableflags = model.opt.disableflags | bit if off else model.opt.disableflags & ~bit
+
+
+def _state(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    found = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, data, found, STATE)
+    return found

@@ -1,0 +1,175 @@
+"""How far a model is from logs, whatever friction it has. The logs are MuJoCo simulations."""
+
+import json
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from command_line import run
+
+import frictionjoint as fj
+from frictionjoint.errors import FrictionJointError
+from frictionjoint.measured import JointLog
+
+STEP, EVERY, SECONDS = 5e-4, 4, 8.0
+ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>
+<joint name="elbow" axis="0 1 0" {joint}/><inertial pos="0.2 0 0" mass="0.5" diaginertia="1e-3 1e-3
+1e-3"/>{more}</body></worldbody>{end}</mujoco>"""
+NONE = ARM.format(joint="", more="", end="")
+COULOMB = ARM.format(
+    joint='frictionloss="0.3" damping="0.05" solimpfriction="0.99 0.999 0.001" '
+    'solreffriction="0.001 1"',
+    more="",
+    end="",
+)
+LUGRE = ARM.format(
+    joint="",
+    more="",
+    end='<actuator><dcmotor name="f" joint="elbow" input="none" motorconst="1e-6" resistance="1" '
+    'lugre="300 0.5 0.3 0.35 0.1"/></actuator>',
+)
+YIELD = ARM.format(
+    joint="",
+    more="",
+    end='<tendon><fixed stiffness="300" springlength="0" springyield="0.001"><joint joint="elbow" '
+    'coef="1"/></fixed></tendon>',
+)
+
+
+def simulated(mjcf: str, drive: str = "torque") -> JointLog:
+    """A log of an arm under a torque of two sines that moves it past both directions."""
+    model = mujoco.MjModel.from_xml_string(mjcf)
+    data = mujoco.MjData(model)
+    time = STEP * np.arange(int(SECONDS / STEP))
+    torque = 1.1 * np.sin(3.0 * time) + 0.6 * np.sin(7.1 * time + 1.0)
+    position = np.empty_like(time)
+    for k in range(len(time)):
+        position[k] = data.qpos[0]
+        if drive == "torque":
+            # gravity compensated, so that the motion stays in reach
+            torque[k] += data.qfrc_bias[0]
+            data.qfrc_applied[0] = torque[k]
+        else:
+            data.ctrl[0] = torque[k]
+        mujoco.mj_step(model, data)
+    kept = slice(None, None, EVERY)
+    given = {drive: torque[kept]}
+    return JointLog(name="log", joint="elbow", time=time[kept], position=position[kept], **given)
+
+
+@pytest.mark.parametrize("name", ["none", "coulomb", "lugre", "yield"])
+def test_a_model_that_made_the_log_is_near_it_and_another_is_not(name: str) -> None:
+    if name == "yield" and not hasattr(mujoco.MjModel, "jnt_springyield"):
+        pytest.skip("yield springs need MuJoCo 4.0")
+    model = {"none": NONE, "coulomb": COULOMB, "lugre": LUGRE, "yield": YIELD}[name]
+    log = simulated(model)
+    own = fj.evaluate(model, [log]).joints["elbow"]
+    other = fj.evaluate(NONE if name != "none" else COULOMB, [log]).joints["elbow"]
+    assert own.torque_percent < 6.0
+    assert other.torque_percent > 4.0 * own.torque_percent
+    assert other.torque_rms > 0.2
+    assert own.replay_rms < 0.25 * other.replay_rms
+    words = {
+        "none": "none",
+        "coulomb": "frictionloss 0.3 and damping 0.05",
+        "lugre": "dcmotor f with LuGre friction",
+        "yield": "1 yield spring",
+    }
+    assert own.friction == words[name]
+
+
+def test_our_friction_is_evaluated_as_any_other(tmp_path: Path) -> None:
+    spec = mujoco.MjSpec.from_string(NONE)
+    friction = fj.FrictionParameters.symmetric(
+        Fs=0.4, Fc=0.3, Vs=0.1, sigma2=0.05, knots=((0.0005, 0.5), (0.002, 0.8))
+    )
+    fj.install(spec, {"elbow": friction})
+    mjcf = spec.to_xml()
+    fj.enable()
+    try:
+        log = simulated(mjcf)
+    finally:
+        fj.disable()
+    own = fj.evaluate(mjcf, [log]).joints["elbow"]
+    assert own.friction == "frictionjoint law integrated"
+    assert own.torque_percent < 4.0
+    other = fj.evaluate(NONE, [log]).joints["elbow"]
+    assert other.torque_percent > 20.0
+    assert own.replay_rms < 0.1 * other.replay_rms
+
+
+def test_a_voltage_is_the_control_of_the_motor_in_the_model() -> None:
+    motor = ARM.format(
+        joint='damping="0.3"',
+        more="",
+        end='<actuator><dcmotor name="m" joint="elbow" motorconst="0.8" resistance="0.5"/>'
+        "</actuator>",
+    )
+    log = simulated(motor, "voltage")
+    found = fj.evaluate(motor, [log]).joints["elbow"]
+    assert found.torque_percent < 5.0
+    assert found.drive_rms > 0.3
+    with pytest.raises(FrictionJointError, match="holds a voltage and the model has no actuator"):
+        fj.evaluate(NONE, [log])
+
+
+def test_a_target_needs_a_controller_and_gives_a_closed_loop() -> None:
+    servo = ARM.format(
+        joint='damping="0.2"',
+        more="",
+        end='<actuator><position name="s" joint="elbow" kp="30" kv="1"/></actuator>',
+    )
+    model = mujoco.MjModel.from_xml_string(servo)
+    data = mujoco.MjData(model)
+    time = STEP * np.arange(int(SECONDS / STEP))
+    target, position = 0.6 * np.sin(2.0 * time), np.empty_like(time)
+    for k in range(len(time)):
+        position[k], data.ctrl[0] = data.qpos[0], target[k]
+        mujoco.mj_step(model, data)
+    kept = slice(None, None, EVERY)
+    log = JointLog(
+        name="a", joint="elbow", time=time[kept], position=position[kept], target=target[kept]
+    )
+    found = fj.evaluate(servo, [log]).joints["elbow"]
+    assert found.closed_loop_mae < 1e-3
+    assert found.replay_rms is None
+    assert found.torque_percent < 2.0
+    stiff = servo.replace('damping="0.2"', 'damping="2"')
+    assert fj.evaluate(stiff, [log]).joints["elbow"].closed_loop_mae > 0.01
+    with pytest.raises(FrictionJointError, match="--controller FILE"):
+        fj.evaluate(NONE, [log])
+
+
+def test_a_drive_of_nothing_has_no_percentage() -> None:
+    log = simulated(COULOMB)
+    torque = 1e-9 * log.torque
+    torque[: len(torque) // 2] = 0.0
+    silent = JointLog(name="a", joint="elbow", time=log.time, position=log.position, torque=torque)
+    found = fj.evaluate(COULOMB, [silent])
+    assert found.joints["elbow"].torque_percent is None
+    assert any("next to nothing" in note for note in found.notes)
+    known = found.joints["elbow"].curves[0].known
+    assert not known[: len(known) // 2 - 100].any()
+    assert known[len(known) // 2 + 100 : -1000].all()
+
+
+def test_the_command_writes_a_page_and_prints_json(tmp_path: Path) -> None:
+    log = simulated(COULOMB)
+    rows = np.column_stack([log.time, np.degrees(log.position), log.torque])
+    path = tmp_path / "a.csv"
+    np.savetxt(
+        path, rows, delimiter=",", header="time_s,position_rad,torque_nm", comments="", fmt="%.9g"
+    )
+    (tmp_path / "arm.xml").write_text(COULOMB)
+    out = tmp_path / "out"
+    given = ("evaluate", tmp_path / "arm.xml", path, "--unit", "position=deg", "--out", out)
+    done = run(*given, "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found == json.loads((out / "evaluation.json").read_text())
+    assert found["joints"]["elbow"]["torque_percent"] < 6.0
+    assert "<svg" in (out / "evaluation.html").read_text()
+    wrong = run("evaluate", "arm.xml", "a.csv", "--joint", "wrist", cwd=tmp_path)
+    assert wrong.returncode == 2
+    assert "no hinge or slide joint 'wrist' in the model: it has elbow" in wrong.stderr
