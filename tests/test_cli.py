@@ -141,6 +141,7 @@ def test_parameter_file_round_trip_is_exact(tmp_path):
 COMMANDS = (
     "demo",
     "close-loop",
+    "evaluate",
     "identify",
     "compare",
     "sample",
