@@ -110,37 +110,50 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
 
 def check(
     mjcf: Carrying,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit 1 if a joint is outside its limits.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Say what friction an MJCF carries and whether its time step suits it.
+    """Say what friction an MJCF carries, what acts, and whether the time step suits it.
 
     Examples:
 
     `frictionjoint check arm_friction.xml`
 
-    `frictionjoint check report/model.xml --json`
+    `frictionjoint check report/model.xml --strict --json`
     """
     from frictionjoint.simulate.carrier import load_model
-    from frictionjoint.simulate.check import check_model
+    from frictionjoint.simulate.check import check_model, integrator_note
 
-    findings = check_model(load_model(mjcf))
+    model = load_model(mjcf)
+    findings = check_model(model)
+    outside = [(row["joint"], sentence) for row in findings for sentence in row["outside"]]
     if as_json:
         typer.echo(json.dumps(findings, indent=2))
-        return
-    table = Table("joint", "law", "stiffness K", "h sqrt(K/J)", "effects", "remark")
-    for row in findings:
-        table.add_row(
-            row["joint"],
-            row["law"],
-            f"{row['stiffness']:.4g} {row['unit']}",
-            f"{row['step_ratio']:.3g}",
-            ", ".join(row["effects"]) or "none",
-            row["remark"],
+    else:
+        table = Table(
+            "joint", "law", "stiffness K", "h sqrt(K/J)", "h sigma/J", "effects", "remark"
         )
-    console().print(table)
-    for row in findings:
-        for sentence in row["acts"]:
-            typer.echo(f"{row['joint']}: {sentence}.")
+        for row in findings:
+            table.add_row(
+                row["joint"],
+                row["law"],
+                f"{row['stiffness']:.4g} {row['unit']}",
+                f"{row['step_ratio']:.3g}",
+                f"{row['damping_ratio']:.3g}",
+                ", ".join(row["effects"]) or "none",
+                "outside its limits, see below" if row["outside"] else row["remark"],
+            )
+        console().print(table)
+        typer.echo(integrator_note(model))
+        for row in findings:
+            for sentence in row["acts"]:
+                typer.echo(f"{row['joint']}: {sentence}.")
+        for joint, sentence in outside:
+            typer.echo(f"{joint}: outside: {sentence}.")
+    if strict and outside:
+        raise typer.Exit(1)
 
 
 def view(mjcf: Carrying) -> None:

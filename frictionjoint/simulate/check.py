@@ -1,75 +1,142 @@
-"""What friction a model carries, and whether its time step suits it."""
+"""What friction a model carries, whether its time step suits it, and what does not act."""
 
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from frictionjoint.arguments import require_model
 from frictionjoint.effects import heating, motor_temperature, temperature_dependent
-from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
-from frictionjoint.simulate.mechanism import DEFLECTION
-from frictionjoint.simulate.native_friction import native_friction
+from frictionjoint.errors import ModelError
+from frictionjoint.law.kernel import presliding
+from frictionjoint.simulate.carrier import (
+    HEAD,
+    JointFriction,
+    SimulatedEffect,
+    read_friction,
+    resolve,
+)
+from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
+from frictionjoint.simulate.native_friction import MEND, native_friction
 
-# Above the first the presliding spring turns over within a step; up to the second the joints of an
-# arm were measured to hold their loads; see docs/stiff_joints.md.
-_LARGEST_STEP_RATIO, _LARGEST_MEASURED = 1.0, 8.0
+# Largest h sqrt(K/J) and h sigma/J at which joints are tested to hold: with friction implicit in
+# the step, and with RK4, whose stages are explicit and stable up to about 2.8.
+_IMPLICIT, _EXPLICIT = 100.0, 2.0
+# a presliding spring that turns over within a step
+_RESOLVED = 1.0
 
 
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
-    """One row a joint: law, presliding stiffness K and its unit, h sqrt(K/J) at qpos0, effects.
+    """One row per joint with friction.
 
-    "acts" is how each effect acts in a simulation, a sentence each.
-    "native" is what of MuJoCo's own friction the joint has too, None without any.
+    Returns:
+        rows with the joint, the law, its stiffness K in "unit" and damping sigma (sigma1 + the
+        larger sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with J
+        the joint's inertia at qpos0, all other joints free; "implicit": whether the integrator
+        solves friction within the step; "native": MuJoCo's own friction of the joint, or None;
+        "effects", and "acts": how each acts in a simulation, a sentence each; "outside": a sentence
+        for each limit that the joint is beyond, with its fix; "remark": how the time step suits.
+    Raises:
+        ModelError: friction in the model is damaged. TypeError: no MjModel.
     """
     require_model(model, "check_model")
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    inverse = np.zeros((model.nv, model.nv))
-    mujoco.mj_solveM(model, data, inverse, np.eye(model.nv))
-    rows = []
-    carried_by = read_friction(model)
+    found, carried_by = resolve(model), read_friction(model)
     native = native_friction(model, carried_by)
+    implicit = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    rows = []
     for name, carried in carried_by.items():
-        joint = model.joint(name).id
-        dof = int(model.jnt_dofadr[joint])
-        slide = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
-        stiffness = carried.parameters.stiffness
-        ratio = model.opt.timestep * float(np.sqrt(stiffness * inverse[dof, dof]))
-        remark = _remark(ratio, model.opt.timestep)
+        j = model.joint(name).id
+        slide = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE
+        # of one degree of freedom MuJoCo keeps the inverse inertia at qpos0
+        inverse = float(model.dof_invweight0[int(model.jnt_dofadr[j])])
+        stiffness, sigma1 = presliding(model.numeric_data, found[name] + HEAD)
+        law = carried.parameters
+        viscous = law.to_dict()
+        damping = float(sigma1) + max(float(viscous[f"sigma2_{side}"]) for side in ("pos", "neg"))
+        ratio = model.opt.timestep * float(stiffness * inverse) ** 0.5
+        damping_ratio = model.opt.timestep * damping * inverse
+        outside = _outside(model.opt.timestep, ratio, damping_ratio, implicit)
+        if (model.opt.disableflags & off) == off:
+            outside.append(
+                "friction does not act: spring and damper flags are both disabled, enable one of "
+                "them in <option><flag>"
+            )
+        outside += _springs_outside(model.opt.timestep, inverse, carried)
         if name in native:
-            remark += f"; friction counts twice, with MuJoCo's own {native[name]}"
+            outside.append(f"friction counts twice, with MuJoCo's own {native[name]}: {MEND}")
+        try:
+            require_flags(model, name)
+        except ModelError as error:
+            outside.append(str(error))
         rows.append(
             {
                 "joint": name,
-                "law": carried.parameters.law,
-                "stiffness": stiffness,
+                "law": law.law,
+                "stiffness": float(stiffness),
+                "damping": damping,
                 "unit": "N/m" if slide else "N m/rad",
                 "step_ratio": ratio,
+                "damping_ratio": damping_ratio,
+                "implicit": bool(implicit),
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
                 "acts": [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects],
-                "remark": remark,
+                "outside": outside,
+                "remark": _remark(ratio, model.opt.timestep),
             }
         )
     return rows
 
 
+def integrator_note(model: mujoco.MjModel) -> str:
+    """How the model's integrator treats friction, a sentence."""
+    name = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        return f"Integrator {name}: friction is explicit, within limits of the time step."
+    return f"Integrator {name}: friction is implicit, solved together with all other forces."
+
+
+def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool) -> list[str]:
+    """A sentence for each limit of the time step that a joint is beyond."""
+    limit = _IMPLICIT if implicit else _EXPLICIT
+    mend = "" if implicit else "use the integrator implicitfast, or "
+    found = []
+    for what, value in (("h sqrt(K/J)", ratio), ("h sigma/J", damping_ratio)):
+        if value > limit:
+            found.append(
+                f"{what} is {value:.3g}, above {limit:g}, to which joints are tested"
+                f"{'' if implicit else ' with RK4'}: {mend}take a timestep <= "
+                f"{timestep * limit / value:.2g} s"
+            )
+    return found
+
+
+def _springs_outside(timestep: float, inverse: float, carried: JointFriction) -> list[str]:
+    """A sentence for each effect that is a spring too stiff for the time step: it is explicit."""
+    found = []
+    for effect in carried.effects:
+        for plain, value in zip(effect.effect.plain, effect.coefficients, strict=False):
+            ratio = timestep * (max(value, 0.0) * inverse) ** 0.5
+            if plain == "stiffness" and ratio > _RESOLVED:
+                found.append(
+                    f"effect {effect.effect.name} is an explicit spring with h sqrt(k/J) = "
+                    f"{ratio:.3g}, above {_RESOLVED:g}: take a timestep <= "
+                    f"{timestep * _RESOLVED / ratio:.2g} s"
+                )
+    return found
+
+
 def _remark(ratio: float, timestep: float) -> str:
-    """How a time step suits a joint whose h sqrt(K/J) is `ratio`."""
-    if ratio <= _LARGEST_STEP_RATIO:
-        return "suits the time step"
-    resolved = f"{timestep * _LARGEST_STEP_RATIO / ratio:.2g} s"
-    if ratio <= _LARGEST_MEASURED:
-        return f"stiff: held, and presliding resolved at timestep <= {resolved}"
+    """How a time step suits a presliding spring whose h sqrt(K/J) is `ratio`."""
+    if ratio <= _RESOLVED:
+        return "the time step resolves presliding"
     return (
-        f"stiffer than arms were measured to hold, {_LARGEST_MEASURED:g}: take a timestep <= "
-        f"{timestep * _LARGEST_MEASURED / ratio:.3g} s, or <= {resolved} to resolve presliding"
+        f"holds; presliding motion is resolved at timestep <= {timestep * _RESOLVED / ratio:.2g} s"
     )
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
-    """What of an effect a simulation has."""
+    """What a simulation has of an effect."""
     effect = carried.effect
     if effect.acts == "mechanism":
         return f"joint {joint + DEFLECTION}, between motor and link"
