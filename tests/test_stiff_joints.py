@@ -6,7 +6,6 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.check import check_model
 from frictionjoint.simulate.row import evaluate, row_size
 
 INERTIA, STEP, FS, FC = 0.01, 1e-3, 1.5, 1.0
@@ -168,16 +167,3 @@ def test_a_joint_without_inertia_has_a_torque_within_its_level():
     for k in range(1, 6):
         F = evaluate(P, 0, len(P) - 1, X, 0, k * STEP, 1e-6 * k**2, 2e-3 * k, STEP, 0.0)
         assert 0.0 < F <= FS
-
-
-@pytest.mark.parametrize(
-    ("ratio", "remark"),
-    [
-        (0.9, "suits the time step"),
-        (7.9, "stiff: held, and presliding resolved at timestep <= 0.00013 s"),
-        (26.0, "stiffer than arms were measured to hold, 8: take a timestep <= 0.000308 s, or <="),
-    ],
-)
-def test_check_says_held_as_far_as_that_was_measured(ratio, remark):
-    (row,) = check_model(joint(ratio))
-    assert row["remark"].startswith(remark)
