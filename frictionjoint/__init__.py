@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from frictionjoint.parameters import FrictionParameters
     from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
+    from frictionjoint.simulate.mass_matrix import mass_matrix
     from frictionjoint.simulate.remembered import remembered
     from frictionjoint.simulate.set_parameters import forget, set_parameters
     from frictionjoint.simulate.thermal import set_temperature, set_warmth, temperature, warmth
@@ -28,6 +29,7 @@ _HOMES = {
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
     "remembered": "frictionjoint.simulate.remembered",
+    "mass_matrix": "frictionjoint.simulate.mass_matrix",
     "forget": "frictionjoint.simulate.set_parameters",
     "set_parameters": "frictionjoint.simulate.set_parameters",
     "set_temperature": "frictionjoint.simulate.thermal",
@@ -52,6 +54,7 @@ __all__ = [
     "friction_torque",
     "install",
     "load_model",
+    "mass_matrix",
     "remembered",
     "set_parameters",
     "set_temperature",

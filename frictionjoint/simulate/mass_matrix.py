@@ -1,0 +1,45 @@
+"""The mass matrix of a model whose friction acts.
+
+Friction is implicit: while it acts ``mjData.M`` holds the joints' friction on its diagonal from the
+passive forces of a step until the next position stage (see `simulate.mass`), and ``mj_fullM``
+shows it.
+"""
+
+import mujoco
+import numpy as np
+
+from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arrays import Array
+from frictionjoint.simulate.carrier import DOF, ROW, resolve
+from frictionjoint.simulate.row import BASE, WRITTEN
+
+
+def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """The mass matrix without friction, for a controller that needs it after a step.
+
+    Args:
+        model: may carry friction or not. data: of that model; unchanged.
+    Returns:
+        M(q) of the last position stage, armature included, shape (nv, nv); what ``mj_fullM`` gives
+        without friction.
+    Raises:
+        ModelError: the data belong to another model. TypeError: no MjModel or MjData.
+    """
+    require_model(model, "mass_matrix")
+    require_data(data, "mass_matrix", model)
+    entries, P, X = data.M.copy(), model.numeric_data, data.userdata
+    for block in resolve(model).values():
+        dof, row = int(P[block + DOF]), int(P[block + ROW])
+        diagonal = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        if entries[diagonal] == X[row + WRITTEN]:
+            entries[diagonal] = X[row + BASE]
+    dense = np.zeros((model.nv, model.nv))
+    rows = np.repeat(np.arange(model.nv), model.M_rownnz)
+    places = np.concatenate(
+        [np.arange(at, at + n) for at, n in zip(model.M_rowadr, model.M_rownnz, strict=True)]
+        or [np.zeros(0, dtype=int)]
+    )
+    columns = model.M_colind[places]
+    dense[rows, columns] = entries[places]
+    dense[columns, rows] = entries[places]
+    return dense
