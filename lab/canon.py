@@ -1,7 +1,7 @@
 """The canon of friction experiments, every law of the package, two step sizes.
 
     python lab/canon.py              prints the table
-    python lab/canon.py --docs       writes docs/canon.md and its picture
+    python lab/canon.py --write       writes lab/notes/canon.md and its picture
 
 A mass of 1 kg on a slide joint: Fs 1.5 N, Fc 1 N, Vs 10 mm/s, 0.4 N s/m, 1e4 N/m before sliding.
 Prescribed motions go through `friction_torque`, forces through MuJoCo with the law installed. Each
@@ -9,7 +9,6 @@ number has a criterion; a law that fails one is not wrong, it is a simpler law.
 """
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,8 +16,6 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "docs"))
 from paper.slider import pull
 
 import frictionjoint as fj
@@ -206,7 +203,7 @@ EXPERIMENTS: dict[str, Callable[[Friction, float], tuple[Number, bool]]] = {
 HEAD = """# The canon: laws by experiments
 
 Every law of the package in the experiments that friction laws are judged by. Written by
-`python lab/canon.py --docs`. A mass of 1 kg, Fs 1.5 N, Fc 1 N, Vs 10 mm/s, 0.4 N s/m, 1e4 N/m
+`python lab/canon.py --write`. A mass of 1 kg, Fs 1.5 N, Fc 1 N, Vs 10 mm/s, 0.4 N s/m, 1e4 N/m
 before sliding; each cell holds the number at steps of 1 ms and 0.1 ms, bold where it passes at
 both. A law that fails an experiment is not wrong, it is a simpler law. `nan`: no energy is lost.
 
@@ -257,14 +254,14 @@ def picture(path: Path) -> None:
 def main() -> None:
     """Print, or write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--docs", action="store_true")
-    docs = parser.parse_args().docs
+    parser.add_argument("--write", action="store_true")
+    write = parser.parse_args().write
     text, _ = table()
     print(text)
-    if docs:
-        picture(ROOT / "docs/img/canon.png")
+    if write:
+        picture(ROOT / "lab/notes/img/canon.png")
         body = text + "\n![Presliding loops, and drift](img/canon.png)\n"
-        (ROOT / "docs/canon.md").write_text(HEAD + body)
+        (ROOT / "lab/notes/canon.md").write_text(HEAD + body)
 
 
 if __name__ == "__main__":

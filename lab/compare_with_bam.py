@@ -1,12 +1,12 @@
 """BAM (Rhoban) beside this package on the XL330 logs, by the error that BAM is judged by.
 
     python lab/compare_with_bam.py --data DIR [--bam CHECKOUT --bam-python PYTHON]
-        [--models m1 m3 m6] [--trials 300] [--gains 400 200 100 800] [--docs]
+        [--models m1 m3 m6] [--trials 300] [--gains 400 200 100 800] [--write]
 
 --data holds the logs in ``xl330/``. --bam is a checkout of github.com/Rhoban/bam and --bam-python a
 Python that has what its ``identification`` extra asks for (numpy, optuna, cmaes, wandb,
-matplotlib, colorama); without them only our figures are printed. --docs writes docs/peer.md after
-every gain.
+matplotlib, colorama); without them only our figures are printed. --write writes
+lab/notes/peer.md after every gain.
 
 Each firmware gain is held out once, the others are fitted. Ours is `frictionjoint.close_loop`, its
 model.xml run in MuJoCo; BAM's is its own ``bam.process``, ``bam.fit`` and ``bam.mae``. Both replay
@@ -39,7 +39,7 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 JOINT = "pendulum"
 MODEL = ROOT / "models/xl330_pendulum.xml"
-PAGE, NOTES = ROOT / "docs/peer.md", "## What was found"
+PAGE, NOTES = ROOT / "lab/notes/peer.md", "## What was found"
 # as BAM has the firmware: counts a turn, over its divisor of the gain and the count of full duty
 DUTY_PER_RAD = 4096 / (2 * np.pi) / (256 * 885)
 GRID = 0.005
@@ -190,11 +190,11 @@ def rows(asked: argparse.Namespace) -> Iterator[Row]:
 
 
 def page(found: list[Row], trials: int) -> str:
-    """docs/peer.md anew; its notes, written by hand, are kept."""
+    """lab/notes/peer.md anew; its notes, written by hand, are kept."""
     lines = [
         "# Beside BAM",
         "",
-        "Written by `python lab/compare_with_bam.py --data DIR --bam CHECKOUT --docs`.",
+        "Written by `python lab/compare_with_bam.py --data DIR --bam CHECKOUT --write`.",
         "[BAM](https://github.com/Rhoban/bam) (Duclusaud et al. 2024) fits a servo's friction by",
         "simulating whole logs thousands of times; the loop here fits torques and names what they",
         "lack. Both were fitted on three firmware gains of the sixteen XL330 logs and replay the",
@@ -225,7 +225,7 @@ def main() -> None:
     parser.add_argument("--models", nargs="+", default=["m1", "m3", "m6"])
     parser.add_argument("--trials", type=int, default=300)
     parser.add_argument("--gains", nargs="+", type=int, default=[400, 200, 100, 800])
-    parser.add_argument("--docs", action="store_true", help="write docs/peer.md")
+    parser.add_argument("--write", action="store_true", help="write lab/notes/peer.md")
     asked = parser.parse_args()
     if asked.bam:
         print(f"BAM: {asked.trials} trials a model")
@@ -234,7 +234,7 @@ def main() -> None:
     for row in rows(asked):
         print(row, ", ".join(row.effects), flush=True)
         found.append(row)
-        if asked.docs:
+        if asked.write:
             PAGE.write_text(page(found, asked.trials))
 
 

@@ -1,4 +1,4 @@
-"""What each export loses, as the table of docs/notes/export.md.
+"""What each export loses, as the table of lab/notes/exports.md.
 
     python lab/export_losses.py MODEL[=LOG]...
 

@@ -1,9 +1,9 @@
 """What users complain of in MuJoCo's own friction, reproduced, with ours beside it.
 
-    python lab/native_complaints.py [--out docs/img/native_friction.png]
+    python lab/native_complaints.py [--out lab/notes/img/native_friction.png]
 
 A joint of 0.01 kg m^2, Coulomb 1 N m, breakaway 1.5 N m, stepped at 1 ms. The numbers are printed
-as the table of docs/native_friction.md.
+as the table of lab/notes/native_friction.md.
 """
 
 import argparse

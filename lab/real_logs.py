@@ -1,6 +1,6 @@
 """Every measured log of a data folder through the loop: one row a joint.
 
-    python lab/real_logs.py --data DIR [--only emps --only panda] [--docs]
+    python lab/real_logs.py --data DIR [--only emps --only panda] [--write]
 
 Held out: the end of each log in time, one gain of the XL330. Nothing is tuned to a log: each runs
 as the command line would run it. A joint that cannot be run takes its error line as its row.
@@ -22,7 +22,7 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Measured logs
 
-Written by `python lab/real_logs.py --data DIR --docs`, on a machine of two cores,
+Written by `python lab/real_logs.py --data DIR --write`, on a machine of two cores,
 two joints at a time.
 Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
 intervals. The state at the start of each held-out log is estimated: what friction held, how a
@@ -122,7 +122,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--only", action="append", help="a machine; may be repeated")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--docs", action="store_true", help="write docs/real_logs.md")
+    parser.add_argument("--write", action="store_true", help="write lab/notes/real_logs.md")
     asked = parser.parse_args()
     chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
     lines = [
@@ -135,8 +135,8 @@ def main() -> None:
         for line in pool.map(row, chosen):
             print(line, flush=True)
             lines.append(line)
-    if asked.docs:
-        (ROOT / "docs/real_logs.md").write_text(HEAD + "\n".join(lines) + "\n")
+    if asked.write:
+        (ROOT / "lab/notes/real_logs.md").write_text(HEAD + "\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 """Measured logs of whole robots: one command each, every joint before and after.
 
-    python lab/real_robots.py --data DIR --out DIR [--only panda --only ur10] [--docs]
+    python lab/real_robots.py --data DIR --out DIR [--only panda --only ur10] [--write]
 
 Held out is the last 30% of each log. A folder of `--out` that has a report is not run again; with
-`--docs` the reports there are written to docs/robots.md, before what else it holds. Memory is the
-peak of all processes of a command together, as /proc has it.
+`--write` the reports there are written to lab/notes/robots.md, before what else it holds. Memory
+is the peak of all processes of a command together, as /proc has it.
 """
 
 import argparse
@@ -19,12 +19,12 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 HELD_OUT = "0.3"
 PLACES = ("body", "joint", "other_joint", "common_to")
-PAGE = "docs/robots.md"
+PAGE = "lab/notes/robots.md"
 # what is not written here begins with it
 REST = "## What a least squares leaves"
 HEAD = """# Measured robots
 
-Public logs of four robots. `python lab/real_robots.py --data DIR --out DIR --docs` runs one
+Public logs of four robots. `python lab/real_robots.py --data DIR --out DIR --write` runs one
 command for each, `frictionjoint close-loop LOG... --model ROBOT --held-out 0.3 --out OUT`, and
 writes the tables. After them come [what is left, and why](#what-is-left-and-why), robots that were
 [new](#robots-that-were-new) and [other programs](#beside-mujocosysid-and-figaroh).
@@ -176,14 +176,14 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only", action="append", choices=ROBOTS)
-    parser.add_argument("--docs", action="store_true", help=f"write {PAGE}")
+    parser.add_argument("--write", action="store_true", help=f"write {PAGE}")
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     for name in asked.only or ROBOTS:
         if not (asked.out / name / "report.json").exists():
             run(ROBOTS[name], asked.data, asked.out / name)
         print(section(name, asked.out / name), flush=True)
-    if asked.docs:
+    if asked.write:
         done = [n for n in ROBOTS if (asked.out / n / "report.json").exists()]
         page = ROOT / PAGE
         _, title, rest = page.read_text().partition(REST)

@@ -1,6 +1,6 @@
 """Measured robots beside mujoco.sysid and figaroh: the same logs, the same samples.
 
-    python lab/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--docs]
+    python lab/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--write]
     python lab/robot_rivals.py --data DIR --only mujoco.sysid --limit 400
 
 Fitted to the first 70% of the log, tested on the rest. `--reports` is the folder that
@@ -9,7 +9,7 @@ armature, damping and frictionloss of every joint, to positions of free runs of 
 start; after `--limit` seconds of processor time the best numbers so far are taken. figaroh needs an
 environment of its own, whose Python `--figaroh` names; see `figaroh_robot.py`. Torque: rms error in
 motion, in per cent of the joint's, averaged over joints. Replay: rms position error of free runs of
-2 s from measured states. With `--docs` the table goes to the end of docs/robots.md.
+2 s from measured states. With `--write` the table goes to the end of lab/notes/robots.md.
 """
 
 import argparse
@@ -238,10 +238,10 @@ def main() -> None:
     parser.add_argument("--only", action="append", choices=PROGRAMS)
     parser.add_argument("--limit", type=float, default=400.0, help="s of sysid's, of one processor")
     parser.add_argument("--figaroh", help="Python of an environment that has figaroh")
-    parser.add_argument("--docs", action="store_true", help=f"write to {PAGE}")
+    parser.add_argument("--write", action="store_true", help=f"write to {PAGE}")
     asked = parser.parse_args()
     text = table(asked)
-    if asked.docs:
+    if asked.write:
         page = ROOT / PAGE
         before = page.read_text().partition(TITLE)[0].rstrip()
         about = "\n".join(__doc__.splitlines()[4:])

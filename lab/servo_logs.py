@@ -1,6 +1,6 @@
 """Servo logs of target and position through the loop, refined by simulation: closed-loop errors.
 
-    python lab/servo_logs.py --data DIR [--only sts3215] [--held-out "kp 8"] [--docs]
+    python lab/servo_logs.py --data DIR [--only sts3215] [--held-out "kp 8"] [--write]
 
 STS3215 (K-Scale Labs): each firmware gain held out once, both rigs fitted together; each rig held
 out once. XL330 (BAM): each gain held out once. EMPS: the last third of its log. Nothing is trimmed;
@@ -9,8 +9,8 @@ is the mean of |simulated - measured position| over all samples of the logs held
 target alone; of EMPS the rms, mm, and the norm over that of the position, per cent, as its
 benchmark has it.
 
---docs puts the rows that were run into the table of docs/servo_logs.md and leaves the rest of that
-page as it is.
+--write puts the rows that were run into the table of lab/notes/servo_logs.md and leaves the rest
+of that page as it is.
 """
 
 import argparse
@@ -34,7 +34,7 @@ STS3215 = {
     "m0.535*": MODELS / "sts3215_pendulum.xml",
     "m0.969*": MODELS / "sts3215_pendulum_heavy.xml",
 }
-PAGE = ROOT / "docs/servo_logs.md"
+PAGE = ROOT / "lab/notes/servo_logs.md"
 TABLE = """| servo | held out | before | balance | refined | taken | law | found | s |
 |---|---|---|---|---|---|---|---|---|
 """
@@ -133,7 +133,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--only", action="append", help="a servo; may be repeated")
     parser.add_argument("--held-out", action="append", help="a split, as 'kp 8'; may be repeated")
-    parser.add_argument("--docs", action="store_true", help="write docs/servo_logs.md")
+    parser.add_argument("--write", action="store_true", help="write lab/notes/servo_logs.md")
     asked = parser.parse_args()
     lines: dict[str, list[str]] = {TABLE: [], AXIS: []}
     for split in splits(asked.data):
@@ -145,7 +145,7 @@ def main() -> None:
         row = split.row()
         print(row, flush=True)
         lines[AXIS if split.servo == "emps" else TABLE].append(row)
-    if asked.docs:
+    if asked.write:
         page = PAGE.read_text()
         for head, rows in lines.items():
             page = into_page(rows, page, head)

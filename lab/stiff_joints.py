@@ -1,6 +1,6 @@
 """Presliding that is stiff for the step: hold, slips and stopping against a hundredth of the step.
 
-    python lab/stiff_joints.py         prints the table of docs/stiff_joints.md
+    python lab/stiff_joints.py         prints the table of lab/notes/stiff_joints.md
 
 A joint of 0.01 kg m^2 at 1 ms, Fs 1.5 N m, Fc 1 N m; its stiffness K is set by h sqrt(K/J).
 """

@@ -14,7 +14,7 @@ from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[1]
 # what judges trials, and the figures of the paper
-sys.path[:0] = [str(ROOT / name) for name in ("examples", "lab", "scripts", "docs")]
+sys.path[:0] = [str(ROOT / name) for name in ("examples", "lab", "scripts")]
 # plants have one name everywhere, tests.plants: numba's cache holds it. Last, so that an installed
 # frictionjoint is the one that is tested
 sys.path.append(str(ROOT))

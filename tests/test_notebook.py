@@ -1,5 +1,6 @@
 """Results show themselves in Jupyter, and the notebook of the documentation runs."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from frictionjoint.display import table
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.rivals import DahlParameters
 
-NOTEBOOKS = Path(__file__).resolve().parents[1] / "docs" / "notebooks"
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
 def test_parameters_show_a_table():
@@ -34,8 +35,9 @@ def test_a_table_escapes_its_cells():
     assert "<b>" not in table("<b>", ("<b>",), [("<b>",)])
 
 
-@pytest.mark.parametrize("path", sorted(NOTEBOOKS.glob("*.ipynb")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda p: p.stem)
 def test_a_notebook_runs(path, tmp_path):
+    shutil.copytree(EXAMPLES / "recording", tmp_path / "recording")
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     notebook = nbformat.read(path, as_version=4)
     nbclient.NotebookClient(
@@ -44,3 +46,4 @@ def test_a_notebook_runs(path, tmp_path):
     cells = [c for c in notebook.cells if c.cell_type == "code"]
     assert all(c.execution_count for c in cells)
     assert any("text/html" in o.get("data", {}) for c in cells for o in c.outputs)
+    assert any("image/png" in o.get("data", {}) for o in cells[-1].outputs), "it ends with a plot"

@@ -1,4 +1,4 @@
-"""The claims of Ganseman et al. (1997), each held to a number (docs/paper draws them)."""
+"""The claims of Ganseman et al. (1997), each held to a number (lab/paper draws them)."""
 
 import itertools
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The script behind docs/paper.md, and the page itself."""
+"""The script behind lab/notes/paper.md, and the page itself."""
 
 import json
 import re
@@ -21,18 +21,18 @@ def test_one_claim_becomes_a_picture_and_numbers(tmp_path, monkeypatch):
     assert numbers["reversal"]["extrema_after_closing"] == 2
 
 
-@pytest.mark.parametrize("arguments", [[], ["--docs", *ONLY]])
+@pytest.mark.parametrize("arguments", [[], ["--write", *ONLY]])
 def test_nothing_to_write_or_half_a_page_is_refused(arguments, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["paper_figures.py", *arguments])
     with pytest.raises(SystemExit) as refused:
         paper_figures.main()
     assert refused.value.code == 2
-    assert "--docs" in capsys.readouterr().err
+    assert "--write" in capsys.readouterr().err
 
 
 def test_the_page_shows_every_claim_and_its_pictures_are_small():
-    page = (ROOT / "docs" / "paper.md").read_text()
+    page = (ROOT / "lab" / "notes" / "paper.md").read_text()
     shown = re.findall(r"\]\((img/paper/(\w+)\.png)\)", page)
     assert [name for _, name in shown] == list(paper_figures.NAMES)
     for path, _ in shown:
-        assert 5_000 < (ROOT / "docs" / path).stat().st_size < 150_000
+        assert 5_000 < (ROOT / "lab" / "notes" / path).stat().st_size < 150_000

@@ -30,7 +30,7 @@ def test_a_level_below_the_base_runs_away_without_the_reset_and_relaxes_with_it(
 
 
 def test_a_cycle_of_fast_and_slow_legs_gains_in_the_1997_form_at_small_n():
-    """A limit of the published law, kept and stated; see docs/paper.md."""
+    """A limit of the published law, kept and stated; see lab/notes/paper.md."""
     assert -0.06 < weaknesses.cycle_work(1.0) < -0.04
     for n in (2.0, 4.0, 50.0):
         assert weaknesses.cycle_work(n) > 0.0

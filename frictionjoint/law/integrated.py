@@ -23,7 +23,7 @@ Decisions where the paper is silent
   jumps. That is the published law; the 2002 form has no such jump because Fb is not in its r.
 * The 1997 form is not passive at small n: below zero torque (mirrored) r is still positive, and
   the plastic part of the motion takes Fh's own work back. At a constant level no cycle is known to
-  gain from it; a cycle whose legs have different levels can (docs/paper/weaknesses.py). That is
+  gain from it; a cycle whose legs have different levels can (lab/paper/weaknesses.py). That is
   the published law, and stays. In the 2002 form Fh r >= 0, so plastic motion only dissipates.
 * A loop that opened on the first-loading curve returns to it when it closes: wiping out holds for
   the first loading as for every other curve.

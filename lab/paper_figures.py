@@ -1,8 +1,8 @@
 """Every claim of Ganseman et al. (1997) as a figure and as numbers.
 
-python docs/paper_figures.py --out paper            PNGs and numbers.json
-python docs/paper_figures.py --out paper --only whisker --only general
-python docs/paper_figures.py --docs                 writes docs/paper.md and its figures
+python lab/paper_figures.py --out paper            PNGs and numbers.json
+python lab/paper_figures.py --out paper --only whisker --only general
+python lab/paper_figures.py --write                 writes lab/notes/paper.md and its figures
 """
 
 import argparse
@@ -29,7 +29,7 @@ HEAD = """# What the paper claims, and what is found
 
 Every claim of Ganseman, Swevers, Prajogo and Al-Bender (1997), run with this package's law. The
 curves of the paper survive only as pictures, so no figure here is a fit to them; what is compared
-are the claims. This page is written by `python docs/paper_figures.py --docs`;
+are the claims. This page is written by `python lab/paper_figures.py --write`;
 `tests/test_paper.py` and `tests/test_weaknesses.py` hold its numbers to account.
 
 """
@@ -58,20 +58,20 @@ def main() -> None:
     )
     parser.add_argument("--out", type=Path, help="folder for PNGs and numbers.json")
     parser.add_argument("--only", action="append", choices=NAMES, help="repeatable")
-    parser.add_argument("--docs", action="store_true", help="write docs/paper.md")
+    parser.add_argument("--write", action="store_true", help="write lab/notes/paper.md")
     given = parser.parse_args()
-    if not given.out and not given.docs:
-        parser.error("give --out FOLDER, --docs, or both")
-    if given.docs and given.only:
-        parser.error("--docs writes the whole page: leave out --only")
+    if not given.out and not given.write:
+        parser.error("give --out FOLDER, --write, or both")
+    if given.write and given.only:
+        parser.error("--write writes the whole page: leave out --only")
     claims = [importlib.import_module(f"paper.{name}").claim() for name in given.only or NAMES]
     numbers = {c.name: c.numbers for c in claims}
     if given.out:
         write_figures(claims, given.out)
         (given.out / "numbers.json").write_text(json.dumps(numbers, indent=2) + "\n")
-    if given.docs:
-        write_figures(claims, ROOT / "docs" / "img" / "paper")
-        (ROOT / "docs" / "paper.md").write_text(page(claims))
+    if given.write:
+        write_figures(claims, ROOT / "lab" / "notes" / "img" / "paper")
+        (ROOT / "lab" / "notes" / "paper.md").write_text(page(claims))
 
 
 if __name__ == "__main__":
