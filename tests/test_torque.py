@@ -11,6 +11,7 @@ from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError
 from frictionjoint.rivals import ElastoplasticParameters, LuGreParameters, StaticParameters
 from frictionjoint.simulate.carrier import SimulatedEffect
+from tests.standing import plain_mass
 
 KNOTS = ((1e-2, 1.5), (1e-1, 3.2))
 LAWS = {
@@ -64,12 +65,7 @@ def pushed(m, steps=400):
 
 def acted(m, data):
     """What Newton's law leaves for friction: applied torque less inertia times acceleration."""
-    plain = mujoco.MjData(m)
-    plain.qpos[:] = data.qpos
-    mujoco.mj_fwdPosition(m, plain)
-    inertia = np.zeros((m.nv, m.nv))
-    mujoco.mj_fullM(*((m, inertia, plain.qM) if hasattr(plain, "qM") else (m, plain, inertia)))
-    return data.qfrc_applied[0] - (inertia @ data.qacc)[0]
+    return data.qfrc_applied[0] - (plain_mass(m, data.qpos) @ data.qacc)[0]
 
 
 @pytest.mark.parametrize("law", LAWS)
