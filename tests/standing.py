@@ -71,7 +71,7 @@ def table(step: float = 2e-3) -> str:
 
 
 def random_tree(rng: np.random.Generator) -> str:
-    """Two to five hinges; maybe an equality constraint, maybe a floor that the lowest end touches."""
+    """Two to five hinges; maybe an equality constraint, maybe a floor that one end touches."""
     n = int(rng.integers(2, 6))
     parents = [-1] + [int(rng.integers(0, i)) for i in range(1, n)]
     ends = rng.normal(size=(n, 3))
