@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
 
 import mujoco
 import numpy as np
@@ -49,6 +50,23 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
             reason = " ".join(str(error).split())
             raise ModelError(f"{name}: MuJoCo cannot read what it writes of it: {reason}") from None
     _require_same(before, after, name)
+    return _explained(text, before)
+
+
+def _explained(text: str, model: mujoco.MjModel) -> str:
+    """MJCF text with a comment for each joint that carries friction: its numbers in units."""
+    from frictionjoint.describe import one_line
+    from frictionjoint.simulate.carrier import TAG, blocks, read_friction
+
+    if not blocks(model):
+        return text
+    slide = int(mujoco.mjtJoint.mjJNT_SLIDE)
+    for joint, carried in read_friction(model).items():
+        is_slide = int(model.jnt_type[model.joint(joint).id]) == slide
+        # two dashes would end a comment
+        said = one_line(joint, carried, is_slide).replace("--", "- -")
+        tag = f"<numeric name={quoteattr(TAG + joint)}"
+        text = text.replace(tag, f"<!-- {said} -->\n    {tag}", 1)
     return text
 
 

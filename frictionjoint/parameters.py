@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.describe import short
 from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
 
@@ -19,6 +20,9 @@ Knots = tuple[tuple[float, float], ...]
 MOST_KNOTS = 16
 MOST_EXPONENT = 1000.0
 _INTEGRATED = 1
+_SIDES = ("pos", "neg")
+# numbers that a law has for each direction; a file may give one for both
+_PAIRED = ("Fs", "Fc", "Vs", "delta", "sigma2")
 
 
 class Friction(Protocol):
@@ -40,7 +44,7 @@ class Friction(Protocol):
         ...
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FrictionParameters:
     """Parameters of the integrated friction model (Ganseman et al. 1997), one joint.
 
@@ -115,9 +119,23 @@ class FrictionParameters:
         Vs: float,
         delta: float = 2.0,
         sigma2: float = 0.0,
+        stiffness: float | None = None,
         **others: Any,
     ) -> "FrictionParameters":
-        """The same levels in both directions; `others` are the remaining fields."""
+        """The same levels in both directions; `others` are the remaining fields.
+
+        Args:
+            Fs: breakaway torque, N m. Fc: Coulomb torque, N m. Vs: Stribeck velocity, rad/s.
+            delta: Stribeck exponent. sigma2: viscous coefficient, N m s/rad.
+            stiffness: presliding stiffness at a reversal, N m/rad, in place of `knots`: the
+                transition curve then has three segments, see `knots_of`.
+        Raises:
+            ParameterError: a value out of its range, or both or neither of stiffness and knots.
+        """
+        if (stiffness is None) == ("knots" not in others):
+            raise ParameterError("give stiffness, N m/rad, or knots, not both and not neither")
+        if stiffness is not None:
+            others["knots"] = knots_of(Fs, stiffness)
         pairs = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
         both: dict[str, Any] = {
             f"{name}_{side}": x for name, x in pairs.items() for side in ("pos", "neg")
@@ -168,6 +186,14 @@ class FrictionParameters:
             virgin="masing" if values[2] else "literal",
         )
 
+    def __repr__(self) -> str:
+        given = {
+            f.name: getattr(self, f.name)
+            for f in dataclasses.fields(self)
+            if getattr(self, f.name) != f.default
+        }
+        return f"FrictionParameters({short(given)})"
+
     def _repr_html_(self) -> str:
         values = self.to_dict().items()
         return number_table("friction: N m and rad, N and m for a slide", values)
@@ -187,9 +213,53 @@ class FrictionParameters:
             TypeError: `values` is no dict.
         """
         require_table(values)
-        given = {key: x for key, x in values.items() if key != "law"}
+        given = both_directions({key: x for key, x in values.items() if key != "law"})
+        if "stiffness" in given:
+            if "knots" in given:
+                raise ParameterError("stiffness and knots are given: give one of them")
+            largest = max(check_number(f"Fs_{s}", given.get(f"Fs_{s}", 1.0)) for s in _SIDES)
+            given["knots"] = knots_of(largest, given.pop("stiffness"))
         check_keys(cls, given)
         return cls(**given)
+
+
+def knots_of(Fs: float, stiffness: float) -> Knots:
+    """A transition curve of three segments with a given first slope, reaching 2 Fs.
+
+    The slope halves at Fs and again at 1.6 Fs. This shape is a choice: a stiffness alone does not
+    determine it. Give `knots` where a fit has.
+
+    Args:
+        Fs: breakaway torque, N m. stiffness: first slope, N m/rad.
+    Raises:
+        ParameterError: one of them is not a number above 0.
+    """
+    Fs, stiffness = check_number("Fs", Fs), check_number("stiffness", stiffness)
+    require(Fs > 0, "Fs", Fs, "> 0")
+    require(stiffness > 0, "stiffness", stiffness, "> 0")
+    z = F = 0.0
+    found = []
+    for level, slope in ((1.0, 1.0), (1.6, 0.5), (2.0, 0.25)):
+        z += (level * Fs - F) / (slope * stiffness)
+        F = level * Fs
+        found.append((z, F))
+    return tuple(found)
+
+
+def both_directions(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields by name, where `Fs` in place of `Fs_pos` and `Fs_neg` is both.
+
+    Raises:
+        ParameterError: one number is given twice.
+    """
+    found: dict[str, Any] = {}
+    for key, x in given.items():
+        names = [f"{key}_{side}" for side in _SIDES] if key in _PAIRED else [key]
+        for name in names:
+            if name in found or (name != key and name in given):
+                raise ParameterError(f"{key} and {name} are given: give one of them")
+            found[name] = x
+    return found
 
 
 def require_table(values: Any) -> None:

@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 
 from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
-from frictionjoint.parameters import check_keys, check_number, require, require_table
+from frictionjoint.parameters import (
+    both_directions,
+    check_keys,
+    check_number,
+    require,
+    require_table,
+)
 
 MOST_ELEMENTS = 16
 _SIDES = ("pos", "neg")
@@ -106,7 +112,7 @@ class _Rival:
             ParameterError: a key is unknown or missing, or a value out of range.
         """
         require_table(values)
-        given = {key: x for key, x in values.items() if key != "law"}
+        given = both_directions({key: x for key, x in values.items() if key != "law"})
         check_keys(cls, given)
         return cls(**given)
 

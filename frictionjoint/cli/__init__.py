@@ -17,8 +17,11 @@ from frictionjoint.cli.demo import demo
 from frictionjoint.cli.evaluate import evaluate
 from frictionjoint.cli.export import export
 from frictionjoint.cli.identify import identify
+from frictionjoint.cli.inspect import inspect
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
+from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
+from frictionjoint.cli.plot import plot
 from frictionjoint.cli.sample import sample
 from frictionjoint.errors import FrictionJointError
 
@@ -29,24 +32,26 @@ _INTERRUPTED = 130
 _UsageError: Any = typer.BadParameter.__base__
 
 app = typer.Typer(
+    cls=PlainGroup,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
     help=(
-        "Joint friction for MuJoCo that is true at low speed and learns from logs.\n\n"
+        "Identify joint friction from logs and simulate it in MuJoCo, accurate at low speed.\n\n"
         "Start with `frictionjoint demo`. With logs of your own joint:\n\n"
-        "1. `close-loop` fits the friction of the joint, finds what the model still lacks, adds "
-        "it, and reports the error before and after on data held out.\n"
-        "2. `identify` stops after the fit and writes the parameters; `compare` draws them "
-        "together with others.\n"
-        "3. `evaluate` says how far any model is from logs, whatever friction it has; nothing is "
-        "fitted.\n"
-        "4. `install` writes an MJCF that carries the friction itself, `uninstall` takes it out "
-        "again; `check` says whether its time step suits it, `view` opens MuJoCo's viewer.\n\n"
+        "1. `plot` draws a log before you fit anything.\n"
+        "2. `close-loop` fits the friction of the joint, finds what the model lacks, adds it, and "
+        "reports the error before and after on held-out data.\n"
+        "3. `identify` only fits the friction and writes the parameters; `compare` draws "
+        "parameters or reports side by side, `inspect` prints friction numbers.\n"
+        "4. `evaluate` says how far any model is from logs, without fitting.\n"
+        "5. `install` writes an MJCF with friction, `uninstall` removes it; `check` says whether "
+        "the time step suits it, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
-        "No log yet? `frictionjoint data list` names public ones. "
-        "Bad input ends in one line and exit code 2, and writes nothing."
+        "No log yet? `frictionjoint data list` names public ones.\n\n"
+        "Exit codes: 0 done; 2 bad input or wrong usage, one line on stderr, nothing written; "
+        "130 interrupted; 143 terminated; 1 an error of this program."
     ),
 )
 
@@ -70,10 +75,15 @@ def options(
     """What all commands have in common; its help is the app's."""
 
 
-app.command()(demo)
-app.command("close-loop")(close_loop_command)
-for command in (evaluate, identify, compare, sample, install, uninstall, check, view, export):
-    app.command()(command)
+app.command(cls=PlainCommand)(demo)
+app.command(cls=PlainCommand)(plot)
+app.command("close-loop", cls=PlainCommand)(close_loop_command)
+_COMMANDS = (
+    *(evaluate, identify, compare, inspect, sample),
+    *(install, uninstall, check, view, export),
+)
+for command in _COMMANDS:
+    app.command(cls=PlainCommand)(command)
 app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")
 

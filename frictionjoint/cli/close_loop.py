@@ -13,6 +13,7 @@ from frictionjoint.cli.logs import (
     LOG_FORMATS,
     Columns,
     ControllerFile,
+    DropNan,
     Fixed,
     Gain,
     Join,
@@ -28,7 +29,7 @@ from frictionjoint.cli.logs import (
     poses,
     split,
 )
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
 from frictionjoint.cli.robot import (
     RobotRequest,
     Wanted,
@@ -59,7 +60,12 @@ Law = Annotated[
         help=f"{LAW_TO_FIT} Default: {LAWS[0]}, in the result another where clearly better.",
     ),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Of the random tests; equal seeds, equal reports.")]
+Seed = Annotated[
+    int,
+    typer.Option(
+        min=0, metavar="INTEGER", help="Seed of the random tests. Equal seeds give equal reports."
+    ),
+]
 
 
 def close_loop_command(
@@ -83,7 +89,7 @@ def close_loop_command(
         typer.Option(
             "--refine",
             help="Fit all numbers of the named model to the simulated motion in the end; it is "
-            "taken where it predicts logs left out better.",
+            "used where it predicts logs left out better.",
         ),
     ] = False,
     gain: Gain = None,
@@ -92,6 +98,7 @@ def close_loop_command(
     wrap: Wrap = None,
     unit: Units = None,
     join: Join = False,
+    drop_nan: DropNan = False,
     robot: Annotated[
         list[str] | None,
         typer.Option(
@@ -111,10 +118,11 @@ def close_loop_command(
         ),
     ] = None,
     seed: Seed = 0,
+    open_it: Open = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Fit, find what is missing, add it, report before and after.
+    """Identify friction from logs and find what the model lacks; errors before and after.
 
     Writes FOLDER/report.html (for people), report.json (for scripts) and model.xml (to simulate).
 
@@ -141,7 +149,7 @@ def close_loop_command(
     if not (robot or joint) and len(only := joints_of(model)) == 1:
         joint = only
     if robot or joint is None or len(joint) != 1:
-        reading = Reading.of("", column, signal, wrap, gain, unit, paths.joined)
+        reading = Reading.of("", column, signal, wrap, gain, unit, paths.joined, drop_nan)
         mjcf = models_of(model)
         if refine:
             raise ModelError("--refine is for one joint: name it with --joint")
@@ -153,13 +161,15 @@ def close_loop_command(
             close_loop_of_units(request, robots_of(robot), wanted)
         else:
             close_loop_of_robot(request, wanted)
+        if open_it:
+            open_page(out / "report.html")
         return
     if scheduler:
         raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")
     with progress() as say:
         read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
         require_writable(out, read, force, FILES)
-        reading = Reading.of(joint[0], column, signal, wrap, gain, unit, paths.joined)
+        reading = Reading.of(joint[0], column, signal, wrap, gain, unit, paths.joined, drop_nan)
         fitted, kept = split(logs, held_out, reading)
         report = close_loop(
             fitted,
@@ -179,4 +189,6 @@ def close_loop_command(
         typer.echo(json.dumps(report.to_dict(), indent=2))
     else:
         show_report(report)
-        typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
+        typer.echo(f"\nReport: {out / 'report.html'}   Model: {out / 'model.xml'}")
+    if open_it:
+        open_page(out / "report.html")

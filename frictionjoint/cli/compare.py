@@ -1,8 +1,9 @@
 """``frictionjoint compare``: laws and parameter sets side by side."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
@@ -11,11 +12,17 @@ from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    from frictionjoint.simulate.carrier import JointFriction
+
 
 def compare(
     parameters: Annotated[
         list[Path],
-        typer.Argument(metavar="TOML", help="Parameter files, as `identify` writes them."),
+        typer.Argument(
+            metavar="TOML|REPORT",
+            help="Parameter files, as `identify` writes them, or report.json of `close-loop`.",
+        ),
     ],
     out: Annotated[
         Path | None,
@@ -24,19 +31,30 @@ def compare(
     force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
-    """Set laws and parameters side by side: breakaway, presliding, sliding.
+    """Compare laws, parameters or reports side by side.
 
-    Every file's law is driven through the same three motions: a slow pull from rest, small
-    reversals before sliding, and steady sliding over the speeds.
+    Every law is driven through the same three motions: a slow pull from rest, small reversals
+    before sliding, and steady sliding over the speeds. Of reports, the verdicts, errors and
+    friction numbers are compared as well.
 
     Examples:
 
     `frictionjoint compare elbow.toml wrist.toml --json`
 
     `frictionjoint compare elbow.toml elbow_lugre.toml --out compare.html`
+
+    `frictionjoint compare monday/report.json friday/report.json`
     """
-    from frictionjoint.files import read_parameters
-    from frictionjoint.report.compare import KINDS, compared, draw, rows
+    from frictionjoint.files import joint_friction, read_parameters
+    from frictionjoint.report.compare import (
+        KINDS,
+        Compared,
+        compared,
+        draw,
+        joints_of_report,
+        report_figures,
+        rows,
+    )
     from frictionjoint.report.write import write_files
 
     if out is not None and out.suffix.lower() not in KINDS:
@@ -44,14 +62,24 @@ def compare(
     if out is not None:
         require_writable(out, parameters, force)
     with progress() as say:
-        read = {}
+        read: dict[str, JointFriction] = {}
+        reports: dict[str, dict[str, float | str]] = {}
         for i, path in enumerate(parameters):
             say(f"driving {path.name}, {i + 1} of {len(parameters)}")
             name = path.stem if path.stem not in read else str(path)
             if path in parameters[:i]:
                 raise ParameterError(f"{path} is given twice: give it once")
-            read[name] = read_parameters(path)
-        found = compared(read)
+            if path.suffix.lower() == ".json" or path.is_dir():
+                for own, content in joints_of_report(path).items():
+                    key = f"{path.parent.name or path.stem}{own and f' {own}'}"
+                    reports[key] = report_figures(content)
+                    if "model" in content:
+                        read[key] = joint_friction(content["model"])
+            else:
+                read[name] = read_parameters(path)
+        found = [replace(x, figures=reports.get(x.name, {}) | x.figures) for x in compared(read)]
+        # friction without a scale in N m has no curves, but it has errors
+        found += [Compared(n, (), own) for n, own in reports.items() if n not in read]
         if out is not None:
             say("drawing")
             write_files(out.parent, {out.name: draw(found, out.suffix.lower())})

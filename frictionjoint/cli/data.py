@@ -7,9 +7,11 @@ import typer
 from rich.table import Table
 
 from frictionjoint.cli.output import Json
+from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
 from frictionjoint.cli.terminal import console, progress
 
 data = typer.Typer(
+    cls=PlainGroup,
     rich_markup_mode="markdown",
     help=(
         "Public measured logs to try the commands on.\n\n"
@@ -21,7 +23,7 @@ data = typer.Typer(
 )
 
 
-@data.command("list")
+@data.command("list", cls=PlainCommand)
 def list_command(as_json: Json = False) -> None:
     """Name the data sets, with source and licence.
 
@@ -51,7 +53,7 @@ def list_command(as_json: Json = False) -> None:
     console().print(table)
 
 
-@data.command("get")
+@data.command("get", cls=PlainCommand)
 def get_command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="As `data list` has it.")],
     as_json: Json = False,

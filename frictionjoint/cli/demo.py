@@ -2,27 +2,37 @@
 
 from importlib.resources import files
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
 from frictionjoint.cli.logs import Reading
-from frictionjoint.cli.output import require_writable
+from frictionjoint.cli.output import Force, Open, open_page, require_writable
 from frictionjoint.cli.terminal import progress, show_report
 
+_FOLDER = Path("frictionjoint-demo")
 
-def demo() -> None:
+
+def demo(
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FOLDER", help="Where the results go.")
+    ] = _FOLDER,
+    open_it: Open = False,
+    force: Force = False,
+) -> None:
     """Stick-slip of the KUKA joint, then the loop on a shipped log.
 
-    Writes ./frictionjoint-demo/ with report.html, report.json, model.xml and stick_slip.svg.
+    Writes report.html, report.json, model.xml and stick_slip.svg into ./frictionjoint-demo/.
 
-    Example: `frictionjoint demo`, then open frictionjoint-demo/report.html
+    Example: `frictionjoint demo --open`
     """
     from frictionjoint.diagnose.close_loop import close_loop
     from frictionjoint.report.write import FILES, write_files, write_report
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
-    out = Path("frictionjoint-demo")
-    require_writable(out, (), force=False, files=FILES)
+    # the demo's own folder contains nothing else
+    again = out == _FOLDER and (out / FILES[0]).exists()
+    require_writable(out, (), force or again, FILES)
     with progress() as say:
         say("stick-slip of the KUKA IR 361 joint")
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
@@ -33,7 +43,11 @@ def demo() -> None:
         kept = [logs.read(folder / "multisine.csv")]
         report = close_loop(read, folder / "joint.xml", "joint", kept, progress=say)
         write_report(report, out, "frictionjoint demo")
+    typer.echo(f"Part 1: stick-slip of a KUKA joint (see {out / 'stick_slip.svg'}).")
     typer.echo(ours.summary())
-    typer.echo("")
+    typer.echo("\nPart 2: the friction of a joint and what its model lacks, from shipped logs.")
     show_report(report)
-    typer.echo(f"Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
+    done = "Replaced the files of an earlier run. " if again else ""
+    typer.echo(f"\n{done}Open {out / 'report.html'} and {out / 'stick_slip.svg'}")
+    if open_it:
+        open_page(out / "report.html")

@@ -11,6 +11,7 @@ from frictionjoint.cli.logs import (
     LOG_FORMATS,
     Columns,
     ControllerFile,
+    DropNan,
     Fixed,
     Gain,
     Join,
@@ -58,6 +59,7 @@ def identify(
     wrap: Wrap = None,
     unit: Units = None,
     join: Join = False,
+    drop_nan: DropNan = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -99,7 +101,7 @@ def identify(
         joint = the_joint(joint, model)
         bodies = Bodies(models_of(model), joint, poses(fixed))
         driven_by = controller_of(controller, joint, bodies.models)
-        reading = Reading.of(joint, column, signal, wrap, gain, unit, paths.joined)
+        reading = Reading.of(joint, column, signal, wrap, gain, unit, paths.joined, drop_nan)
         read = bounded([reading.read(path) for path in logs])
         said = bodies.check(read, ())
         body = bodies.of(read)[0]

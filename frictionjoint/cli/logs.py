@@ -77,6 +77,14 @@ Fixed = Annotated[
     ),
 ]
 
+DropNan = Annotated[
+    bool,
+    typer.Option(
+        "--drop-nan",
+        help="Leave out rows with an empty cell or NaN, and say how many. Without it they are "
+        "refused.",
+    ),
+]
 ControllerFile = Annotated[
     str | None,
     typer.Option(
@@ -161,6 +169,7 @@ class Reading:
     gain: float | None = None
     units: dict[str, str] = field(default_factory=dict)
     joined: dict[Path, list[Path]] = field(default_factory=dict)
+    drop_nan: bool = False
 
     @classmethod
     def of(
@@ -172,6 +181,7 @@ class Reading:
         gain: float | None,
         unit: list[str] | None = None,
         joined: dict[Path, list[Path]] | None = None,
+        drop_nan: bool = False,
     ) -> "Reading":
         """From options.
 
@@ -182,16 +192,17 @@ class Reading:
 
         units = units_of(unit or [])
         check_units(units)
-        return cls(joint, columns_of(column), tuple(signal or ()), wrap, gain, units, joined or {})
+        names, signals = columns_of(column), tuple(signal or ())
+        return cls(joint, names, signals, wrap, gain, units, joined or {}, drop_nan)
 
     def read(self, path: str | Path) -> "JointLog":
         """One log."""
         from frictionjoint.measured.joined import read_joined
         from frictionjoint.measured.readers import read_log
 
-        how = self.joint, self.columns, self.signals, self.wrap, self.units
+        how = self.joint or None, self.columns, self.signals, self.wrap, self.units
         files = self.joined.get(Path(path))
-        log = read_joined(files, *how) if files else read_log(path, *how)
+        log = read_joined(files, *how) if files else read_log(path, *how, self.drop_nan)
         return log if self.gain is None else log.with_gain(self.gain)
 
 

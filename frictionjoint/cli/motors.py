@@ -8,9 +8,11 @@ import typer
 from rich.table import Table
 
 from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
 from frictionjoint.cli.terminal import console
 
 motors = typer.Typer(
+    cls=PlainGroup,
     invoke_without_command=True,
     rich_markup_mode="markdown",
     help=(
@@ -30,7 +32,7 @@ def listed(context: typer.Context) -> None:
         list_command()
 
 
-@motors.command("list")
+@motors.command("list", cls=PlainCommand)
 def list_command(as_json: Json = False) -> None:
     """Name the motors, with law, effects, source and licence.
 
@@ -71,9 +73,11 @@ def list_command(as_json: Json = False) -> None:
     typer.echo("Torque left: rms on data held out, of the law alone and with the effects found.")
 
 
-@motors.command("get")
+@motors.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")], out: Out
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")],
+    out: Out,
+    force: Force = False,
 ) -> None:
     """Write the parameter file of a motor, for `frictionjoint install`.
 
@@ -83,7 +87,7 @@ def get_command(
     from frictionjoint.motors.library import get_motor
     from frictionjoint.report.write import write_files
 
-    require_writable(out, (), force=False)
+    require_writable(out, (), force)
     motor = get_motor(name)
     friction = motor.friction
     write_files(out.parent, {out.name: toml_text(friction.parameters, friction.effects)})
@@ -93,7 +97,7 @@ def get_command(
     typer.echo(f"Wrote {out}")
 
 
-@motors.command("from-bam")
+@motors.command("from-bam", cls=PlainCommand)
 def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
     """Write our parameter file from one of BAM, models M1 to M6.
 
@@ -111,7 +115,7 @@ def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
         typer.echo(f"Without counterpart: {line}")
 
 
-@motors.command("to-bam")
+@motors.command("to-bam", cls=PlainCommand)
 def to_bam_command(
     parameters: Annotated[
         Path, typer.Argument(metavar="TOML", help="Parameter file, as `identify` writes it.")

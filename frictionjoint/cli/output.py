@@ -1,6 +1,7 @@
 """Where results go: whether they can be written and would overwrite their sources."""
 
 import tempfile
+import webbrowser
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -9,9 +10,8 @@ import typer
 
 from frictionjoint.errors import FrictionJointError
 
-Force = Annotated[
-    bool, typer.Option("--force", help="Let --out overwrite a file that it is made from.")
-]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+Open = Annotated[bool, typer.Option("--open", help="Open the page in the browser.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
@@ -23,16 +23,18 @@ def require_writable(
     Args:
         out: a file; a folder where `files` are given, the names of what is written into it.
         made_from: files that the command reads; what a model includes is one of them.
-        force: whether those may be overwritten.
+        force: whether files that exist may be overwritten.
     Raises:
-        FrictionJointError: it cannot be written, or would overwrite what it is made from.
+        FrictionJointError: it cannot be written, or would overwrite a file without `force`.
     """
     folder = files is not None
     if out.exists() and out.is_dir() != folder:
         mend = "a file has this name, give a folder" if folder else "a folder has this name"
         raise FrictionJointError(f"--out {out}: {mend}")
     if not force:
-        _require_others([out] if files is None else [out / name for name in files], made_from)
+        written = [out] if files is None else [out / name for name in files]
+        _require_others(written, made_from)
+        _require_new(written)
     place = out.absolute() if folder else out.absolute().parent
     while not place.exists():
         place = place.parent
@@ -42,6 +44,19 @@ def require_writable(
     except OSError as error:
         reason = error.strerror or str(error)
         raise FrictionJointError(f"--out {out}: cannot be written: {reason}") from None
+
+
+def open_page(page: Path) -> None:
+    """Open a page in the browser, where there is one."""
+    webbrowser.open(page.absolute().as_uri())
+
+
+def _require_new(written: Iterable[Path]) -> None:
+    for path in written:
+        if path.exists():
+            raise FrictionJointError(
+                f"{path} exists already: give another --out, or --force to overwrite it"
+            )
 
 
 def _require_others(written: Iterable[Path], made_from: Iterable[Path]) -> None:

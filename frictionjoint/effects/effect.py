@@ -30,7 +30,7 @@ def _no_shape(signals: Array) -> list[Shape]:
     return [()]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Effect:
     """One effect beyond the friction law.
 
@@ -118,6 +118,9 @@ class Effect:
     drive: Callable[[Array, float, Shape], tuple[Array, float]] | None = None
     controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
     drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
+
+    def __repr__(self) -> str:
+        return f"Effect({self.name!r}, {self.form!r})"
 
     @property
     def decided_first(self) -> bool:

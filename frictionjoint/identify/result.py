@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.describe import UNITS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
@@ -14,14 +15,6 @@ _LINEAR = ("Fc", "sigma2", "sigma1")
 # Fs / Fc - 1 up to which friction counts as flat
 _FLAT = 1e-3
 _DRIVE_UNITS = {"current": "A", "voltage": "V"}
-_UNITS = {
-    **dict.fromkeys(("Fs", "Fc"), "T"),
-    **dict.fromkeys(("Vs", "V0"), "x/s"),
-    **dict.fromkeys(("delta", "n", "i", "breakaway"), "1"),
-    **dict.fromkeys(("sigma1", "sigma2"), "T s/x"),
-    **dict.fromkeys(("sigma0", "stiffness"), "T/x"),
-    "C": "T/s",
-}
 
 
 @dataclass(frozen=True)
@@ -131,10 +124,10 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
         on = list(gradients[name])
         by_column = {at[i]: gradients[name][i] * scale[i] for i in on}
         unknown = not on or (flat and symbol in ("Vs", "delta"))
-        if "T" in _UNITS[symbol]:
+        if "T" in UNITS[symbol]:
             by_column |= _of_gain(fitted, value)
         error = None if unknown else _error(cov, by_column)
-        found[name] = Estimate(value, error, _spelled(_UNITS[symbol], *units))
+        found[name] = Estimate(value, error, _spelled(UNITS[symbol], *units))
     if _by_gain(fitted):
         unit = f"{units[0]}/{_drive_unit(fitted, slide)}"
         error = _error(cov, _of_gain(fitted, fitted.gain))

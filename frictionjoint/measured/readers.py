@@ -45,6 +45,7 @@ def read_log(
     signals: Iterable[str] = (),
     wrap: float | None = None,
     units: Mapping[str, str] | None = None,
+    drop_nan: bool = False,
 ) -> JointLog:
     """Read one joint of a log.
 
@@ -60,6 +61,7 @@ def read_log(
         wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
         units: unit by quantity of what the file does not hold in SI units, for instance
             ``{"position": "deg", "time": "ms"}`` or ``{"position": "counts:4096"}``, see `units`.
+        drop_nan: leave out rows of a table with an empty cell or NaN; a note says how many.
     Returns:
         the log; what was mended in it stands in its notes. Gaps are left in it.
     Raises:
@@ -84,7 +86,7 @@ def read_log(
     if kind in TABLES and path.is_file():
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
-        return read_table(path, joint, columns, signals, wrap, units)
+        return read_table(path, joint, columns, signals, wrap, units, drop_nan)
     if columns or signals or wrap or units:
         raise LogError(
             f"{path.name}: columns, units, signals and a range to unwrap are for "

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
@@ -54,6 +55,7 @@ def read_table(
     signals: Iterable[str] = (),
     wrap: float | None = None,
     units: Mapping[str, str] | None = None,
+    drop_nan: bool = False,
 ) -> JointLog:
     """Read one joint from a table.
 
@@ -61,6 +63,7 @@ def read_table(
         columns: our column name -> name in the file, for files with names of their own.
         signals: further columns to read. wrap: range that positions wrap at, rad (m).
         units: unit by quantity, of what is not in SI units, see `units`.
+        drop_nan: leave out rows with an empty cell or NaN, with a note.
     Raises:
         LogError: see `validate`; also unknown columns or joints.
     """
@@ -77,13 +80,21 @@ def read_table(
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
-    log = log_of(path, joint, data, prefix, further, wrap, units)
+    log = log_of(path, joint, data, prefix, further, wrap, units, drop_nan)
     if text:
         said = tuple(f"{path.stem}: {note}" for note in text_table.notes(path))
         log = replace(log, notes=(*said, *log.notes))
     # one that changes on the way is no figure of the log
     same = {name: raw[theirs] for name, theirs in figures.items() if np.ptp(raw[theirs]) == 0.0}
     return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
+
+
+def _rows_without_nan(columns: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which rows have a number in every column, shape (n,)."""
+    kept = np.ones(len(next(iter(columns.values()))), dtype=np.bool_)
+    for x in columns.values():
+        kept &= ~np.isnan(x)
+    return kept
 
 
 def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
@@ -106,6 +117,7 @@ def log_of(
     signals: dict[str, Array] | None = None,
     wrap: float | None = None,
     units: Mapping[str, str] | None = None,
+    drop_nan: bool = False,
 ) -> JointLog:
     """A log from arrays under our column names, wrapped positions and repeated rows mended.
 
@@ -123,7 +135,21 @@ def log_of(
         data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
     text = path.suffix.lower() in text_table.ENDINGS
     further = signals or {}
-    row = (lambda i: text_table.line_of(path, i)) if text else 1
+    kept = _rows_without_nan({**data, **further}) if drop_nan else None
+    dropped: tuple[str, ...] = ()
+    if kept is not None and not kept.all():
+        dropped = (
+            f"{path.stem}: {int((~kept).sum())} of {len(kept)} rows with an empty cell or NaN were "
+            "left out.",
+        )
+        data = {name: x[kept] for name, x in data.items()}
+        further = {name: x[kept] for name, x in further.items()}
+    places = None if kept is None else np.flatnonzero(kept)
+
+    def line(i: int) -> int:
+        return text_table.line_of(path, i if places is None else int(places[i]))
+
+    row = line if text else 1
 
     def shown(columns: dict[str, Array]) -> dict[str, Array]:
         own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
@@ -167,7 +193,10 @@ def log_of(
         other_positions=others("position"),
         other_velocities=others("velocity"),
         signals=further,
-        notes=tuple(f"{path.stem}: {note}" for note in lone + notes + more + said_of_silence(own)),
+        notes=(
+            *dropped,
+            *(f"{path.stem}: {note}" for note in lone + notes + more + said_of_silence(own)),
+        ),
     )
 
 

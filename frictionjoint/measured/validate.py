@@ -104,7 +104,10 @@ def check_finite(source: str, name: str, x: Array, row: RowOf) -> None:
     if not finite.all():
         i = int(np.argmin(finite))
         what = "empty or NaN" if np.isnan(x[i]) else f"{x[i]}"
-        raise LogError(f"{source}, row {row(i)}, {name}: {what}, repair that row or leave it out")
+        raise LogError(
+            f"{source}, row {row(i)}, {name}: {what}, repair that row or leave it out "
+            "(--drop-nan leaves out all such rows)"
+        )
 
 
 def check_time(source: str, time: Array, row: RowOf) -> None:

@@ -95,15 +95,17 @@ def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[
     name, unit = _drive(report), report.units[0]
     predicted = [("before", c.before)] if before and report.changed else []
     predicted.append(("after" if report.changed else "friction law", c.after))
-    above = [_line("measured", c.time[w], c.measured[w], "measured")]
+    above = [over_time(_source(report), c.time[w], c.measured[w], "measured")]
     below = []
     for label, y in predicted:
         colour: Colour = "before" if label == "before" else "after"
-        above.append(_line(label, c.time[w], y[w], colour))
-        below.append(_line(label, c.time[w], (c.measured - y)[w], colour))
+        above.append(over_time(label, c.time[w], y[w], colour))
+        below.append(over_time(label, c.time[w], (c.measured - y)[w], colour))
     return (
         Chart(name.capitalize(), "time, s", f"{name}, {unit}", tuple(above), group),
-        Chart("Error (measured − predicted)", "time, s", unit, tuple(below), group, low=True),
+        Chart(
+            f"Error ({_source(report)} − predicted)", "time, s", unit, tuple(below), group, low=True
+        ),
     )
 
 
@@ -120,17 +122,17 @@ def position_charts(
         on = (found.time >= times[0]) & (found.time <= times[1])
     unit = report.units[1] if report.units[1] in ("rad", "m") else "rad"
     t, q = found.time[on], found.measured[on]
-    above = [_line("measured", t, q, "measured")]
+    above = [over_time("measured", t, q, "measured")]
     if found.target is not None:
-        above.append(_line("target", t, found.target[on], "target"))
+        above.append(over_time("target", t, found.target[on], "target"))
     below = []
     stages: list[tuple[str, Array, Colour]] = [("after", found.after, "after")]
     if report.changed:
         stages.insert(0, ("before", found.before, "before"))
     for label, x, colour in stages:
         name = label if report.changed else "simulated"
-        above.append(_line(name, t, x[on], colour))
-        below.append(_line(name, t, x[on] - q, colour))
+        above.append(over_time(name, t, x[on], colour))
+        below.append(over_time(name, t, x[on] - q, colour))
     return (
         Chart("Position", "time, s", f"position, {unit}", tuple(above), group),
         Chart("Error (simulated − measured)", "time, s", unit, tuple(below), group, low=True),
@@ -164,7 +166,7 @@ def friction_speed(report: Report) -> Chart:
     F = np.concatenate([(c.measured - c.after + c.friction)[c.in_motion] for c in moving])
     fastest = float(np.abs(v).max()) if len(v) else 1.0
     speeds, law = sliding(report.laws[1], fastest)
-    v, F = _thin(_CLOUD, v, F)
+    v, F = thinned(_CLOUD, v, F)
     return Chart(
         "Friction against speed",
         axis("velocity", report.slide),
@@ -235,7 +237,7 @@ def _against(report: Report, quantity: str) -> Chart:
     for stage, colour in stages:
         e = np.concatenate([c.measured - getattr(c, stage) for c in curves])[on]
         label = stage if report.changed else "friction law"
-        thin_x, thin_e = _thin(_CLOUD // 2, x, e)
+        thin_x, thin_e = thinned(_CLOUD // 2, x, e)
         series.append(Series(label, thin_x, thin_e, colour, "points"))
         series.append(Series(f"{label}, mean", *_running_mean(x, e), colour))
     label = axis(quantity, report.slide)
@@ -246,7 +248,7 @@ def small(chart: Chart, most: int = 300) -> Chart:
     """The chart with fewer points, for one of many side by side."""
     series = []
     for s in chart.series:
-        x, y = _thin(most, s.x, s.y)
+        x, y = thinned(most, s.x, s.y)
         series.append(replace(s, x=x, y=y))
     return replace(chart, series=tuple(series))
 
@@ -258,9 +260,14 @@ def _drive(report: Report) -> str:
     return names.get(report.units[0], f"{own} over kp")
 
 
-def _line(name: str, t: Array, y: Array, colour: Colour) -> Series:
-    """A line over time, broken where samples were left out."""
-    t, y = _thin(_LINE, t, y)
+def _source(report: Report) -> str:
+    """Where the drive comes from."""
+    return "controller’s" if report.reconstructed else "measured"
+
+
+def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) -> Series:
+    """A line over time of at most so many points, broken where samples were left out."""
+    t, y = thinned(most, t, y)
     y = y.copy()
     if len(t) > 2:
         step = np.diff(t)
@@ -268,7 +275,7 @@ def _line(name: str, t: Array, y: Array, colour: Colour) -> Series:
     return Series(name, t, y, colour)
 
 
-def _thin(most: int, *columns: Array) -> tuple[NDArray[np.float64], ...]:
+def thinned(most: int, *columns: Array) -> tuple[NDArray[np.float64], ...]:
     """Every k-th sample."""
     step = max(1, -(-len(columns[0]) // most))
     return tuple(c[::step] for c in columns)

@@ -6,19 +6,25 @@ not drawn.
 """
 
 import io
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
+from frictionjoint.errors import ParameterError
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.html import fill
 from frictionjoint.report.picture import page_figure, svg
+from frictionjoint.report.robot_summary import joint_content
+from frictionjoint.report.summary import summarise
 from frictionjoint.simulate.carrier import JointFriction
 
 KINDS = (".html", ".png", ".svg")
@@ -53,9 +59,45 @@ class Compared:
 def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
     """Drive each set of parameters through the three motions, the same for all of them."""
     pulls = {name: _pull(joint.parameters) for name, joint in read.items()}
+    if not pulls:
+        return []
     lengths = [length for _, length in pulls.values()]
     fastest = max(_fastest(joint.parameters) for joint in read.values())
     return [_one(name, joint, pulls[name], lengths, fastest) for name, joint in read.items()]
+
+
+def joints_of_report(path: Path) -> dict[str, dict[str, Any]]:
+    """Content of each joint of a report.json by the joint's name; "" where it has one joint.
+
+    Raises:
+        ParameterError: the file is missing, or no report of a joint or a robot.
+    """
+    file = path / "report.json" if path.is_dir() else path
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
+    if isinstance(content, dict) and "joints" in content:
+        return {name: joint_content(content, name) for name in content["joints"]}
+    if not isinstance(content, dict) or "after" not in content:
+        raise ParameterError(f"{file}: not a report of a joint: give report.json of close-loop")
+    return {"": content}
+
+
+def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:
+    """Verdict, errors and friction numbers of a report, as text by name."""
+    s = summarise(content)
+    found: dict[str, float | str] = {
+        "joint": s.joint,
+        "verdict": s.verdict.replace("-", " "),
+        "missing": ", ".join(x.title for x in s.effects) or "nothing found",
+    }
+    where = "held-out" if s.role == "held_out" else "fitted"
+    for e in s.errors:
+        found[f"{e.quantity} error {e.stage}, {where} logs"] = e.text(s.role)
+    return found | {x.meaning: x.qualified for x in s.friction}
 
 
 def _one(
@@ -162,7 +204,8 @@ def _picture(found: list[Compared], kind: str) -> bytes:
 
 
 def _panel(axes: Axes, found: list[Compared], k: int) -> None:
-    for i, (x, colour) in enumerate(zip(found, _COLOURS * len(found), strict=False)):
+    drawn = [x for x in found if x.curves]
+    for i, (x, colour) in enumerate(zip(drawn, _COLOURS * len(found), strict=False)):
         # dashes let equal curves be seen
         line = "-" if i % 2 == 0 else "--"
         axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from frictionjoint.describe import meaning
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
@@ -81,13 +82,11 @@ def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
             continue
         other = law.get(f"{base}_neg") if side == "pos" else None
         if other is None:
-            found.append(_number(name, wording.meaning(name), x))
+            found.append(_number(name, meaning(name), x))
         elif _equal(x, other):
-            found.append(_number(base, wording.MEANINGS.get(base, "parameter of the law"), x))
+            found.append(_number(base, meaning(base), x))
         else:
-            found += [
-                _number(n, wording.meaning(n), y) for n, y in ((name, x), (f"{base}_neg", other))
-            ]
+            found += [_number(n, meaning(n), y) for n, y in ((name, x), (f"{base}_neg", other))]
     return tuple(found)
 
 

@@ -3,7 +3,7 @@
 import io
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -41,7 +41,7 @@ PAGE_STYLE = _STYLE | {
 _NUMBERED = re.compile(r' id="[A-Za-z0-9.]+_\d+"')
 _DPI = 150
 # inches
-_WIDE, _ROW, _PANEL = 10.0, 2.3, 3.2
+_WIDE, _ROW = 10.0, 2.4
 
 
 def draw(report: Report, style: Mapping[str, Any] = MappingProxyType({})) -> Figure:
@@ -51,18 +51,33 @@ def draw(report: Report, style: Mapping[str, Any] = MappingProxyType({})) -> Fig
         style: matplotlib settings beyond those of all reports.
     """
     stretch = charts.worst_stretch(report)
-    rows = [charts.friction_speed(report), *charts.drive_charts(report, stretch, "", True)]
+    rows: list[charts.Chart] = [charts.friction_speed(report)]
+    rows += charts.drive_charts(report, stretch, "", True)
     position = charts.worst_position(report)
     if position:
         rows += charts.position_charts(report, position, charts.worst_times(position), "")
+    return draw_charts(rows, f"joint {report.joint}, log {stretch.curve.name}", style)
+
+
+def draw_charts(
+    rows: Sequence[charts.Chart], title: str, style: Mapping[str, Any] = MappingProxyType({})
+) -> Figure:
+    """Charts below each other."""
     with rc_context(_STYLE | dict(style)):
-        heights = [_PANEL, *(_ROW * (0.6 if c.low else 1.0) for c in rows[1:])]
+        heights = [_ROW * (0.6 if c.low else 1.0) for c in rows]
         figure = Figure(figsize=(_WIDE, sum(heights)), layout="constrained")
         axes = figure.subplots(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
         for one, chart in zip(axes, rows, strict=True):
             draw_chart(one, chart)
-        figure.suptitle(f"joint {report.joint}, log {stretch.curve.name}")
+        figure.suptitle(title)
     return figure
+
+
+def picture(figure: Figure, kind: str) -> bytes:
+    """A figure as a file, "png" or "svg"."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=kind, dpi=_DPI)
+    return buffer.getvalue()
 
 
 def draw_robot(report: RobotReport) -> Figure:

@@ -12,21 +12,6 @@ _MOST_DECIMALS = 6
 # decimals of a value without a standard error
 _ROUNDING = 15
 
-MEANINGS = {
-    "Fs": "breakaway friction",
-    "Fc": "Coulomb friction",
-    "Vs": "Stribeck velocity",
-    "V0": "velocity below which friction falls to zero",
-    "delta": "Stribeck exponent",
-    "sigma0": "bristle stiffness",
-    "sigma1": "presliding damping",
-    "sigma2": "viscous friction",
-    "stiffness": "presliding stiffness",
-    "n": "exponent of the transition to sliding",
-    "gain": "torque per unit of drive",
-}
-SIDES = {"pos": "forward", "neg": "backward"}
-
 
 def title(effect: str) -> str:
     """Common name of an effect, from its canonical name; a place after " of " stays."""
@@ -53,14 +38,6 @@ def axis(variable: str, slide: bool) -> str:
     unit |= {"time": "s", "temperature_c": "°C"}
     found = unit.get(variable)
     return f"{quantity(variable)}, {found}" if found else quantity(variable)
-
-
-def meaning(name: str) -> str:
-    """What a parameter of a law is, from its name."""
-    base, _, side = name.rpartition("_")
-    if side in SIDES and base in MEANINGS:
-        return f"{MEANINGS[base]}, {SIDES[side]}"
-    return MEANINGS.get(name, "parameter of the law")
 
 
 def percentage(value: float, whole: float) -> str:

@@ -10,7 +10,7 @@ from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.acting import forget_warning
 from frictionjoint.simulate.callback import link_what_acts
-from frictionjoint.simulate.carrier import resolve
+from frictionjoint.simulate.carrier import blocks, resolve
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
 from frictionjoint.simulate.mechanism import require_flags
 from frictionjoint.simulate.native_friction import counts_twice, native_friction
@@ -31,6 +31,11 @@ class Attached:
         self._hold: Hold | None = entry
         forget_warning(model)
         _attached[model._address] = self
+
+    def __repr__(self) -> str:
+        joints = ", ".join(blocks(self.model))
+        state = "acting" if self._hold else "detached"
+        return f"Attached({state}, friction of {joints})"
 
     def detach(self) -> None:
         """End it; a callback that was installed before acts alone again. Twice is once."""

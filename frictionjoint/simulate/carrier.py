@@ -55,7 +55,7 @@ TAG = "frictionjoint:"
 LARGEST = 1e11
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SimulatedEffect:
     """An effect with its numbers, as it goes into a model.
 
@@ -81,6 +81,13 @@ class SimulatedEffect:
     def numbers(self) -> Array:
         """Shape numbers, then coefficients."""
         return np.array([*self.shape, *self.coefficients], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        names = (*self.effect.shape, *self.effect.coefficients)
+        values = zip(names, (*self.shape, *self.coefficients), strict=True)
+        return (
+            f"SimulatedEffect({self.effect.name}: {', '.join(f'{n}={x:.5g}' for n, x in values)})"
+        )
 
     def pack(self) -> Array:
         """Id, length, numbers."""

@@ -41,12 +41,15 @@ class StickSlip:
     stick_times: Array
 
     def summary(self) -> str:
-        """Slip distances and stick times in two lines."""
+        """Slip distance per cycle and stick time between slips, in a sentence."""
         if not len(self.slip_distances):
             return "no stick-slip: the joint never came back to rest"
-        slips = ", ".join(f"{x:.4f}" for x in self.slip_distances)
-        pauses = ", ".join(f"{x:.3f}" for x in self.stick_times)
-        return f"slip distances, rad: {slips}\nstick times, s:      {pauses}"
+        # the first slip starts from rest, not from a cycle
+        slips = self.slip_distances[1:] if len(self.slip_distances) > 1 else self.slip_distances
+        text = f"{len(self.slip_distances)} slips, {slips.mean():.3f} rad per cycle"
+        if len(self.stick_times):
+            text += f", {self.stick_times.mean():.3f} s at rest between them"
+        return f"{text}."
 
 
 def kuka_model() -> Path:

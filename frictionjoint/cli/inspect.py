@@ -1,0 +1,116 @@
+"""``frictionjoint inspect``: the friction numbers of a model or of a parameter file."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from frictionjoint.cli.output import Json
+from frictionjoint.cli.terminal import console
+
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    import mujoco
+
+    from frictionjoint.simulate.carrier import JointFriction
+
+
+def inspect(
+    file: Annotated[
+        Path, typer.Argument(metavar="MODEL|TOML", help="MJCF, URDF, or a parameter file.")
+    ],
+    as_json: Json = False,
+) -> None:
+    """Print the friction numbers of every joint, with units.
+
+    Joints without friction of this package show MuJoCo's own frictionloss and damping.
+
+    Examples:
+
+    `frictionjoint inspect report/model.xml`
+
+    `frictionjoint inspect elbow.toml`
+    """
+    from frictionjoint.files import read_parameters
+
+    if file.suffix.lower() == ".toml":
+        rows = [_carried(file.stem, read_parameters(file), None)]
+    else:
+        rows = _of_model(file)
+    if as_json:
+        typer.echo(json.dumps(rows, indent=2))
+        return
+    for row in rows:
+        lines = [f"{row['joint']}: {row['law']}"]
+        width = max((len(x["meaning"]) for x in row["numbers"]), default=0)
+        lines += [
+            f"  {x['meaning']:<{width}}  {x['symbol']:<10} {x['text']}" for x in row["numbers"]
+        ]
+        lines += [f"  {text}" for text in row["effects"]]
+        console().print("\n".join(lines), soft_wrap=True, markup=False, highlight=False)
+
+
+def _of_model(file: Path) -> list[dict[str, Any]]:
+    from frictionjoint.model_files import ONE_DOF, compile_model
+    from frictionjoint.simulate.carrier import blocks, read_friction
+
+    model = compile_model(file)
+    carried = read_friction(model) if blocks(model) else {}
+    rows = []
+    for j in range(model.njnt):
+        if int(model.jnt_type[j]) not in ONE_DOF:
+            continue
+        name = model.joint(j).name
+        slide = int(model.jnt_type[j]) == ONE_DOF[1] if len(ONE_DOF) > 1 else False
+        rows.append(
+            _carried(name, carried[name], slide) if name in carried else _native(model, j, slide)
+        )
+    return rows
+
+
+def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str, Any]:
+    """Friction of this package; of a file it is not known whether the joint is a slide."""
+    from frictionjoint.describe import effect_texts, law_values
+
+    law = f"law {joint.parameters.law}"
+    if slide is None:
+        law += ", units of a hinge (for a slide read N for N m and m for rad)"
+    return {
+        "joint": name,
+        "law": law,
+        "numbers": [
+            {
+                "symbol": x.symbol,
+                "meaning": x.meaning,
+                "value": x.value,
+                "unit": x.unit,
+                "text": x.text,
+            }
+            for x in law_values(joint.parameters, bool(slide))
+        ],
+        "effects": list(effect_texts(joint, bool(slide))),
+    }
+
+
+def _native(model: "mujoco.MjModel", joint: int, slide: bool) -> dict[str, Any]:
+    """MuJoCo's own friction."""
+    from frictionjoint.describe import spelled
+
+    dof = int(model.jnt_dofadr[joint])
+    own = (
+        ("frictionloss", "Coulomb friction", float(model.dof_frictionloss[dof]), "T"),
+        ("damping", "viscous friction", float(model.dof_damping[dof].flat[0]), "T s/x"),
+    )
+    numbers = [
+        {
+            "symbol": symbol,
+            "meaning": meaning,
+            "value": value,
+            "unit": spelled(unit, slide),
+            "text": f"{value:.4g} {spelled(unit, slide)}",
+        }
+        for symbol, meaning, value, unit in own
+        if value
+    ]
+    law = "MuJoCo's own friction" if numbers else "no friction"
+    return {"joint": model.joint(joint).name, "law": law, "numbers": numbers, "effects": []}

@@ -1,0 +1,80 @@
+"""``frictionjoint plot``: look at a log before anything is fitted."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from frictionjoint.cli.logs import (
+    LOG_FORMATS,
+    Columns,
+    DropNan,
+    Join,
+    Reading,
+    Units,
+    Wrap,
+    log_paths,
+)
+from frictionjoint.cli.output import Force, Open, open_page, require_writable
+from frictionjoint.cli.terminal import progress, warnings_afterwards
+from frictionjoint.errors import LogError
+
+_KINDS = (".html", ".png", ".svg")
+
+
+def plot(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
+    joint: Annotated[
+        str | None,
+        typer.Option("--joint", metavar="NAME", help="Which joint, where a log has several."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            help="Page or picture to write: .html, .png or .svg. Default: LOG.html here.",
+        ),
+    ] = None,
+    column: Columns = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    drop_nan: DropNan = False,
+    open_it: Open = False,
+    force: Force = False,
+) -> None:
+    """Draw logs as they were measured: position, velocity and drive.
+
+    Look for wrong units, gaps, a drive that is cut off, and rest, before you fit anything.
+
+    Examples:
+
+    `frictionjoint plot elbow.csv --open`
+
+    `frictionjoint plot arm.csv --joint elbow --column time_s=t --out elbow.html`
+    """
+    from frictionjoint.plotting import plot_text
+    from frictionjoint.report.log_plot import described
+    from frictionjoint.report.write import write_files
+
+    found = log_paths(logs, [], join)
+    target = out or Path(f"{found.logs[0].stem}.html")
+    if target.suffix.lower() not in _KINDS:
+        raise LogError(f"--out {target}: end it in {', '.join(_KINDS)}")
+    require_writable(target, found.logs, force)
+    reading = Reading.of(joint or "", column, None, wrap, None, unit, found.joined, drop_nan)
+    with progress() as say, warnings_afterwards():
+        read = []
+        for i, path in enumerate(found.logs):
+            say(f"reading {path.name}, {i + 1} of {len(found.logs)}")
+            read.append(reading.read(path))
+        say("drawing")
+        write_files(target.parent, {target.name: plot_text(read, target.suffix.lower())})
+    for log in read:
+        typer.echo(described(log))
+        for note in log.notes:
+            typer.echo(f"* {note}")
+    typer.echo(f"Wrote {target}")
+    if open_it:
+        open_page(target)

@@ -1,0 +1,53 @@
+"""A log as it was measured, drawn before anything is fitted."""
+
+from frictionjoint.measured.log import JointLog
+from frictionjoint.report.charts import Chart, Series, over_time, thinned
+
+# pages draw this many points of a log
+_POINTS = 4000
+
+
+def log_charts(log: JointLog) -> tuple[Chart, ...]:
+    """Position, velocity and drive over time, then the drive against velocity and position."""
+    x = "m" if log.slide else "rad"
+    drives = (
+        ("force" if log.slide else "torque", log.torque, "N" if log.slide else "N m"),
+        ("voltage", log.voltage, "V"),
+        ("current", log.current, "A"),
+    )
+    time = log.time - log.time[0]
+    position = [over_time("measured", time, log.position, "measured", _POINTS)]
+    if log.target is not None:
+        position.append(over_time("target", time, log.target, "target", _POINTS))
+    found = [Chart("Position", "time, s", f"position, {x}", tuple(position), log.name)]
+    if log.velocity is not None:
+        line = over_time("measured", time, log.velocity, "measured", _POINTS)
+        found.append(Chart("Velocity", "time, s", f"velocity, {x}/s", (line,), log.name))
+    for name, drive, unit in drives:
+        if drive is None:
+            continue
+        label = f"{name}, {unit}"
+        line = over_time("measured", time, drive, "after", _POINTS)
+        found.append(Chart(name.capitalize(), "time, s", label, (line,), log.name))
+        against = [("position", log.position, f"position, {x}")]
+        if log.velocity is not None:
+            against.insert(0, ("velocity", log.velocity, f"velocity, {x}/s"))
+        for other, values, axis in against:
+            a, b = thinned(_POINTS, values, drive)
+            cloud = Series("measured", a, b, "after", "points")
+            found.append(Chart(f"{name.capitalize()} against {other}", axis, label, (cloud,)))
+    if log.temperature is not None:
+        line = over_time("measured", time, log.temperature, "before", _POINTS)
+        found.append(Chart("Temperature", "time, s", "temperature, °C", (line,), log.name))
+    return tuple(found)
+
+
+def described(log: JointLog) -> str:
+    """Samples, duration and rate of a log, and how far the joint travels, in one line."""
+    rate = (len(log.time) - 1) / log.duration
+    low, high = float(log.position.min()), float(log.position.max())
+    unit = "m" if log.slide else "rad"
+    return (
+        f"{log.name}, joint {log.joint}: {len(log.time)} samples, {log.duration:.3g} s, "
+        f"{rate:.4g} Hz, position {low:.4g} to {high:.4g} {unit}"
+    )
