@@ -140,10 +140,12 @@ def test_parameter_file_round_trip_is_exact(tmp_path):
 
 COMMANDS = (
     "demo",
+    "plot",
     "close-loop",
     "evaluate",
     "identify",
     "compare",
+    "inspect",
     "sample",
     "install",
     "uninstall",
