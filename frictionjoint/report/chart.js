@@ -56,12 +56,15 @@
     }
     hover(at, from) { this.draw(at, from); this.say(at); }
     say(at) {
-      const parts = this.spec.series.map((s) => {
-        const value = at !== null && this.ordered.includes(s) ? ` <b>${three(s.y[nearest(s.x, at)])}</b>` : "";
-        return `<span><i class="${s.kind} ${s.colour}"></i>${s.name}${value}</span>`;
-      });
-      if (at !== null && this.ordered.length) parts.push(`<span>at ${three(at)}</span>`);
-      this.legend.innerHTML = parts.join("");
+      const add = (to, tag, text, kind) => { const e = document.createElement(tag); e.textContent = text; if (kind) e.className = kind; to.append(e); return e; };
+      this.legend.replaceChildren();
+      for (const s of this.spec.series) {
+        const item = add(this.legend, "span", "");
+        add(item, "i", "", `${s.kind} ${s.colour}`);
+        item.append(s.name + " ");
+        if (at !== null && this.ordered.includes(s)) add(item, "b", three(s.y[nearest(s.x, at)]));
+      }
+      if (at !== null && this.ordered.length) add(this.legend, "span", `at ${three(at)}`);
     }
     draw(at = null, from) {
       const box = this.canvas.getBoundingClientRect(), dpr = window.devicePixelRatio || 1;
