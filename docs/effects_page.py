@@ -1,4 +1,4 @@
-"""The catalogue's page: each effect's own words, and its torque along one and the same motion.
+"""The page of effects: a schematic, and each effect with its torque along one motion.
 
 Run by mkdocs (gen-files) when the site is built; nothing it writes is committed.
 """
@@ -65,40 +65,79 @@ def picture(effect: Effect, rows: Array) -> Figure:
     return figure
 
 
-def described(effect: Effect, rows: Array) -> list[str]:
-    """What there is to say of an effect, with its picture."""
-    picture_name = f"img/effects/{effect.effect_id}"
-    pictures.write(picture_name, partial(picture, effect, rows))
-    sizes = () if effect.of_load else zip(effect.coefficients, effect.units, strict=True)
-    units = [f"{c} ({u})" for c, u in sizes]
-    units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
+# Where in the drive train an effect acts, for the schematic
+PLACES = {
+    "controller": ("command-delay", "command-rate", "deadband", "gain-error"),
+    "drive": ("drive-limit", "duty-drop", "supply-sag", "back-emf"),
+    "motor": ("torque-gain", "torque-bias", "motor-saturation", "motor-temperature"),
+    "gear": ("load-dependent", "position-periodic", "backlash", "joint-elasticity"),
+    "joint": (
+        "direction-asymmetry", "nonlinear-viscous", "frictional-lag", "dwell-time",
+        "temperature-dependent", "warm-up-drift", "spring", "end-stop",
+    ),
+    "link": ("inertia-error", "gravity-error"),
+    "sensors": ("measurement-delay",),
+}  # fmt: skip
+
+
+def schematic() -> Figure:
+    """The drive train with the effects below the part in which they act."""
+    figure, axes = plt.subplots(figsize=(10, 3.2), layout="constrained")
+    axes.set(xlim=(-0.55, len(PLACES) - 0.45), ylim=(-2.4, 0.5))
+    axes.axis("off")
+    box = {"boxstyle": "round,pad=0.5", "fc": "none", "ec": "#1b9e77", "lw": 1.5}
+    arrow = {"arrowstyle": "-|>", "color": "#d95f02", "lw": 1.5}
+    for i, (place, names) in enumerate(PLACES.items()):
+        axes.text(i, 0, place, ha="center", va="center", fontsize=11, bbox=box)
+        if i:
+            axes.annotate("", (i - 0.36, 0), (i - 0.64, 0), arrowprops=arrow)
+        text = "\n".join(names)
+        axes.text(i, -0.5, text, ha="center", va="top", fontsize=8, linespacing=1.6)
+    return figure
+
+
+def described(forms: list[Effect], rows: Array) -> list[str]:
+    """An effect: its cause, its forms with pictures, and how to recognise it."""
+    first = forms[0]
+    lines = [f"{first.cause[0].upper()}{first.cause[1:]}.\n"]
+    for effect in forms:
+        picture_name = f"img/effects/{effect.effect_id}"
+        pictures.write(picture_name, partial(picture, effect, rows))
+        sizes = () if effect.of_load else zip(effect.coefficients, effect.units, strict=True)
+        units = [f"{c} ({u})" for c, u in sizes]
+        units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
+        if effect.cause != first.cause:
+            lines.append(f"Or: {effect.cause}.\n")
+        lines += [
+            pictures.shown(picture_name, f"Torque of {effect.name}"),
+            f"`{effect.form}` ({effect.entry}). Parameters: {', '.join(units)}.\n",
+        ]
     return [
-        f"{effect.cause[0].upper()}{effect.cause[1:]}.\n",
-        pictures.shown(picture_name, f"Torque of {effect.name}"),
-        f"* Form: `{effect.form}`; {effect.entry}",
-        f"* Numbers: {', '.join(units)}",
-        f"* Signature: {effect.signature}",
-        f"* Record to distinguish it: {effect.separating_motion}",
-        f"* Source: {effect.source}\n",
+        *lines,
+        f"* Signature: {first.signature}.",
+        f"* Record to distinguish it: {first.separating_motion}.",
+        f"* Source: {first.source}\n",
     ]
 
 
 def main() -> None:
     """Page and pictures."""
     rows = motion()
+    unplaced = {e.name for e in CATALOGUE} - {name for names in PLACES.values() for name in names}
+    assert not unplaced, f"give a place in the schematic: {unplaced}"
+    pictures.write("img/effects/schematic", schematic)
     lines = [
         "# Effects\n",
-        "What a joint may have besides its friction law. The pictures show each effect's torque",
-        "along q = sin t with all coefficients one, against position, velocity and time; they show",
-        "shape, not size. T stands for N m or N, x for rad or m.\n",
+        "An effect is a cause of torque beyond the friction law. The schematic shows where each",
+        "effect acts. The effects of the controller and the drive are described in",
+        "[robots and servos](robots.md#servos-and-legs-without-torque-sensors).\n",
+        pictures.shown("img/effects/schematic", "The drive train and where effects act"),
+        "The plots show the torque of each effect along q = sin t with all coefficients equal to",
+        "one, against position, velocity and time. They show the shape, not the size.\n",
     ]
     for name in dict.fromkeys(effect.name for effect in CATALOGUE):
-        forms = [effect for effect in CATALOGUE if effect.name == name]
         lines.append(f"## {known_as(name)}\n")
-        for number, effect in enumerate(forms, 1):
-            if len(forms) > 1:
-                lines.append(f"**Form {number} of {len(forms)}**\n")
-            lines += described(effect, rows)
+        lines += described([effect for effect in CATALOGUE if effect.name == name], rows)
     with mkdocs_gen_files.open("effects.md", "w") as file:
         file.write("\n".join(lines))
 
