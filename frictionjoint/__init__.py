@@ -4,12 +4,15 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint.commands import close_loop, export, identify
     from frictionjoint.evaluation.run import evaluate
     from frictionjoint.law.motion import friction_torque
+    from frictionjoint.measured.readers import read_log
     from frictionjoint.parameters import FrictionParameters
+    from frictionjoint.plotting import plot
     from frictionjoint.simulate.attach import attach, disable, enable
     from frictionjoint.simulate.carrier import install, load_model
+    from frictionjoint.simulate.check import check_model as check
     from frictionjoint.simulate.mass_matrix import mass_matrix
     from frictionjoint.simulate.remembered import remembered
     from frictionjoint.simulate.set_parameters import forget, set_parameters
@@ -20,7 +23,12 @@ if TYPE_CHECKING:
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
 _HOMES = {
-    "close_loop": "frictionjoint.diagnose.close_loop",
+    "close_loop": "frictionjoint.commands",
+    "identify": "frictionjoint.commands",
+    "export": "frictionjoint.commands",
+    "read_log": "frictionjoint.measured.readers",
+    "plot": "frictionjoint.plotting",
+    "check": "frictionjoint.simulate.check",
     "evaluate": "frictionjoint.evaluation.run",
     "attach": "frictionjoint.simulate.attach",
     "disable": "frictionjoint.simulate.attach",
@@ -46,15 +54,20 @@ __all__ = [
     "FrictionParameters",
     "attach",
     "attach_warp",
+    "check",
     "close_loop",
     "disable",
     "enable",
     "evaluate",
+    "export",
     "forget",
     "friction_torque",
+    "identify",
     "install",
     "load_model",
     "mass_matrix",
+    "plot",
+    "read_log",
     "remembered",
     "set_parameters",
     "set_temperature",
@@ -66,7 +79,17 @@ __all__ = [
 ]
 
 
+# public name -> name in its module, where that differs
+_OTHER_NAMES = {"check": "check_model"}
+
+
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
+        module = importlib.import_module(_HOMES[name])
+        return getattr(module, _OTHER_NAMES.get(name, name))
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """The public names, so that completion shows what there is before it is loaded."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -125,7 +125,7 @@ def evaluate(
     joints: Sequence[str] | None = None,
     controller: GivenController | None = None,
     fixed: Mapping[str, Pose] | None = None,
-    read: ReadLog = read_log,
+    read: ReadLog | None = None,
 ) -> Evaluation:
     """How far a model is from logs, whatever friction it has; nothing is fitted.
 
@@ -138,7 +138,8 @@ def evaluate(
         joints: names; None: all of the model whose drive every log holds, or its only joint.
         controller: that drove the joints to their targets, as `close_loop` takes it; None: the
             position servo of the model, where it has one and the log a target.
-        fixed: poses of joints that no log holds, rad or m. read: how a path is read.
+        fixed: poses of joints that no log holds, rad or m. read: how a path is
+            read; None: `read_log`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -155,7 +156,7 @@ def evaluate(
     notes: dict[str, None] = {}
     with unheard():
         for path in paths:
-            for parts in _parts(path, names, read, notes):
+            for parts in _parts(path, names, read or read_log, notes):
                 _one_log(model, parts, controllers, fixed, collected, words, notes)
     found = {
         name: _of_joint(words[name], curves, name, notes)

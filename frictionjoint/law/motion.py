@@ -93,9 +93,7 @@ def drive_rival(
             rate[k] = X[bristle.RATE]
 
 
-def friction_torque(
-    parameters: Friction, time: ArrayLike, position: ArrayLike
-) -> NDArray[np.float64]:
+def friction_torque(parameters: Friction, time: "ArrayLike", position: "ArrayLike") -> "Array":
     """Friction torque along a motion, starting at rest and never moved.
 
     The motion is linear between the samples, so the velocity of an interval is its mean velocity,

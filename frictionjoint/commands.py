@@ -1,0 +1,185 @@
+"""The commands of the command line as functions: `close_loop`, `identify`, `export`."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, overload
+
+from frictionjoint.errors import LogError, ParameterError
+from frictionjoint.law.names import LAWS
+
+if TYPE_CHECKING:
+    from frictionjoint.control.controller_file import GivenController
+    from frictionjoint.diagnose.report_data import Report
+    from frictionjoint.export.run import Exported
+    from frictionjoint.identify.held import Pose
+    from frictionjoint.identify.run import Identified
+    from frictionjoint.measured.log import JointLog
+    from frictionjoint.robot.report_data import RobotReport
+
+Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
+
+
+def _silent(text: str) -> None:
+    """A progress that says nothing."""
+
+
+@overload
+def close_loop(
+    logs: "Sequence[JointLog | str | Path]",
+    model: "str | Path | Mapping[str, str | Path]",
+    joint: str,
+    held_out: "Sequence[JointLog | str | Path] | float" = ...,
+    seed: int = ...,
+    progress: Callable[[str], None] | None = ...,
+    law: str | None = ...,
+    fixed: "Mapping[str, Pose] | None" = ...,
+    controller: "GivenController | None" = ...,
+    refine: bool = ...,
+) -> "Report": ...
+
+
+@overload
+def close_loop(
+    logs: "Sequence[JointLog | str | Path]",
+    model: "str | Path | Mapping[str, str | Path]",
+    joint: list[str] | tuple[str, ...] | None = ...,
+    held_out: "Sequence[JointLog | str | Path] | float" = ...,
+    seed: int = ...,
+    progress: Callable[[str], None] | None = ...,
+    law: str | None = ...,
+    fixed: "Mapping[str, Pose] | None" = ...,
+    controller: "GivenController | None" = ...,
+    refine: bool = ...,
+) -> "RobotReport": ...
+
+
+def close_loop(
+    logs: "Sequence[JointLog | str | Path]",
+    model: "str | Path | Mapping[str, str | Path]",
+    joint: str | list[str] | tuple[str, ...] | None = None,
+    held_out: "Sequence[JointLog | str | Path] | float" = 0.25,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+    law: str | None = None,
+    fixed: "Mapping[str, Pose] | None" = None,
+    controller: "GivenController | None" = None,
+    refine: bool = False,
+) -> "Report | RobotReport":
+    """Identify friction from logs and find what the model lacks.
+
+    Args:
+        logs: to fit and to search, at least one; logs or their files. For a robot: files.
+        model: path or text of the MJCF or URDF; for one joint with different loads, one by a
+            pattern of the logs' names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
+        joint: name of one joint; names of several joints of a robot; None: all joints of the model
+            whose position and drive every log contains.
+        held_out: logs used for neither fit nor search, or the fraction to cut off every log's end.
+        seed: equal seeds give equal reports.
+        progress: called with a text that says what is being done.
+        law: name of the friction law, one of ``frictionjoint.law.names.LAWS``; None: the
+            integrated law, or another one in the result where that is clearly better.
+        fixed: positions of joints that the logs do not contain, by name, rad (m).
+        controller: what drove the joints to their targets: a `Controller`, its file, the name of a
+            preset, one per joint by name, or "mjcf" for the model's own position servos.
+        refine: fit all numbers of the result to simulated motion in the end; for one joint.
+    Returns:
+        the report of one joint, or of a robot. Both have ``summary()``, ``plot()``, ``to_dict()``.
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+        TypeError: an argument of a wrong type.
+    """
+    say = progress or _silent
+    if isinstance(joint, str):
+        from frictionjoint.diagnose.close_loop import close_loop as of_joint
+
+        return of_joint(logs, model, joint, held_out, seed, say, law, fixed, controller, refine)
+    from frictionjoint.measured.log import JointLog
+    from frictionjoint.robot.close_loop import close_loop_robot
+    from frictionjoint.robot.logs import read_robot
+
+    if refine:
+        raise ParameterError("refine is for one joint: give its name as joint")
+    if isinstance(model, Mapping):
+        raise ParameterError("several joints share one model: give its path, without patterns")
+    kept = [] if isinstance(held_out, float | int) else list(held_out)
+    files = [x for x in (*logs, *kept) if not isinstance(x, JointLog)]
+    if len(files) < len(logs) + len(kept):
+        raise LogError("the logs of a robot are files: give paths, or the name of one joint")
+    names = list(joint) if joint is not None else None
+    kept_files = held_out if isinstance(held_out, float | int) else files[len(logs) :]
+    read = read_robot(files[: len(logs)], model, kept_files, names)
+    return close_loop_robot(read, model, seed, say, law, fixed, controller=controller)
+
+
+def identify(
+    logs: "Sequence[JointLog | str | Path]",
+    model: "str | Path | Mapping[str, str | Path]",
+    joint: str,
+    law: str = LAWS[0],
+    fixed: "Mapping[str, Pose] | None" = None,
+    controller: "GivenController | None" = None,
+    progress: Callable[[str], None] | None = None,
+) -> "Identified":
+    """Fit the friction law of one joint, without a search for missing effects.
+
+    Args:
+        logs: at least one; logs or their files. joint: its name in the model and in the logs.
+        law: name of the friction law, one of ``frictionjoint.law.names.LAWS``.
+        model, fixed, controller, progress: see `close_loop`.
+    Returns:
+        parameters with standard errors; ``identified.parameters`` is what `install` takes.
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+        TypeError: an argument of a wrong type.
+    """
+    from frictionjoint.identify.run import identify_law
+    from frictionjoint.measured.log import JointLog
+    from frictionjoint.measured.readers import read_log, require_logs
+
+    require_logs(logs, 0.0)
+    read = [x if isinstance(x, JointLog) else read_log(x, joint) for x in logs]
+    return identify_law(read, model, joint, law, fixed, controller, progress or _silent)
+
+
+def export(
+    model: str | Path,
+    to: Target,
+    out: str | Path,
+    speeds: tuple[float, float] | None = None,
+    log: str | Path | None = None,
+    columns: Mapping[str, str] | None = None,
+    lugre: bool = False,
+    force: bool = False,
+) -> "Exported":
+    """Write the friction of a model in the terms of another program.
+
+    Args:
+        model: MJCF that carries friction.
+        to: "c", "native", "urdf", "mjlab", "newton" or "isaac".
+        out: file to write, or a folder for it.
+        speeds: lowest and highest, rad/s (m/s), over which plain friction is fitted.
+        log: whose motion is used in place of speeds, with `columns`, see `read_log`.
+        lugre: for "native": MuJoCo's own LuGre friction.
+        force: overwrite a file that exists.
+    Returns:
+        the text that was written, and what the target cannot express.
+    Raises:
+        FrictionJointError: no friction in the model, a file that exists, or a target that does not
+            exist.
+    """
+    from frictionjoint.export.run import Target as KnownTarget
+    from frictionjoint.export.run import export as run
+    from frictionjoint.export.run import output_file
+    from frictionjoint.report.write import write_files
+
+    if to not in {x.value for x in KnownTarget}:
+        raise ParameterError(f"to is {to!r}: give one of {', '.join(KnownTarget)}")
+    if speeds is not None and log is not None:
+        raise ParameterError("speeds and log are given: give one of them")
+    file = output_file(Path(out), KnownTarget(to))
+    if file.exists() and not force:
+        raise ParameterError(f"{file} exists already: give another out, or force=True")
+    where = None if log is None else Path(log)
+    done = run(Path(model), KnownTarget(to), file, speeds, where, columns, lugre, _silent)
+    write_files(file.parent, {file.name: done.text})
+    return done

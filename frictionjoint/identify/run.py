@@ -1,0 +1,129 @@
+"""Identification of the friction law of one joint, without a search for effects."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from frictionjoint.control.controller import unknown_notes
+from frictionjoint.control.controller_file import GivenController, controller_of
+from frictionjoint.control.reconstruct import check_drive
+from frictionjoint.describe import meaning
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.notes import inertia_note
+from frictionjoint.files import toml_text, toml_text_without_scale
+from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.damping import with_damping
+from frictionjoint.identify.fit import without_scale
+from frictionjoint.identify.gate import check as check_balance
+from frictionjoint.identify.gate import check_fit, scale_is_determined
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import (
+    Estimate,
+    law_estimates,
+    law_parameters,
+    scale_note,
+    units_of,
+)
+from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.weights import reweighed
+from frictionjoint.measured.bounded import bounded
+from frictionjoint.measured.log import JointLog
+from frictionjoint.parameters import Friction
+from frictionjoint.threads import one_thread
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The friction law of one joint, fitted to logs.
+
+    Attributes:
+        joint: name. parameters: of the law, for `frictionjoint.install`.
+        estimates: each parameter with its standard error and unit.
+        unit: of torques: N m (N), or A or V where the logs do not determine the torque's scale.
+        torque_rms: residual. drive_rms: of the measured drive, both in that unit.
+        notes: what a reader must know of the result.
+    """
+
+    joint: str
+    parameters: Friction
+    estimates: dict[str, Estimate]
+    unit: str
+    torque_rms: float
+    drive_rms: float
+    notes: tuple[str, ...] = field(default=(), repr=False)
+
+    @property
+    def scaled(self) -> bool:
+        """Whether torques are in N m (N), so that a model can carry the friction."""
+        return self.unit in ("N m", "N")
+
+    def to_toml(self) -> str:
+        """The parameter file that `frictionjoint identify` writes."""
+        if self.scaled:
+            return toml_text(self.parameters)
+        return toml_text_without_scale(self.parameters, self.unit)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As `frictionjoint identify --json` prints it."""
+        rows = {name: x.to_dict() for name, x in self.estimates.items()}
+        return {"unit": self.unit, "torque_rms": self.torque_rms, "parameters": rows}
+
+    def summary(self) -> str:
+        """Each parameter with its standard error, and the residual, as text."""
+        lines = [
+            f"{meaning(name)} {name}: {x.value:.5g}"
+            + (f" ± {x.stderr:.2g}" if x.stderr is not None else "")
+            + ("" if x.unit == "1" else f" {x.unit}")
+            for name, x in self.estimates.items()
+        ]
+        return "\n".join([*lines, self.residual, *(f"* {note}" for note in self.notes)])
+
+    @property
+    def residual(self) -> str:
+        """What the law leaves of the drive, in a sentence."""
+        return (
+            f"Residual {self.torque_rms:.4g} {self.unit} of {self.drive_rms:.4g} {self.unit} rms."
+        )
+
+
+@one_thread
+def identify_law(
+    logs: Sequence[JointLog],
+    model: str | Path | Mapping[str, str | Path],
+    joint: str,
+    law: str,
+    fixed: Mapping[str, Pose] | None,
+    controller: GivenController | None,
+    progress: Callable[[str], None],
+) -> Identified:
+    """Fit a friction law; see `frictionjoint.identify`."""
+    forms = forms_of(law)
+    bodies = Bodies(model, joint, fixed)
+    driven_by = controller_of(controller, joint, bodies.models)
+    read = bounded(list(logs))
+    said = bodies.check(read, ())
+    body = bodies.of(read)[0]
+    if driven_by:
+        said += tuple(note for log in read for note in check_drive(log, driven_by))
+        said += unknown_notes(driven_by)
+    prepared = prepare(read, bodies.of(read), controller=driven_by)
+    check_balance(prepared)
+    found = fit(prepared, forms=forms, progress=progress)
+    prepared, fitted = reweighed(prepared, found)
+    fitted = with_damping(prepared, fitted)
+    check_fit(prepared, fitted)
+    if not scale_is_determined(prepared, fitted):
+        fitted = without_scale(fitted)
+    unit, _ = units_of(fitted, body.slide)
+    return Identified(
+        joint=joint,
+        parameters=law_parameters(fitted),
+        estimates=law_estimates(fitted, stated_covariance(prepared, fitted), body.slide),
+        unit=unit,
+        torque_rms=fitted.rms,
+        drive_rms=fitted.target_rms,
+        notes=(*said, *scale_note(fitted, body.slide), *inertia_note(prepared, fitted)),
+    )
