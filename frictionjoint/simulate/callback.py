@@ -143,7 +143,7 @@ def build_native() -> Any:
             own = X[x + BASE]
             F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
             if F == F and h > 0.0:
-                F = over_the_step(P, block + HEAD, X, x, h, v, own, 1.0 / weights[dof])
+                F = over_the_step(P, block + HEAD, X, x, h, v, own, weights[dof])
             if P[effects] > 0.0:
                 joint = int(P[block + JOINT])
                 asked = 0.0
@@ -279,8 +279,8 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         own = float(X[x + BASE])
         F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
         if F == F and h > 0.0:
-            free = 1.0 / float(model.dof_invweight0[dof])
-            F = over_the_step(P, block + HEAD, X, x, h, v, own, free)
+            weight = float(model.dof_invweight0[dof])
+            F = over_the_step(P, block + HEAD, X, x, h, v, own, weight)
         if P[effects] > 0.0:
             asked = 0.0
             if gives_less(P, effects):

@@ -126,7 +126,7 @@ def torque_now(
 
 @in_line
 def over_the_step(
-    P: Vector, p: int, X: Vector, x: int, h: float, v: float, J: float, free: float
+    P: Vector, p: int, X: Vector, x: int, h: float, v: float, J: float, weight: float
 ) -> float:
     """After `torque_now`: make the torque that of the step of h s that begins; its value at v, N m.
 
@@ -134,7 +134,8 @@ def over_the_step(
     all other torque on the joint, which is expected to last.
 
     Args:
-        J: kg m^2, the joint's entry of the mass matrix. free: its inertia with all others free.
+        J: kg m^2, the joint's entry of the mass matrix. weight: inverse of the inertia that it has
+            with all others free.
     """
     dt = X[x + T_EVALUATED] - X[x + T_COMMITTED]
     w = v
@@ -146,8 +147,8 @@ def over_the_step(
     if not abs(w) <= ASTRAY:
         w = v
     constant, K, D = secant(P, p, X, x + FRONT, h, w)
-    stiff = h * h * K
-    implicit = stiff / (stiff + HALF_IMPLICIT * free) if K > 0.0 else 0.0
+    stiff = h * h * K * weight
+    implicit = stiff / (stiff + HALF_IMPLICIT)
     X[x + TORQUE] = constant
     X[x + GAIN] = implicit * h * K + D
     return constant + X[x + GAIN] * v
@@ -169,5 +170,5 @@ def evaluate(
     """`torque_now`, or with a step h, s, `over_the_step` of a joint alone, of inertia J, kg m^2."""
     F = torque_now(P, p, effects, X, x, t, q, v, h)
     if F == F and h > 0.0:
-        return over_the_step(P, p, X, x, h, v, J, J)
+        return over_the_step(P, p, X, x, h, v, J, 1.0 / J if J > 0.0 else 0.0)
     return F
