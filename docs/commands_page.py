@@ -42,7 +42,9 @@ def main() -> None:
     lines = [
         "# Commands\n",
         "Every command prints this text with `--help`. `--json` prints results for a script. Bad",
-        "input ends in one line and exit code 2, and writes nothing.\n",
+        "input ends in one line and exit code 2, and writes nothing. An interruption ends with",
+        "exit code 130. `check --strict` ends with exit code 1 if anything is outside its",
+        "limits.\n",
     ]
     for name, command in typer.main.get_command(app).commands.items():
         lines += section(name, command, 2)
