@@ -1,142 +1,319 @@
-"""How kernels are compiled.
+"""Kernels: Python functions that run as C.
 
-numba compiles into a function all that it calls, again at every level, and a law is called from
-many places. `late` cuts it off there: its callers hold a pointer to it, and it is compiled, or
-loaded from numba's cache, when it is first called or asked for, once for all of them. So a model
-with one law and no effects waits for no other law and for no effect.
+`compiled` marks a function as a kernel. All kernels of the package are translated into one C file
+(`frictionjoint.translate`), which becomes a shared library when the package is built; here a call
+from Python is handed to it. A call releases Python's lock, so other threads go on meanwhile.
+
+With ``FRICTIONJOINT_PYTHON=1`` in the environment all kernels run as the Python they are written
+in: slow, and every line can be stepped through.
+
+A kernel is a function of annotated arguments: ``float``, ``int``, ``bool``, ``Vector`` (float64 by
+one index), ``Array`` (float64 by as many indices as the kernel uses), ``Index`` (int64),
+``NDArray[np.bool_]``, ``Tangent`` and ``Tangents``. It returns one number, a tuple of numbers, or
+nothing. Arrays lie in memory without gaps, row by row. Within it there may be
+
+* assignments of numbers and tuples, also ``+=``; ``if``, ``while``, ``for ... in range(...)``,
+  ``for`` over a constant tuple, ``break``, ``continue``, ``return``;
+* arithmetic, comparisons, ``and``, ``or``, ``not``, ``a if b else c``, ``&`` and ``>>`` of whole
+  numbers, ``abs``, ``min`` and ``max`` of two, ``int``, ``float``, ``bool``, ``len``,
+  ``x.shape[k]``;
+* ``math``, ``np.inf``, ``np.nan``, constants of modules, calls of other kernels;
+* arrays by subscript (no slices, no negative subscripts), ``room(n)`` for a few zeros, and
+  ``pointer(x, k)`` for what begins at number k of an array.
+
+Division by zero gives infinity or NaN, as in C; Python raises an error there.
 """
 
 import ctypes
 import functools
 import inspect
+import os
+import types
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numpy as np
-from llvmlite import binding, ir
-from numba import cfunc, config, njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from frictionjoint.arrays import Vector
+from frictionjoint.library import Entry, load
 
-# Division by zero is as in C: the test for it would be most of a small kernel. Other threads go on
-# meanwhile, see `threads.side_by_side`.
-compiled = njit(cache=True, error_model="numpy", nogil=True)
-# for a function that every step calls: the call would cost as much as its work
-in_line = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+PLAIN = os.environ.get("FRICTIONJOINT_PYTHON", "0") not in ("", "0")
+"""Whether kernels run as Python."""
 
-# without annotations of its own
-_types: Any = types
-_utils: Any = cgutils
-_config: Any = config
-REAL, WHOLE, NOTHING = types.float64, types.int64, types.void
-VECTOR = _types.CPointer(REAL)
-_C: dict[Any, Any] = {
-    REAL: ctypes.c_double,
-    WHOLE: ctypes.c_int64,
-    VECTOR: ctypes.c_void_p,
-    NOTHING: None,
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+registry: dict[str, Any] = {}
+"""Every kernel that has been imported, by module and name."""
+
+
+def compiled(function: _Function) -> _Function:
+    """Mark a function as a kernel; see the module for what one may consist of."""
+    return _kernel(function, in_line=False)
+
+
+def in_line(function: _Function) -> _Function:
+    """`compiled`, for a kernel so small or so often called that it is best put into its callers."""
+    return _kernel(function, in_line=True)
+
+
+def room(n: int) -> Vector:
+    """So many zeros, gone when the kernel that asks for them returns: a few hundred at most."""
+    return np.zeros(n)
+
+
+def pointer(array: Any, at: int) -> Vector:
+    """What begins at number `at` of a contiguous array of any shape."""
+    return cast("Vector", array.reshape(-1)[at:])
+
+
+def c_text(text: str) -> Callable[[_Function], _Function]:
+    """Mark an annotated function as one that kernels have as C text, ``{0}`` for an argument."""
+
+    def marked(function: _Function) -> _Function:
+        cast("Any", function).c_text = text
+        return function
+
+    return marked
+
+
+class Table:
+    """Whole numbers that kernels read and Python sets, once for the process.
+
+    Args:
+        name: in the library. size: of the table.
+    """
+
+    def __init__(self, name: str, size: int) -> None:
+        self.name, self.size = name, size
+        self._plain = np.zeros(size, dtype=np.int64)
+
+    @functools.cached_property
+    def numbers(self) -> Any:
+        """The table itself, int64, shape (size,)."""
+        if PLAIN:
+            return self._plain
+        held = (ctypes.c_int64 * self.size).in_dll(load().shared, f"fj_{self.name}")
+        return np.frombuffer(held, dtype=np.int64)
+
+    def __getitem__(self, at: int) -> int:
+        return int(self.numbers[at])
+
+
+class External(Generic[_Arguments, _Result]):
+    """A C function from elsewhere, which kernels call by its address.
+
+    Args:
+        stub: annotated function whose name and signature it has.
+    """
+
+    def __init__(self, stub: Callable[_Arguments, _Result]) -> None:
+        self.stub, self.name = stub, stub.__name__
+        functools.update_wrapper(self, stub)
+
+    def bind(self, address: int) -> None:
+        """Say where it is; kernels that call it must not run before."""
+        ctypes.c_void_p.in_dll(load().shared, f"fj_{self.name}").value = address
+
+    def __call__(self, *arguments: _Arguments.args, **keywords: _Arguments.kwargs) -> _Result:
+        return self.stub(*arguments, **keywords)
+
+
+external = External
+
+
+def entry_point(kernel: Any) -> int:
+    """Address of a kernel of pointers and numbers as a C function."""
+    entry = load(_name(kernel.py_func)).entries[_name(kernel.py_func)]
+    function = getattr(load().shared, entry.symbol)
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
+def _name(function: Any) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def _kernel(function: _Function, in_line: bool) -> _Function:
+    name = _name(function)
+    made: Any = function
+    if not PLAIN:
+        # a namespace of its own, where the C function takes the place of `_first_call`
+        space = {"_first_call": _first_call, "_name": name}
+        made = types.FunctionType(_waiting.__code__, space, function.__name__)
+        functools.update_wrapper(made, function)
+        space["_self"] = made
+    made.py_func, made.in_line = function, in_line
+    registry[name] = made
+    return cast("_Function", made)
+
+
+def _waiting(*arguments: Any, **keywords: Any) -> Any:
+    return _first_call(_self, _name)(*arguments, **keywords)  # type: ignore[name-defined] # noqa: F821
+
+
+def _first_call(kernel: Any, name: str) -> Any:
+    """Make a kernel a call of its C function, whose arguments are looked up and checked once."""
+    library = load(name)
+    entry = library.entries[name]
+    space = kernel.__globals__
+    space["_native"] = getattr(library.shared, entry.symbol)
+    space.update(_CONVERSIONS)
+    namespace: dict[str, Any] = {}
+    exec(_call_text(kernel, entry, space), namespace)
+    kernel.__code__ = namespace["call"].__code__
+    return kernel
+
+
+def _call_text(kernel: Any, entry: Entry, space: dict[str, Any]) -> str:
+    """Python text of a kernel's call; the C function gets its types."""
+    native = space["_native"]
+    given: list[str] = []
+    kinds: list[Any] = []
+    for p in entry.parameters:
+        convert = _ARRAYS.get(p.kind)
+        if convert is not None:
+            kinds.append(ctypes.c_void_p)
+            given.append(f"{convert}({p.name}{', True' if p.written else ''})")
+            given += [f"{p.name}.shape[{axis}]" for axis in p.axes]
+            kinds += [ctypes.c_int64] * len(p.axes)
+        elif p.kind == "double":
+            kinds.append(ctypes.c_double)
+            given.append(p.name)
+        elif p.kind == "char *":
+            kinds.append(ctypes.c_void_p)
+            given.append(p.name)
+        elif p.kind == "int":
+            kinds.append(ctypes.c_int64)
+            given.append(f"_int({p.name})")
+        elif p.fields:
+            kinds.append(ctypes.c_void_p)
+            space[f"_make_{p.name}"] = _structure_with(p.fields)
+            given.append(f"_address_of(_make_{p.name}({p.name}))")
+        else:
+            kinds.append(ctypes.c_void_p)
+            structure = _structure(p.kind)
+            space[f"_make_{p.name}"] = functools.partial(_made, structure)
+            given.append(f"_address_of(_make_{p.name}({p.name}))")
+    native.restype = _RESULTS.get(entry.result)
+    names = ", ".join(inspect.signature(kernel.py_func).parameters)
+    call = f"_native({', '.join(given)})"
+    if entry.result == "bool":
+        call = f"_native({', '.join(given)}) != 0"
+    if entry.result.startswith("fj_tuple"):
+        kinds.append(ctypes.c_void_p)
+        space["_structure"] = _structure(entry.result)
+        inner = ", ".join([*given, "_address_of(out)"])
+        lines = f"    out = _structure()\n    _native({inner})\n    return _taken(out)"
+    else:
+        lines = f"    return {call}"
+    native.argtypes = kinds
+    return f"def call({names}):\n{lines}\n"
+
+
+_RESULTS = {"double": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_int64}
+_ARRAYS = {
+    "double *": "_reals",
+    "int64_t *": "_wholes",
+    "uint8_t *": "_flags",
+    "int32_t *": "_shorts",
 }
 
 
-@intrinsic
-def _address(typing_context: Any, array: Any, at: Any) -> tuple[Any, Any]:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        return builder.gep(data, [arguments[1]])
+@functools.cache
+def _structure(kind: str) -> Any:
+    """ctypes structure of a tuple, from the name its C type has: see `translate.kinds`."""
+    fields: list[Any] = []
 
-    return _types.CPointer(array.dtype)(array, WHOLE), generate
+    def parse(text: str) -> tuple[list[Any], str]:
+        inner: list[Any] = []
+        while text and text[0] != "E":
+            if text[0] == "T":
+                own, text = parse(text[1:])
+                inner.append(_structure_of(tuple(own)))
+                text = text[1:]
+            else:
+                inner.append(ctypes.c_double if text[0] == "d" else ctypes.c_int64)
+                text = text[1:]
+        return inner, text
+
+    fields, _ = parse(kind.removeprefix("fj_tuple_T"))
+    return _structure_of(tuple(fields))
 
 
-@intrinsic
-def _zeros(typing_context: Any, n: Any) -> tuple[Any, Any]:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        made = builder.alloca(ir.DoubleType(), size=arguments[0])
-        size = builder.mul(arguments[0], context.get_constant(WHOLE, 8))
-        _utils.memset(builder, made, size, 0)
+@functools.cache
+def _structure_of(fields: tuple[Any, ...]) -> Any:
+    names = [(f"_{i}", field) for i, field in enumerate(fields)]
+    return type("Tuple", (ctypes.Structure,), {"_fields_": names})
+
+
+def _structure_with(fields: dict[str, str]) -> Callable[[Any], Any]:
+    """From a NamedTuple to the structure that kernels take, arrays followed by three lengths."""
+    members: list[Any] = []
+    for name, kind in fields.items():
+        if kind in _ARRAYS:
+            members += [(name, ctypes.c_void_p), (f"{name}_n", ctypes.c_int64 * 3)]
+        else:
+            members.append((name, ctypes.c_double if kind == "double" else ctypes.c_int64))
+    structure = type("Named", (ctypes.Structure,), {"_fields_": members})
+
+    def make(values: Any) -> Any:
+        made: Any = structure()
+        for name, kind in fields.items():
+            value = getattr(values, name)
+            if kind in _ARRAYS:
+                setattr(made, name, _CONVERSIONS[_ARRAYS[kind]](value))
+                getattr(made, f"{name}_n")[: value.ndim] = value.shape
+            else:
+                setattr(made, name, value)
         return made
 
-    return VECTOR(WHOLE), generate
+    return make
 
 
-# A kernel for pointers serves simulations, which have no arrays, and logs: compiled once for both.
-_jit = not _config.DISABLE_JIT
-pointer = cast(
-    "Callable[[Vector, int], Vector]",
-    _address if _jit else lambda array, at: array.reshape(-1)[at:],
-)
-"""Pointer to number `at` of a contiguous array, which must be an argument: others end here."""
-room = cast("Callable[[int], Vector]", _zeros if _jit else np.zeros)
-"""Pointer to so many zeros, on the stack of the function that asks for them."""
-whole = cast("Callable[[int], int]", np.int64)
-"""A whole number written out, as one of any value: else a kernel is compiled for each of them."""
-
-_Function = TypeVar("_Function", bound=Callable[..., Any])
-_links: dict[Any, Callable[[], int]] = {}
-# compiled code knows these by address alone, for as long as the process lives
-_kept: list[Any] = []
+def _taken(structure: Any) -> tuple[Any, ...]:
+    values = [getattr(structure, name) for name, _ in structure._fields_]
+    return tuple(_taken(x) if isinstance(x, ctypes.Structure) else x for x in values)
 
 
-def late(function: _Function, signature: Any) -> _Function:
-    """The same function for compiled code to call, compiled apart and not before it is needed.
-
-    Args:
-        function: compiled by numba, defined in a module.
-        signature: of REAL, WHOLE and, for arrays and pointers alike, VECTOR.
-    """
-    if not _jit:
-        return function
-    plain = cast("Any", function).py_func
-    symbol = f"{plain.__module__}.{plain.__name__}".replace(".", "_")
-    prototype = ctypes.CFUNCTYPE(*(_C[kind] for kind in (signature.return_type, *signature.args)))
-
-    @functools.lru_cache(maxsize=1)
-    def linked() -> int:
-        native = cfunc(signature, cache=True, error_model="numpy")(plain)
-        _kept.append(native)
-        place.value = native.address
-        return int(place.value or 0)
-
-    def link_and_call(*arguments: Any) -> Any:
-        return prototype(linked())(*arguments)
-
-    first = prototype(link_and_call)
-    place = ctypes.c_void_p(ctypes.cast(first, ctypes.c_void_p).value)
-    binding.add_symbol(symbol, ctypes.addressof(place))
-
-    def call(typing_context: Any, *arguments: Any) -> tuple[Any, Any]:
-        pairs = zip(signature.args, arguments, strict=True)
-        given = [theirs if wanted == VECTOR else wanted for wanted, theirs in pairs]
-        return signature.return_type(*given), generate
-
-    def generate(context: Any, builder: Any, given: Any, arguments: Any) -> Any:
-        values = [
-            context.make_array(kind)(context, builder, value).data
-            if isinstance(kind, types.Array)
-            else value
-            for kind, value in zip(given.args, arguments, strict=True)
-        ]
-        kinds = [context.get_value_type(kind) for kind in signature.args]
-        result = ir.VoidType() if signature.return_type == NOTHING else ir.DoubleType()
-        pointer = ir.FunctionType(result, kinds).as_pointer()
-        held = builder.module.globals.get(symbol)
-        held = held or ir.GlobalVariable(builder.module, pointer, symbol)
-        got = builder.call(builder.load(held), values)
-        return context.get_dummy_value() if signature.return_type == NOTHING else got
-
-    parameters = list(inspect.signature(plain).parameters.values())
-    context = inspect.Parameter("typing_context", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    cast("Any", call).__signature__ = inspect.Signature([context, *parameters])
-    calling: Any = intrinsic(call)
-    # for what reads the source: frictionjoint.simulate.warp_source
-    calling.py_func, calling.targetoptions = plain, {}
-    _links[calling] = linked
-    _kept.append((place, first))
-    return cast("_Function", calling)
+def _made(structure: Any, values: Any) -> Any:
+    """A tuple's numbers in a structure."""
+    made = structure()
+    for (name, kind), value in zip(structure._fields_, values, strict=True):
+        nested = issubclass(kind, ctypes.Structure)
+        setattr(made, name, _made(kind, value) if nested else value)
+    return made
 
 
-def link(function: Any) -> None:
-    """Compile or load a `late` function now; nothing to do where numba does not compile."""
-    if _jit:
-        _links[function]()
+def _converter(kind: Any) -> Callable[..., int]:
+    """Address of an array's numbers; a TypeError for another type, gaps, or no leave to write."""
+    wanted = np.dtype(kind)
+    view = (ctypes.c_char * 0).from_buffer
+    address_of = ctypes.addressof
+
+    def address(array: Any, written: bool = False) -> int:
+        if array.dtype is not wanted and array.dtype != wanted:
+            raise TypeError(f"a kernel takes an array of {wanted}, not of {array.dtype}")
+        try:
+            return address_of(view(array))
+        except TypeError:
+            if not array.flags.c_contiguous:
+                raise TypeError(
+                    "a kernel takes arrays without gaps: use np.ascontiguousarray"
+                ) from None
+            if written:
+                raise TypeError("a kernel writes to an array that is read-only: copy it") from None
+            return int(array.ctypes.data)
+
+    return address
+
+
+_CONVERSIONS: dict[str, Callable[..., Any]] = {
+    "_reals": _converter(np.float64),
+    "_wholes": _converter(np.int64),
+    "_flags": _converter(np.bool_),
+    "_shorts": _converter(np.int32),
+    "_int": int,
+    "_address_of": ctypes.byref,
+    "_taken": _taken,
+}

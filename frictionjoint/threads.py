@@ -1,9 +1,8 @@
 """Threads where they help: points of a search side by side, linear algebra on one.
 
-The matrices of a fit are tall and narrow: the threads of a BLAS library, and those of OpenMP behind
-a clustering of a hundred rows, wait for each other longer than they work. Measured on two cores: a
-loop of 45 s takes 36 s on one BLAS thread, and half the processor time, which parallel trials
-compete for; nine searches beside another program take 75 s of it without OpenMP's, 87 s with them.
+The matrices of a fit are tall and narrow: the threads of a BLAS library wait for each other longer
+than they work. Measured on two cores: a loop of 45 s takes 36 s on one BLAS thread, and half the
+processor time, which parallel trials compete for.
 """
 
 import functools
@@ -15,7 +14,6 @@ from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 import scipy.linalg  # noqa: F401  brings its own BLAS
-from numba import config
 from threadpoolctl import ThreadpoolController
 
 _P = ParamSpec("_P")
@@ -42,9 +40,25 @@ def _libraries() -> ThreadpoolController:
 _busy = threading.local()
 
 
+def _cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+_allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores())
+
+
+def allow(threads: int) -> None:
+    """Threads that work is shared among from now on; at first ``FRICTIONJOINT_THREADS``, or one
+    for each core of the process.
+    """
+    global _allowed
+    _allowed = threads
+
+
 @contextmanager
 def side_by_side() -> Iterator[Callable[..., Any]]:
-    """A `map` on as many threads as numba may use, the setting ``NUMBA_NUM_THREADS``.
+    """A `map` on as many threads as `allow` says.
 
     What it maps spends its time in kernels, filters and linear algebra, which hold no lock. Within
     one of its threads it is the plain `map`: the outermost loop is the one worth sharing. The
@@ -58,7 +72,7 @@ def threads_here() -> int:
     """How many threads `side_by_side` would use here: so many parts are worth making of a whole."""
     if getattr(_busy, "inside", False):
         return 1
-    return int(config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
+    return _allowed
 
 
 @functools.lru_cache(maxsize=1)
@@ -69,4 +83,3 @@ def _pool(process: int, threads: int) -> ThreadPoolExecutor:
 
 def _enter() -> None:
     _busy.inside = True
-    _libraries().limit(limits=1, user_api="openmp")  # OpenMP's number is the thread's own

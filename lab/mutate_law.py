@@ -109,7 +109,7 @@ def verdict(name: str | None, source: str) -> str:
             Path(folder, f"frictionjoint/law/{name}.py").write_text(source)
         env = os.environ | {
             "PYTHONPATH": f"{folder}{os.pathsep}{TESTS}",
-            "NUMBA_DISABLE_JIT": "1",
+            "FRICTIONJOINT_PYTHON": "1",
             "FRICTIONJOINT_MOTIONS": "100",
             "PYTHONDONTWRITEBYTECODE": "1",
         }

@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import numba
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -41,6 +40,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.readers import read_log
+from frictionjoint.threads import allow
 
 
 def one_plant(folder: Path) -> dict[str, Any]:
@@ -111,7 +111,7 @@ def plants_in(folders: list[Path]) -> Iterator[Path]:
 
 def on_one_thread() -> None:
     """Trials side by side fill the cores: threads within them would wait for each other."""
-    numba.config.NUMBA_NUM_THREADS = 1
+    allow(1)
 
 
 def main() -> None:

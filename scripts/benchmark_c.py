@@ -1,4 +1,4 @@
-"""What a step of the exported C header costs, beside the compiled Python kernel.
+"""What a step of the exported C header costs.
 
     python scripts/benchmark_c.py [--model models/kuka_ir361_joint1.xml] [--steps 200000]
 
@@ -17,12 +17,9 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.export.c import header
-from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
-from frictionjoint.simulate.row import row_size, torque_now
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "examples"))
@@ -30,12 +27,6 @@ sys.path.append(str(ROOT / "examples"))
 from c_header import Header  # noqa: E402
 
 EXPONENTS = (1.0, 2.0, 1.5, 4.0)
-
-
-@njit
-def _python(P, effects, X, t, q, v, F):
-    for k in range(len(t)):
-        F[k] = torque_now(P, 0, effects, X, 0, t[k], q[k], v[k], 0.0)
 
 
 def motions(reach: float, speed: float, steps: int) -> dict[str, tuple[np.ndarray, ...]]:
@@ -72,19 +63,13 @@ def main() -> None:
         f"n {n:g}": JointFriction(dataclasses.replace(first.parameters, n=n)) for n in EXPONENTS
     }
     reach, speed = 2.0 * first.parameters.knots[0][0], first.parameters.Vs_pos
-    print("| exponent | motion | C, ns | numba, ns |\n|---|---|---|---|")
+    print("| exponent | motion | ns |\n|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         made = Header(header(friction, "friction.h"), Path(folder))
-        for joint, (name, carried) in enumerate(friction.items()):
-            law = carried.parameters.pack()
-            P = np.append(law, 0.0)
+        for joint, name in enumerate(friction):
             for motion, (t, q, v) in motions(reach, speed, asked.steps).items():
-                F, X = np.empty(len(t)), np.zeros(row_size(int(law_row_size(law, 0)), 0))
                 in_c = least(partial(made.torque, joint, t, q, v), len(t), asked.repeats)
-                _python(P, len(law), X, t, q, v, F)
-                python = partial(_python, P, len(law), X, t, q, v, F)
-                here = least(python, len(t), asked.repeats)
-                print(f"| {name} | {motion} | {in_c:.0f} | {here:.0f} |")
+                print(f"| {name} | {motion} | {in_c:.0f} |")
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@
 A log at 1 kHz of a plant of `tests/plants` with generalized Maxwell-slip friction and cogging;
 of the XL330 the logs at kp 400 held out, of EMPS the last third. Every measurement has a process of
 its own, held to its cores, and so a peak memory of its own, libraries included. The earlier commit
-is taken out of git into a temporary folder; both read the same files, in turns, each with a numba
-cache of its own. Kernels are compiled on a short piece of the log before the clock starts.
+is taken out of git into a temporary folder; both read the same files, in turns. What is
+loaded late is loaded on a short piece of the log before the clock starts.
 """
 
 import argparse
@@ -125,7 +125,7 @@ def measure(case: Case) -> dict[str, Any]:
 
 def in_a_process(case: Case, tree: Path, cores: int, cache: Path) -> dict[str, Any]:
     """`measure` by the package of a tree, on so many cores."""
-    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": str(cores)}
+    own = {"PYTHONPATH": str(tree), "FRICTIONJOINT_THREADS": str(cores)}
     command = [sys.executable, __file__, "--measure", json.dumps(case), "--cores", str(cores)]
     done = subprocess.run(
         command, env=os.environ | own, cwd=cache, capture_output=True, text=True, check=False
@@ -179,7 +179,7 @@ def main() -> None:
     parser.add_argument("--measure", help=argparse.SUPPRESS)
     asked = parser.parse_args()
     if asked.measure:
-        # before numba counts its threads
+        # before its threads are counted
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: asked.cores[0]])
         print(json.dumps(measure(Case(*json.loads(asked.measure)))))
         return
@@ -195,7 +195,7 @@ def main() -> None:
             for cores in asked.cores:
                 found = {"case": case.name, "cores": cores}
                 for when, tree in trees.items():
-                    cache = folder / f"numba-{when}"
+                    cache = folder / f"run-{when}"
                     cache.mkdir(exist_ok=True)
                     found[when] = in_a_process(case, tree, cores, cache)
                 rows.append(found)

@@ -5,9 +5,9 @@ import sys
 from importlib.resources import files
 from pathlib import Path
 
-# workers side by side take a core each: threads within them would only compete. Before numba counts
+# workers side by side take a core each: threads within them would only compete
 if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+    os.environ.setdefault("FRICTIONJOINT_THREADS", "1")
 
 import pytest
 from hypothesis import settings
@@ -15,8 +15,8 @@ from hypothesis import settings
 ROOT = Path(__file__).resolve().parents[1]
 # what judges trials, and the figures of the paper
 sys.path[:0] = [str(ROOT / name) for name in ("examples", "lab", "scripts")]
-# plants have one name everywhere, tests.plants: numba's cache holds it. Last, so that an installed
-# frictionjoint is the one that is tested
+# plants have one name everywhere, tests.plants: numba's cache of them holds it. Last, so that an
+# installed frictionjoint is the one that is tested
 sys.path.append(str(ROOT))
 
 # first examples compile kernels: a deadline would time the compiler

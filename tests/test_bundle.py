@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import config
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
+from frictionjoint import threads as workers
 from frictionjoint.effects import command_rate, deadband, load_dependent, spring
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.design import Balance
@@ -55,7 +55,7 @@ def search(logs, terms, shape):
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("name", SHAPES)
 def test_logs_together_are_what_they_are_alone(name, threads, logs, monkeypatch):
-    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", threads)
+    monkeypatch.setattr(workers, "_allowed", threads)
     for terms in ((), (SPRING, LOAD), DRIVE):
         whole, x = search(logs, terms, SHAPES[name])
         law, moved = whole.split(x)
@@ -74,7 +74,7 @@ def test_logs_together_are_what_they_are_alone(name, threads, logs, monkeypatch)
 
 def test_a_law_is_asked_as_often_for_many_logs_as_for_one(logs, monkeypatch):
     """To ask for what is done to a short log takes longer than to do it."""
-    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", 1)
+    monkeypatch.setattr(workers, "_allowed", 1)
     law = type(INTEGRATED[0])
     asked = []
     own = law.hysteresis

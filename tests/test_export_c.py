@@ -12,13 +12,12 @@ import pytest
 from acting import acting
 from acting import name as effect_name
 from c_header import COMPILER, Header, compile_c
-from numba import njit
 
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c import header, lost_effects
-from frictionjoint.export.c_math import HELPERS
-from frictionjoint.export.c_source import source
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.rivals import (
@@ -34,6 +33,8 @@ from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, load_
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.stick_slip import kuka_model
 from frictionjoint.simulate.with_effects import effects_torque
+from frictionjoint.translate.c_math import HELPERS
+from frictionjoint.translate.functions import source
 
 needs_c = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
 KNOTS = ((1e-4, 1.1), (3e-4, 2.2), (2e-3, 3.4))
@@ -79,7 +80,7 @@ def motion(seed, n=4000):
 
 
 def python_torque(carried, t, q, v, around):
-    """The same calls of what numba compiled."""
+    """The same calls of the library's kernels."""
     law = carried.parameters.pack()
     effects = [e.pack() for e in carried.effects]
     P = np.concatenate([law, [float(len(effects))], *effects])
@@ -209,18 +210,17 @@ def test_joints_that_c_cannot_tell_apart_are_refused():
         header({"a_b": carried, "a b": carried}, "friction.h")
 
 
-@njit
+@compiled
 def _lists(x: float) -> float:
     return [x][0]
 
 
-@njit
-def _swaps(x: float, y: float) -> float:
-    x, y = y, x
-    return x
+@compiled
+def _negative(X: Vector) -> float:
+    return X[-1]
 
 
-@pytest.mark.parametrize("function", [_lists, _swaps])
+@pytest.mark.parametrize("function", [_lists, _negative])
 def test_what_cannot_be_translated_is_named(function):
     with pytest.raises(ModelError, match=rf"{function.py_func.__name__} cannot be made C"):
         source([function], {})

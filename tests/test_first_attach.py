@@ -1,4 +1,4 @@
-"""What the first attach of a process compiles: nothing a second time, nothing it does not need."""
+"""The first attach of a process."""
 
 import subprocess
 import sys
@@ -9,20 +9,10 @@ from frictionjoint.simulate.layout import offsets
 
 PREAMBLE = """
 import mujoco, numpy as np, frictionjoint as fj
-from numba.core import event
 from frictionjoint.effects import torque_bias
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import SimulatedEffect
 
-compiled = []
-
-class Listener(event.Listener):
-    def on_start(self, e):
-        compiled.append(e.data["dispatcher"].py_func.__name__)
-    def on_end(self, e):
-        pass
-
-event.register("numba:compile", Listener())
 LUGRE = LuGreParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0)
 BIAS = [SimulatedEffect(torque_bias.EFFECT, (), (0.2,))]
 
@@ -50,18 +40,7 @@ def process(script):
     return run.stdout.split("\n")
 
 
-def test_a_second_process_compiles_nothing():
-    script = """
-m = model({"j": LUGRE}, {"j": BIAS})
-with fj.attach(m):
-    run(m)
-print(compiled)
-"""
-    process(script)
-    assert process(script)[0] == "[]"
-
-
-def test_what_is_linked_at_a_step_acts_as_what_is_linked_at_attach():
+def test_a_law_that_no_attached_model_has_acts_all_the_same():
     """A model that is not attached, with what no attached one has, is served all the same."""
     late = """
 from frictionjoint.simulate.carrier import resolve

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from numba import njit
 
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Form, IntegratedShape
 from frictionjoint.law import bristle, integrated, maxwell_slip
@@ -270,14 +270,14 @@ def test_the_kernels_with_tangents_are_those_of_the_laws():
     assert same, "a law changed: run python -m frictionjoint.law.tangents.generate"
 
 
-@njit
+@compiled
 def _hides_a_derivative(P: Vector, p: int) -> float:
     if P[p] == 1.0:
         return P[p]
     return P[p] * P[p]
 
 
-@njit
+@compiled
 def _unheard_of(P: Vector, p: int) -> float:
     return P[p] // 2.0
 

@@ -4,10 +4,10 @@ import multiprocessing
 
 import numpy as np
 import pytest
-from numba import config
 from threadpoolctl import threadpool_info
 from trial_logs import PENDULUM, prepared_logs
 
+from frictionjoint import threads as workers
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.segment import Prepared
@@ -24,7 +24,7 @@ def prepared(tmp_path_factory) -> Prepared:
 
 
 def fitted(prepared: Prepared, threads: int, monkeypatch) -> Fit:
-    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", threads)
+    monkeypatch.setattr(workers, "_allowed", threads)
     return fit(prepared, forms=FORMS)
 
 
@@ -61,6 +61,6 @@ def _rms(prepared: Prepared) -> float:
 
 
 def test_an_error_in_a_thread_is_raised(monkeypatch):
-    monkeypatch.setattr(config, "NUMBA_NUM_THREADS", 3)
+    monkeypatch.setattr(workers, "_allowed", 3)
     with side_by_side() as each, pytest.raises(ZeroDivisionError):
         list(each(lambda x: 1 / x, [2, 1, 0]))

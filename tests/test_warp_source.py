@@ -4,8 +4,8 @@ import ast
 import re
 
 import pytest
-from numba import njit
 
+from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.law.names import LAWS
 from frictionjoint.simulate.row import evaluate, torque_now
@@ -38,12 +38,12 @@ def test_every_number_is_a_double():
         assert all(text[: n.start()].endswith("wp.float64(") for n in numbers)
 
 
-@njit
+@compiled
 def _lists(x):
     return [x]
 
 
-@njit
+@compiled
 def _hands_on(x):
     while True:
         y = x

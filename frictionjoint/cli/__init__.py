@@ -60,7 +60,7 @@ def _versions(wanted: bool) -> None:
     if wanted:
         from importlib import metadata  # it takes a tenth of the time that --help takes
 
-        names = ("frictionjoint", "mujoco", "numpy", "numba")
+        names = ("frictionjoint", "mujoco", "numpy", "scipy")
         typer.echo("\n".join(f"{name} {metadata.version(name)}" for name in names))
         raise typer.Exit
 

@@ -2,7 +2,7 @@
 
 ``controller``   what is known of it: gains, limits, delays
 ``controller_file``  its TOML file, with what differs by joint
-``kernel``       the control law of a tick, for numba
+``kernel``       the control law of a tick
 ``block``        the numbers of a controller for one log
 ``reconstruct``  the drive of a log that holds target and position only
 ``presets``      controllers of common servos and legs, each with its source

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import compiled, in_line, pointer, room
 from frictionjoint.control import kernel as k
-from frictionjoint.control.profile import area_until, areas, last_before
+from frictionjoint.control.profile import area_until, fill_path, last_before
 
 # parts of a sample in each of which a drive is that of the mean error
 _PARTS = 4
@@ -33,23 +33,30 @@ def fill_mean_drives(
     velocity: Array,
     supply: Array,
     on: NDArray[np.bool_],
+    path: Array,
     drive: Array,
 ) -> None:
     """Fill `drive` log by log.
 
     Args:
         blocks: of each log's controller, shape (k, BLOCK). delays: s, of the targets, shape (k,).
-        edges: places where logs begin and end, shape (k + 1,). The rest: see `Commands`.
+        edges: places where logs begin and end, shape (k + 1,). path: room for `fill_path`, shape
+            (4, twice the samples of the longest log). The rest: see `Commands`.
     """
+    S, tried, block = room(k.STATE), room(k.STATE), room(k.BLOCK)
+    times = pointer(path, 0)
     for i in range(len(blocks)):
         first, last = edges[i], edges[i + 1] - 1
-        block, count = blocks[i].copy(), blocks[i, k.COUNT]
-        path = areas(time[first : last + 1], target[first : last + 1], block[k.SLEW])
-        corners = path[0]
+        for j in range(k.BLOCK):
+            block[j] = blocks[i, j]
+        count, rate = block[k.COUNT], block[k.SLEW]
+        log, asked = pointer(time, first), pointer(target, first)
+        corners = fill_path(log, asked, last + 1 - first, rate, path)
         # the target is followed already, and a position between two samples is not counted again
         block[k.SLEW], block[k.COUNT] = np.inf, 0.0
         old = 0.5 * block[k.PERIOD]
-        S, tried = np.zeros(k.STATE), np.zeros(k.STATE)
+        for j in range(k.STATE):
+            S[j] = 0.0
         at = 0
         for j in range(first, last + 1):
             before, after = max(j - 1, first), min(j + 1, last)
@@ -61,27 +68,28 @@ def fill_mean_drives(
             read -= old * slope
             begin = time[j] - delays[i] - old - 0.5 * width
             end = begin + width
-            at = last_before(corners, begin, at)
+            at = last_before(times, corners, begin, at)
             c, since, until = at, begin, begin
             area = whole = area_until(path, c, begin)
             total = 0.0
             while until < end:
-                until = _next(corners, c, since, end, width / _PARTS)
+                until = _next(times, corners, c, since, end, width / _PARTS)
                 reached = area_until(path, c, until)
                 passed = until - since
                 if passed > 0.0:
                     q = read + slope * (0.5 * (since + until) - 0.5 * (begin + end))
                     goal = (reached - area) / passed
-                    tried[:] = S
+                    for s in range(k.STATE):
+                        tried[s] = S[s]
                     total += passed * k.tick(block, tried, time[j], goal, q, velocity[j], supply[j])
-                c, since, area = last_before(corners, until, c), until, reached
+                c, since, area = last_before(times, corners, until, c), until, reached
             goal = (area - whole) / width
             k.tick(block, S, time[j], goal, read, velocity[j], supply[j])
             drive[j] = total / width if on[j] else 0.0
 
 
 @in_line
-def _next(corners: Vector, c: int, since: float, end: float, longest: float) -> float:
+def _next(at: Vector, n: int, c: int, since: float, end: float, longest: float) -> float:
     """End of the part of a stretch that begins at `since`, after corner c."""
     until = end if end - since < 1.5 * longest else since + longest
-    return min(until, corners[c + 1]) if c + 1 < len(corners) else until
+    return min(until, at[c + 1]) if c + 1 < n else until

@@ -9,7 +9,10 @@ import math
 import numpy as np
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import compiled, in_line, pointer
+
+# rows of what `fill_path` fills
+AT, PLACE, SLOPE, AREA = range(4)
 
 
 def held(time: Array, x: Array, at: Array) -> Array:
@@ -38,7 +41,7 @@ def followed_over(
         rate: of the target, rad/s (m/s); inf: `held_over`.
     """
     lengths, out = np.full_like(begin, length), np.empty_like(begin)
-    fill_means(time, command, begin, lengths, rate, out)
+    fill_means(time, command, begin, lengths, rate, np.empty((4, 2 * len(time))), out)
     return out
 
 
@@ -52,61 +55,86 @@ def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
 def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
     """Times and places between which such a target moves evenly, shape (2 n,) each."""
     at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
-    _fill_corners(time, command, max(rate, 1e-9), at, x)
+    fill_corners(time, command, len(time), max(rate, 1e-9), at, x)
     return at, x
 
 
 @compiled
 def fill_means(
-    time: Array, command: Array, begin: Vector, length: Vector, rate: float, out: Vector
+    time: Vector,
+    command: Vector,
+    begin: Vector,
+    length: Vector,
+    rate: float,
+    path: Array,
+    out: Vector,
 ) -> None:
-    """Fill `out`, see `followed_over`; fastest where stretches come in turn."""
-    path = areas(time, command, rate)
+    """Fill `out`, see `followed_over`; fastest where stretches come in turn.
+
+    Args:
+        path: room for `fill_path`, shape (4, 2 n).
+    """
+    n = fill_path(time, command, len(time), rate, path)
+    at = pointer(path, 0)
     first, last = 0, 0
     for k in range(len(begin)):
         end = begin[k] + length[k]
-        first, last = last_before(path[0], begin[k], first), last_before(path[0], end, last)
-        out[k] = area_until(path, last, end)
-        out[k] = (out[k] - area_until(path, first, begin[k])) / length[k]
+        first, last = last_before(at, n, begin[k], first), last_before(at, n, end, last)
+        until = area_until(path, last, end)
+        out[k] = (until - area_until(path, first, begin[k])) / length[k]
 
 
 @in_line
-def areas(time: Array, command: Array, rate: float) -> tuple[Array, Array, Array, Array]:
-    """Corners of a target, where it is from each on, how fast it moves, and the area before it."""
-    at, x, ramps = time, command.copy(), not math.isinf(rate)
+def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -> int:
+    """Fill the rows of `path`, shape (4, at least 2 n), with the corners of a target.
+
+    Their times, where it is from each on, how fast it moves, and the area before it.
+
+    Returns:
+        how many corners there are.
+    """
+    count = n
+    ramps = rate != math.inf
     if ramps:
-        at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
-        _fill_corners(time, command, max(rate, 1e-9), at, x)
-    slope, area = np.zeros(len(at)), np.zeros(len(at))
-    for i in range(len(at) - 1):
-        step = at[i + 1] - at[i]
+        count = 2 * n
+        fill_corners(
+            time, command, n, max(rate, 1e-9), pointer(path, 0), pointer(path, path.shape[1])
+        )
+    else:
+        for i in range(n):
+            path[AT, i] = time[i]
+            path[PLACE, i] = command[i]
+    path[AREA, 0] = 0.0
+    for i in range(count):
+        path[SLOPE, i] = 0.0
+    for i in range(count - 1):
+        step = path[AT, i + 1] - path[AT, i]
+        x, after = path[PLACE, i], path[PLACE, i + 1]
         if ramps:
-            area[i + 1] = area[i] + 0.5 * step * (x[i + 1] + x[i])
-            slope[i] = (x[i + 1] - x[i]) / step if step > 0.0 else 0.0
+            path[AREA, i + 1] = path[AREA, i] + 0.5 * step * (after + x)
+            path[SLOPE, i] = (after - x) / step if step > 0.0 else 0.0
         else:
-            area[i + 1] = area[i] + step * x[i]
+            path[AREA, i + 1] = path[AREA, i] + step * x
             # the slope of the area as it was rounded: it goes on evenly at the corners
-            x[i] = (area[i + 1] - area[i]) / step
-    return at, x, slope, area
+            path[PLACE, i] = (path[AREA, i + 1] - path[AREA, i]) / step
+    return count
 
 
 @in_line
-def area_until(path: tuple[Array, Array, Array, Array], i: int, t: float) -> float:
+def area_until(path: Array, i: int, t: float) -> float:
     """Area under such a target up to a time after its corner i, or before the first one."""
-    at, x, slope, area = path
-    s = t - at[i]
-    until: float = area[i] + s * (x[i] + 0.5 * max(s, 0.0) * slope[i])
-    return until
+    s = t - path[AT, i]
+    return path[AREA, i] + s * (path[PLACE, i] + 0.5 * max(s, 0.0) * path[SLOPE, i])
 
 
 @in_line
-def last_before(at: Vector, t: float, near: int) -> int:
-    """Place of the last of some increasing times that is not after t, or of the first one.
+def last_before(at: Vector, n: int, t: float, near: int) -> int:
+    """Place of the last of n increasing times that is not after t, or of the first one.
 
     Args:
         near: where the search begins.
     """
-    while near + 1 < len(at) and at[near + 1] <= t:
+    while near + 1 < n and at[near + 1] <= t:
         near += 1
     while near > 0 and at[near] > t:
         near -= 1
@@ -114,14 +142,14 @@ def last_before(at: Vector, t: float, near: int) -> int:
 
 
 @compiled
-def _fill_corners(time: Vector, command: Vector, rate: float, at: Vector, x: Vector) -> None:
-    """Fill `at` and `x`, see `_corners`."""
+def fill_corners(time: Vector, command: Vector, n: int, rate: float, at: Vector, x: Vector) -> None:
+    """Fill `at` and `x`, shape (2 n,), see `_corners`."""
     here = command[0]
-    for k in range(len(time)):
+    for k in range(n):
         at[2 * k], x[2 * k] = time[k], here
         way = command[k] - here
         takes = abs(way) / rate
-        if k + 1 < len(time) and takes > time[k + 1] - time[k]:
+        if k + 1 < n and takes > time[k + 1] - time[k]:
             takes = time[k + 1] - time[k]
             way = math.copysign(rate * takes, way)
         here += way

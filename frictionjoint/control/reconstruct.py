@@ -133,7 +133,10 @@ class AllCommands:
         target, position, velocity, supply, on = self._given
         q, v = position + off, velocity + faster
         drive = np.empty_like(self.time)
-        fill_mean_drives(blocks, delays, self.edges, self.time, target, q, v, supply, on, drive)
+        path = np.empty((4, 2 * int(np.diff(self.edges).max())))
+        fill_mean_drives(
+            blocks, delays, self.edges, self.time, target, q, v, supply, on, path, drive
+        )
         return drive
 
 

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
-from sklearn.cluster import KMeans
-from sklearn.preprocessing import StandardScaler
 
 from frictionjoint.arrays import Array
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, pointer
+from frictionjoint.diagnose.kinds import kinds_of
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
@@ -103,7 +102,7 @@ class Blocks:
         """
         edges = self._edges
         own = np.empty((len(edges) - 1, len(at), len(at)))
-        gram_matrices(U, at, edges, own)
+        gram_matrices(np.ascontiguousarray(U.T), at, edges, own)
         out = np.zeros((self.count, len(at), len(at)))
         out[self.of_sample[edges[:-1]]] = own
         return out
@@ -117,15 +116,16 @@ def folds_of(fold: Index) -> Folds:
 
 @compiled
 def gram_matrices(U: Array, at: Index, edges: Index, out: Array) -> None:
-    """Fill `out` with the Gram matrices of columns `at` of U between successive edges."""
+    """Fill `out` with the Gram matrices of rows `at` of U between successive edges."""
     for j in range(len(at)):
         for k in range(j + 1):
-            one, other = U[:, at[j]], U[:, at[k]]
+            one, other = pointer(U, at[j] * U.shape[1]), pointer(U, at[k] * U.shape[1])
             for b in range(len(out)):
                 total = 0.0
                 for i in range(edges[b], edges[b + 1]):
                     total += one[i] * other[i]
-                out[b, j, k] = out[b, k, j] = total
+                out[b, j, k] = total
+                out[b, k, j] = total
 
 
 def halves(count: int, rng: np.random.Generator) -> Array:
@@ -218,6 +218,4 @@ def _kinds(prepared: Prepared, of_sample: Index) -> Index:
         return np.asarray(np.bincount(of_sample, x) / count)
 
     rows = np.column_stack([np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))])
-    rows = StandardScaler().fit_transform(rows)
-    found = KMeans(min(_KINDS, len(rows)), n_init=4, random_state=0).fit_predict(rows)
-    return np.asarray(found, dtype=np.int64)
+    return kinds_of(rows, _KINDS)

@@ -1,13 +1,12 @@
 """back-emf: the voltage a turning motor induces, seen as a torque proportional to speed."""
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import V
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """kt**2/R v."""
     return P[e] * sig[V]

@@ -8,9 +8,9 @@ a model has in the link and turns with the motor, `rotor_inertia`, is not behind
 import math
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.inertia import inertia_of
 from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
@@ -23,7 +23,7 @@ _CROSSINGS, _FLANKS, _ZETA = tuple(0.01 * 1.3**k for k in range(10)), (8.0, 16.0
 _ROTORS = (0.0, 0.3)
 
 
-@njit(cache=True)
+@compiled
 def _step(p: float, rate: float, half: float, longest: float) -> float:
     """Length of a step that ends where the link meets or leaves a flank, at most the longest."""
     if rate == 0.0:
@@ -34,7 +34,7 @@ def _step(p: float, rate: float, half: float, longest: float) -> float:
     return step if _NEAR * longest < step < longest else longest
 
 
-@njit(cache=True)
+@compiled
 def _pushed(p: float, half: float, w: float) -> float:
     """Force of the spring of the flank that p is beyond, 0 in the gap; without its damping."""
     if abs(p) <= half:
@@ -42,7 +42,7 @@ def _pushed(p: float, half: float, w: float) -> float:
     return -w * w * (p - half if p > 0.0 else p + half)
 
 
-@njit(cache=True)
+@compiled
 def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
     """Where the link is while nothing moves: in the gap as it hangs, or held by a flank.
 
@@ -55,7 +55,7 @@ def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
     return (-half if rigid >= 0.0 else half) - rigid / (w * w)
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """What the flanks transmit, less what a rigid gear would.
 

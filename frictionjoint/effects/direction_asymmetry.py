@@ -6,21 +6,20 @@ comes back with it, or it stays until motion has led to the other direction's le
 
 from dataclasses import replace
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.level import reached, reaches
 from frictionjoint.effects.signals import H, V
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(dF |H| + dsigma2 |v|): half the difference between the directions."""
     return P[e] * abs(sig[H]) + P[e + 1] * abs(sig[V])
 
 
-@njit(cache=True)
+@compiled
 def reached_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """dF sgn(v) H, reached over `reach` of motion, + dsigma2 |v|."""
     level = sig[H] if sig[V] >= 0.0 else -sig[H]

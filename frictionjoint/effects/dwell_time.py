@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
@@ -15,7 +15,7 @@ from frictionjoint.effects.signals import DT, H, Q, V
 _TAUS, _SLIPS, _REACH = (0.2, 1.0), (1e-4, 5e-4, 2e-3, 8e-3), 0.1
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c times the fraction r of the contact that has aged, reached over `reach` of motion.
 

@@ -2,7 +2,7 @@
 
 An effect adds the torque ``sum_i c_i * column_i(signals; shape)`` to the friction law. The
 coefficients c enter linearly; shape numbers (a period, a time constant) do not, and
-`shapes` proposes the grid on which they are searched before they are refined. The numba function
+`shapes` proposes the grid on which they are searched before they are refined. The kernel
 behind `effect_id` (see kernel.py) computes the sum both for a log and in a simulation.
 """
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
@@ -15,19 +15,19 @@ from frictionjoint.effects.signals import Q
 _DEPTHS = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2)
 
 
-@njit(cache=True)
+@compiled
 def upper_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """k (q - qmax)+."""
     return P[e + 1] * max(0.0, sig[Q] - P[e])
 
 
-@njit(cache=True)
+@compiled
 def lower_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """-k (qmin - q)+."""
     return -P[e + 1] * max(0.0, P[e] - sig[Q])
 
 
-@njit(cache=True)
+@compiled
 def both_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """k ((q - qmax)+ - (qmin - q)+)."""
     return P[e + 2] * (max(0.0, sig[Q] - P[e]) - max(0.0, P[e + 1] - sig[Q]))

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
@@ -14,7 +14,7 @@ _TOP = 0.99
 _REACH = 5e-4
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c H1 (E late by the time constant tau - E), E = exp(-(v/Vs)^2), H1 = H within +-1.
 

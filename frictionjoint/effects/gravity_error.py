@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 
@@ -13,13 +13,13 @@ from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 _NOTHING = 1e-6
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """mx Gx + my Gy, first moments of mass about the joint times unit gravity torques."""
     return P[e] * sig[GX] + P[e + 1] * sig[GY]
 
 
-@njit(cache=True)
+@compiled
 def centred_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """m (cx Gx + cy Gy), the direction (cx, cy) that of the MJCF's own first moment."""
     return P[e + 2] * (P[e] * sig[GX] + P[e + 1] * sig[GY])

@@ -6,14 +6,13 @@ effects that depend on it.
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import DT, LOSS, TEMP
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """Nothing; sig[TEMP] becomes the temperature.
 

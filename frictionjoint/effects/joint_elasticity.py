@@ -3,10 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import pointer, room, whole
+from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
@@ -16,20 +15,20 @@ _LEAST = 0.1
 _FASTEST = 1.3
 
 
-@njit(cache=True)
+@compiled
 def _half_angle(w: float, h: float) -> float:
     """By which the resonance turns in half a sample, rad."""
     return min(0.5 * w * h, _FASTEST)
 
 
-@njit(cache=True)
+@compiled
 def _steeper(w: float, h: float) -> float:
     """How much faster than w the trapezoidal rule passes through its resonance at w."""
     angle = _half_angle(w, h)
     return angle / (math.sin(angle) * math.cos(angle)) if angle > 0.0 else 1.0
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """What the spring hands on, less what a rigid gear would.
 
@@ -63,9 +62,9 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return -P[e + 2] * steeper * (asked + w * w * X[x] + damping * rate)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None:
-    numbers, start = pointer(P, 0), whole(0)
+    numbers, start = pointer(P, 0), 0
     sig, X = room(N_SIGNALS), room(3)
     w = 2.0 * math.pi * P[0]
     steeper = _steeper(w, signals[min(1, len(out) - 1), DT])

@@ -5,10 +5,9 @@ the numbers (shape first, then coefficients). Memory ``X[x:]`` holds `MEMORY` nu
 """
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import pointer, room, whole
+from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.effects import (
     back_emf,
     backlash,
@@ -67,9 +66,9 @@ _motor_side = joint_elasticity.torque
 _heating = heating.torque
 
 
-@njit(cache=True)
+@compiled
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Torque of one effect; numba cannot cache a table of functions, hence the chain.
+    """Torque of one effect; a kernel knows no table of functions, hence the chain.
 
     8 was a friction linear in the temperature, 15 an elastic joint expanded in derivatives.
     """
@@ -136,7 +135,7 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
     return np.nan
 
 
-@njit(cache=True)
+@compiled
 def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
     """Sum over the block's effects in a simulation; X[each:] becomes the torque of each.
 
@@ -154,7 +153,7 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
     return total
 
 
-@njit(cache=True)
+@compiled
 def _centred(out: Array) -> None:
     """Means over the time since the sample before each, made means around each."""
     for k in range(len(out) - 1):
@@ -162,10 +161,10 @@ def _centred(out: Array) -> None:
 
 
 # Other threads go on: a search asks for columns side by side.
-@njit(cache=True, nogil=True)
+@compiled
 def _fill(effect_id: int, numbers: Array, signals: Array, out: Array) -> None:
     """Torque of one effect, in each column of `out` with another row of its numbers."""
-    X, start = room(MEMORY), whole(0)
+    X, start = room(MEMORY), 0
     for c in range(len(numbers)):
         P = pointer(numbers, c * numbers.shape[1])
         for i in range(MEMORY):

@@ -10,16 +10,16 @@ where h = sigma0 z/S.
 import math
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Shape
 from frictionjoint.effects.signals import DT, Q
 
 _REACHES = (1e-4, 1e-3)
 
 
-@njit(cache=True)
+@compiled
 def approached(E: float, target: float, dq: float, reach: float) -> float:
     """E after a displacement dq on its way to `target`, over the length `reach`, 0 for at once."""
     if reach <= 0.0:
@@ -27,7 +27,7 @@ def approached(E: float, target: float, dq: float, reach: float) -> float:
     return E - (target - E) * math.expm1(-abs(dq) / reach)
 
 
-@njit(cache=True)
+@compiled
 def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
     """A level reached over a length of motion; X[x] what is reached, X[x+1] the last position."""
     if sig[DT] <= 0.0:

@@ -8,9 +8,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import reached, reaches
 from frictionjoint.effects.signals import GEAR, H, V
@@ -19,20 +19,20 @@ from frictionjoint.effects.signals import GEAR, H, V
 _FALLS = (0.03, 0.15)
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H, reached over `reach` of motion."""
     return P[e + 1] * reached(abs(sig[GEAR]) * sig[H], P[e], sig, X, x)
 
 
-@njit(cache=True)
+@compiled
 def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
     target = abs(sig[GEAR]) * min(1.0, max(-1.0, sig[H]))
     return P[e + 1] * reached(target, P[e], sig, X, x)
 
 
-@njit(cache=True)
+@compiled
 def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(c + cs exp(-|v|/vs)) |load| H1, reached over `reach` of motion; H1 = H within +-1."""
     level = P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1])

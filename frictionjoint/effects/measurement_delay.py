@@ -4,14 +4,13 @@ A fit compares the drive of an earlier time with the motion as logged: the whole
 by T, edges of friction and all. The kernel is the first order of that.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DTAU
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """T d(tau)/dt: the first order of tau(t + T)."""
     return P[e] * sig[DTAU]

@@ -7,9 +7,8 @@ has no limit that a fit could set below what the motor was seen to give.
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR
 
@@ -17,7 +16,7 @@ from frictionjoint.effects.signals import ASKED, MOTOR
 _NOTHING = 1e-17
 
 
-@njit(cache=True)
+@compiled
 def given(asked: float, s: float) -> float:
     """The one T with T + s T^3 = asked, s >= 0 (Cardano, in its hyperbolic form)."""
     if s * asked * asked < _NOTHING:
@@ -30,7 +29,7 @@ def given(asked: float, s: float) -> float:
     return size if asked >= 0.0 else -size
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """s T^3, what is asked for and not given; a simulation knows what is asked for, a log T."""
     T = sig[MOTOR]

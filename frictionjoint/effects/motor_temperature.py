@@ -9,9 +9,9 @@ simulation it rests where it was set, as that of `temperature-dependent`.
 """
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
 from frictionjoint.effects.thermometer import warmer
@@ -20,7 +20,7 @@ from frictionjoint.effects.thermometer import warmer
 _LEAST, _MOST = 0.2, 5.0
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a (T - T0) M, asked for and not given; a simulation knows what is asked for, a log M.
 

@@ -1,13 +1,12 @@
 """nonlinear-viscous: viscous friction that is not proportional to speed."""
 
-from numba import njit
-
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import V
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c sgn(v) |v|**p."""
     v = sig[V]

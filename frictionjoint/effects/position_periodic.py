@@ -2,22 +2,21 @@
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.level import reached
 from frictionjoint.effects.signals import H, Q
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a sin(N q) + b cos(N q)."""
     angle = P[e] * sig[Q]
     return P[e + 1] * math.sin(angle) + P[e + 2] * math.cos(angle)
 
 
-@njit(cache=True)
+@compiled
 def level_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(a sin(N q) + b cos(N q)) H, reached over `reach` of motion."""
     angle = P[e] * sig[Q]

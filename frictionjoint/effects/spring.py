@@ -1,13 +1,12 @@
 """spring: a cable, a hose or a balancer pulling towards a rest position."""
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import Q
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """k q + c, with the rest position q0 = -c / k."""
     return P[e] * sig[Q] + P[e + 1]

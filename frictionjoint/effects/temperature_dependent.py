@@ -10,9 +10,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
 from frictionjoint.effects.thermometer import warmer
@@ -21,14 +21,14 @@ from frictionjoint.effects.thermometer import warmer
 _SCALES = (8.0, 20.0, 60.0, 300.0)
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where T is not a signal."""
     change = math.expm1(-warmer(P[e], sig, X, x) / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
 
-@njit(cache=True)
+@compiled
 def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v; X[x] as that of `torque`."""
     rise = warmer(P[e], sig, X, x)

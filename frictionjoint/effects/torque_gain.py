@@ -1,13 +1,12 @@
 """torque-gain: a wrong motor constant, seen as a fraction of the known load."""
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import LOAD
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """e tau_load."""
     return P[e] * sig[LOAD]

@@ -4,9 +4,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, TIME, H, V
 
@@ -18,20 +18,20 @@ _TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
 _FASTEST = 5.0
 
 
-@njit(cache=True)
+@compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """exp(-(t + X[x])/tau) (a Fh/Fc + b v); X[x], s, the work done before the start, 0 in a log."""
     return math.exp(-(sig[TIME] + X[x]) / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 
 
-@njit(cache=True)
+@compiled
 def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
     """What rubbing has left of its heat: dw/dt = |h v| - w/tau."""
     steady = abs(h * v) * tau
     return steady + (before - steady) * math.exp(-dt / tau)
 
 
-@njit(cache=True)
+@compiled
 def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w, 0 in a log at its start."""
     if sig[DT] > 0.0:
@@ -44,12 +44,13 @@ def _time_constants(signals: Array) -> list[Shape]:
     return [(tau,) for tau in sorted({max(_FASTEST, duration * part) for part in _TIMES})]
 
 
-@njit(cache=True)
+@compiled
 def _warmest(signals: Array, tau: float) -> float:
     """The most that w of `warmed_torque` reaches."""
     w, most = 0.0, 0.0
-    for row in signals:
-        w = warmth(w, row[H], row[V], row[DT], tau) if row[DT] > 0.0 else 0.0
+    for k in range(len(signals)):
+        dt = signals[k, DT]
+        w = warmth(w, signals[k, H], signals[k, V], dt, tau) if dt > 0.0 else 0.0
         most = max(most, w)
     return most
 

@@ -1,6 +1,5 @@
 """A joint's friction in the terms of other programs, one file per target, and what each loses.
 
-``c_source``  the compiled kernels as C99, from the one source that numba compiles
 ``c``         a header for controllers: the law, the effects, the parameters of a model's joints
 
 The package can be called: ``frictionjoint.export(model, to, out)`` is

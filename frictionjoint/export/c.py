@@ -1,6 +1,6 @@
 """``--to c``: one C99 header with the law, the effects and the parameters of a model's joints.
 
-The functions are those that numba compiles (`frictionjoint.export.c_source`), only as much of them
+The functions are those of simulations (`frictionjoint.translate.functions`), only as much of them
 as the model's laws and effects need, and give the same torque. Nothing is allocated; from the C
 library come exp, log and pow.
 """
@@ -18,12 +18,12 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
-from frictionjoint.export.c_source import Known, name_of, source
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
+from frictionjoint.translate.functions import Known, name_of, source
 
 # what the caller gives besides the motion: signals, and arguments of `effects_torque`
 _AROUND = frozenset({LOAD, GEAR, GX, GY, MOTOR})

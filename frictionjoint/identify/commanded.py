@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, pointer
 from frictionjoint.control.kernel import KD
 from frictionjoint.control.profile import last_before
 from frictionjoint.control.reconstruct import AllCommands, Commands
@@ -97,17 +97,17 @@ class CommandedLogs:
 
 @compiled
 def _fill_uniform(
-    time: Array, x: Array, edges: Index, grid: Vector, grid_edges: Index, out: Vector
+    time: Vector, x: Vector, edges: Index, grid: Vector, grid_edges: Index, out: Vector
 ) -> None:
     """Fill `out` with what lies on the straight lines between samples, log by log.
 
     See `measured.derivatives.uniform`.
     """
     for i in range(len(edges) - 1):
-        t, y = time[edges[i] : edges[i + 1]], x[edges[i] : edges[i + 1]]
-        at, last = 0, len(t) - 1
+        t, y, n = pointer(time, edges[i]), pointer(x, edges[i]), edges[i + 1] - edges[i]
+        at, last = 0, n - 1
         for j in range(grid_edges[i], grid_edges[i + 1]):
-            at = last_before(t, grid[j], at)
+            at = last_before(t, n, grid[j], at)
             if at == last or grid[j] <= t[0]:
                 out[j] = y[at]
             else:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
-from numba import njit
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Vector
+from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.segment import Segment
 
@@ -264,13 +264,17 @@ class HysteresisTerm(SmoothTerm):
         return elastic_plastic(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
 
 
-@njit(cache=True, nogil=True)
 def elastic_plastic(q: Array, reaches: Array) -> Array:
     """Torque of elastic-plastic elements of level 1 along a motion, shape (n, k)."""
     out = np.zeros((len(q), len(reaches)))
+    _fill_elastic_plastic(q, reaches, out)
+    return out
+
+
+@compiled
+def _fill_elastic_plastic(q: Vector, reaches: Vector, out: Array) -> None:
     for j in range(len(reaches)):
         z = 0.0
         for i in range(1, len(q)):
             z = min(1.0, max(-1.0, z + (q[i] - q[i - 1]) / reaches[j]))
             out[i, j] = z
-    return out

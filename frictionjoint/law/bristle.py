@@ -13,9 +13,8 @@ at one speed, hence one level S; it is written for motion in the positive direct
 mirrored torque) and solved exactly in displacement.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import in_line
 from frictionjoint.law.stribeck import SIGMA2
 
 FH, RATE, DIRECTION = range(3)
@@ -26,13 +25,13 @@ NEGATIVE = POSITIVE + 5
 OWN = NEGATIVE + 5
 
 
-@njit(cache=True, inline="always")
+@in_line
 def side(p: int, direction: float) -> int:
     """Where the levels of a direction begin."""
     return p + POSITIVE if direction > 0.0 else p + NEGATIVE
 
 
-@njit(cache=True, inline="always")
+@in_line
 def total(P: Vector, p: int, Fh: float, rate: float, v: float) -> float:
     """F = Fh + sigma1 dz/dt + sigma2 v."""
     sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]

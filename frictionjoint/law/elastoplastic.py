@@ -18,10 +18,8 @@ fourth order goes with the fifth power of its size.
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC, stribeck_level
 
@@ -31,7 +29,7 @@ _U_SATURATED = 37.0
 _STEP = 0.04
 
 
-@njit(cache=True, inline="always")
+@in_line
 def plastic_share(r: float, r_ba: float) -> float:
     """alpha at f = r S, for r > 0."""
     if r <= r_ba:
@@ -42,7 +40,7 @@ def plastic_share(r: float, r_ba: float) -> float:
     return s * s
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _slope(u: float, r_ba: float) -> float:
     left = math.exp(-u)
     r = 1.0 - left

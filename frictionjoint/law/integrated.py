@@ -31,8 +31,6 @@ Decisions where the paper is silent
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law.memory import (
@@ -76,12 +74,12 @@ def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
     X[s + CAPACITY] = P[p + POSITIVE + FS]
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _on_virgin(X: Vector, h: int) -> bool:
     return X[h + VIRGIN] == 1.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _reverse(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
     """The torque at the turning point becomes an extremum and the base of the new curve."""
     Fh = X[h + FH]
@@ -98,7 +96,7 @@ def _reverse(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> 
     X[h + FB] = Fh
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _close(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
     """The closed loop's extremum and its partner leave; the curve below them goes on."""
     n_min = X[h + N_MIN] - 1.0
@@ -116,7 +114,7 @@ def _close(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> No
         X[h + FB] = X[s + CAPACITY + int(n_max) - 1]
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _reset(X: Vector, h: int, s: int, direction: float) -> None:
     """Full sliding wipes the memory; the base becomes the limit behind the motion."""
     X[h + N_MIN] = 1.0
@@ -126,7 +124,7 @@ def _reset(X: Vector, h: int, s: int, direction: float) -> None:
     X[h + FB] = X[s] if direction > 0.0 else X[s + CAPACITY]
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
     """Torque, mirrored, at which the innermost open loop closes; infinite without one."""
     if direction > 0.0:

@@ -5,14 +5,14 @@ which). State row ``X[x:]``: the committed header, the header of the last evalua
 integrated law the stacks. `step_row` evaluates from the committed header as often as asked;
 `commit` makes the last evaluation the new starting point.
 
-numba cannot cache a table of functions, hence the chains of comparisons; the integrated law comes
+A kernel knows no table of functions, hence the chains of comparisons; the integrated law comes
 first in each.
 """
 
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, link, room
+from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.law import (
     armstrong,
     bristle,
@@ -25,7 +25,6 @@ from frictionjoint.law import (
     static,
 )
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, N_MAX, N_MIN, RATE, make_room
-from frictionjoint.law.relaxation import late_advance, late_distance
 from frictionjoint.law.stribeck import FC
 
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_STRIBECK = range(1, 9)
@@ -126,16 +125,12 @@ def hold_rival(
     return step_rival(P, p, X, a, h, dq, dt, v)
 
 
-_late_rival = late(step_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, REAL, REAL, REAL))
-_late_hold = late(hold_rival, REAL(VECTOR, WHOLE, VECTOR, WHOLE, WHOLE, REAL, REAL, REAL))
-
-
 @in_line
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point; leaves the committed point alone."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return _late_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+    return step_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
 
 
 @in_line
@@ -143,7 +138,7 @@ def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
     """`step_row` in a simulation: every law holds at rest."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return _late_hold(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+    return hold_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
 
 
 @compiled
@@ -175,21 +170,11 @@ def trial(
     kept = room(n)
     for i in range(n):
         kept[i] = X[h + i]
-    _late_hold(P, p, X, h, h, dq, dt, v)
+    hold_rival(P, p, X, h, h, dq, dt, v)
     Fh, rate = X[h + bristle.FH], X[h + bristle.RATE]
     for i in range(n):
         X[h + i] = kept[i]
     return Fh, rate
-
-
-def link_law(P: Vector, p: int) -> None:
-    """Compile or load what a step of this block's law needs now, not at its first step."""
-    if P[p] != INTEGRATED:
-        link(_late_rival)
-        link(_late_hold)
-    elif P[p + 1 + integrated.EXPONENT] not in (1.0, 2.0) or P[p + 1 + integrated.LAMPAERT] == 1.0:
-        link(late_advance)
-        link(late_distance)
 
 
 @in_line

@@ -17,10 +17,8 @@ Own numbers: C, N, then k_i and alpha_i by turns. State: N torques F_i, then N f
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
 from frictionjoint.law.stribeck import stribeck_level
 
@@ -30,7 +28,7 @@ ATTRACTION, N_ELEMENTS, ELEMENTS = OWN, OWN + 1, OWN + 2
 AT_LEVEL = 1.0 - 1e-12
 
 
-@njit(cache=True, inline="always")
+@in_line
 def size(P: Vector, p: int) -> int:
     """float64 of a header."""
     return HEADER + 2 * int(P[p + N_ELEMENTS])

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled, pointer, room, whole
+from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import (
@@ -30,7 +30,7 @@ def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F
     Without a measured velocity (an empty array) the velocity of sample k is the mean over the
     interval that ends there, and zero at the first one.
     """
-    block, x = pointer(P, 0), whole(0)
+    block, x = pointer(P, 0), 0
     X = room(row_size(block, p))
     start_row(block, p, X, x)
     F[0] = 0.0
@@ -58,7 +58,7 @@ def drive_integrated(
     each the contact is at rest and was never moved.
     """
     block, X = pointer(P, 0), room(HEADER + 2 * CAPACITY)
-    p, h, s = whole(1), whole(0), whole(HEADER)
+    p, h, s = 1, 0, HEADER
     for i in range(len(edges) - 1):
         first = edges[i]
         _start(block, p, X, h, s)
@@ -78,7 +78,7 @@ def drive_rival(
     P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
 ) -> None:
     """As `drive_integrated`, for a block of any other law, its number in front."""
-    block, p, x = pointer(P, 0), whole(0), whole(0)
+    block, p, x = pointer(P, 0), 0, 0
     X = room(row_size(block, p))
     for i in range(len(edges) - 1):
         first = edges[i]

@@ -12,9 +12,8 @@ by Newton's method, which is monotone because a(u) is concave (r < 1) or convex 
 import math
 
 import numpy as np
-from numba import njit
 
-from frictionjoint.compiled import REAL, compiled, late
+from frictionjoint.compiled import compiled, in_line
 
 # exp(-37) is below the spacing of doubles at 1: from here on r is 1 to the last bit.
 _U_SATURATED = 37.0
@@ -39,7 +38,7 @@ _X = tuple(float(x) for x in _NODES)
 _W = tuple(float(w) for w in _WEIGHTS)
 
 
-@njit(cache=True, inline="always")
+@in_line
 def power(r: float, n: float) -> float:
     """r**n for r >= 0; small whole exponents by multiplication, which is several times faster."""
     if n == 1.0:
@@ -53,13 +52,13 @@ def power(r: float, n: float) -> float:
     return float(r**n)
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _slope(r: float, n: float) -> float:
     """dr/da."""
     return 1.0 - power(r, n) if r >= 0.0 else 1.0 + power(-r, n)
 
 
-@njit(cache=True, inline="always")
+@in_line
 def rate(r: float, n: float) -> float:
     """dz/dx = 1 - sgn(r) |r|**n."""
     short = 1.0 - r
@@ -84,7 +83,7 @@ def _series(r: float, n: float, sign: float) -> float:
         k += 1.0
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _below(u: float, n: float) -> float:
     """da/du for r = 1 - exp(-u) < 1."""
     e = math.exp(-u)
@@ -93,7 +92,7 @@ def _below(u: float, n: float) -> float:
     return -e / math.expm1(n * math.log1p(-e))
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _above(u: float, n: float) -> float:
     """da/du for r = 1 + exp(-u) > 1."""
     e = math.exp(-u)
@@ -102,7 +101,7 @@ def _above(u: float, n: float) -> float:
     return e / math.expm1(min(n * math.log1p(e), 700.0))  # r**n may exceed a double
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _negative(t: float, n: float) -> float:
     """-da/dt for r = -exp(t/n) < 0."""
     return math.exp(t / n) / (n * (1.0 + math.exp(t)))
@@ -179,11 +178,6 @@ def any_distance(r0: float, r1: float, n: float) -> float:
     return distance_positive(r0, r1, n)
 
 
-# What has no closed form is behind a pointer: in line, its powers and series would be computed
-# before every step, as what does not change in the loop over events.
-late_distance = late(any_distance, REAL(REAL, REAL, REAL))
-
-
 @compiled
 def distance(r0: float, r1: float, n: float) -> float:
     """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
@@ -195,7 +189,7 @@ def distance(r0: float, r1: float, n: float) -> float:
         return 0.5 * math.log(((r1 + 1.0) * (r0 - 1.0)) / ((r1 - 1.0) * (r0 + 1.0)))
     if n == 2.0 and r0 >= 0.0 and r1 > 0.0:
         return 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
-    return late_distance(r0, r1, n)
+    return any_distance(r0, r1, n)
 
 
 @compiled
@@ -301,7 +295,7 @@ def _advance_near_one(r: float, a: float, n: float) -> float:
     return 1.0 - e * fallen / (1.0 - 0.5 * (n - 1.0) * e * (1.0 - fallen))
 
 
-@njit(cache=True, inline="always")
+@in_line
 def _taylor_steps(r: float, a: float, n: float) -> int:
     """Steps that a small displacement from r > 0 takes."""
     return 1 + int(max(n * a / _TAYLOR_STEP, a / (_TAYLOR_PART * r)))
@@ -365,9 +359,6 @@ def any_advance(r: float, a: float, n: float) -> float:
     return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
 
 
-late_advance = late(any_advance, REAL(REAL, REAL, REAL))
-
-
 @compiled
 def advance(r: float, a: float, n: float) -> float:
     """r after the displacement a >= 0.
@@ -390,4 +381,4 @@ def advance(r: float, a: float, n: float) -> float:
             return (r * below + above) / (below + r * above)
         t = math.tanh(a)
         return (r + t) / (1.0 + r * t)
-    return late_advance(r, a, n)
+    return any_advance(r, a, n)

@@ -7,16 +7,15 @@ A direction occupies ``P[d:d+5]``: Fs, Fc, Vs, delta, sigma2.
 
 import math
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
+from frictionjoint.compiled import in_line
 
 FS, FC, VS, DELTA, SIGMA2 = range(5)
 # exp(-x) is zero to the last bit from here on, which takes the library long to find out
 ZERO = 746.0
 
 
-@njit(cache=True, inline="always")
+@in_line
 def stribeck_level(P: Vector, d: int, speed: float) -> float:
     """|S(v)| = Fc + (Fs - Fc) exp(-(|v|/Vs)**delta) of the direction stored at d, in N m."""
     Fs = P[d + FS]

@@ -6,15 +6,13 @@ slope_i belongs to the segment that ends in knot i. The first segment starts in 
 last knot the last slope goes on, so that the inverse exists for every torque.
 """
 
-from numba import njit
-
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, in_line
 
 KNOT_STRIDE = 3
 
 
-@njit(cache=True, inline="always")
+@in_line
 def knot_torque(P: Vector, k: int, j: int) -> float:
     """Torque F_j of knot j; knot -1 is the origin."""
     if j < 0:
@@ -22,7 +20,7 @@ def knot_torque(P: Vector, k: int, j: int) -> float:
     return P[k + 1 + KNOT_STRIDE * j + 1]
 
 
-@njit(cache=True, inline="always")
+@in_line
 def segment_of_torque(P: Vector, k: int, F: float) -> int:
     """Index of the segment that holds the torque F >= 0, F in (F_{j-1}, F_j]."""
     last = int(P[k]) - 1
@@ -32,7 +30,7 @@ def segment_of_torque(P: Vector, k: int, F: float) -> int:
     return j
 
 
-@njit(cache=True, inline="always")
+@in_line
 def slope(P: Vector, k: int, j: int) -> float:
     """Stiffness dFd/dz on segment j."""
     return P[k + 1 + KNOT_STRIDE * j + 2]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled
+from frictionjoint.compiled import compiled, pointer
 
 
 class Spectrum(NamedTuple):
@@ -278,8 +278,9 @@ def _fill_continued(
     for i in range(len(n)):
         a, count, before = begin[i], n[i], pad[i]
         for k in range(len(x)):
-            row, out = x[k, a : a + count], whole[i, k]
-            first, last = row[0], row[-1]
+            row = pointer(x, k * x.shape[1] + a)
+            out = pointer(whole, (i * whole.shape[1] + k) * whole.shape[2])
+            first, last = row[0], row[count - 1]
             ends[i, k, 0], ends[i, k, 1] = first, last
             slope = (last - first) / (count - 1)
             for j in range(count):

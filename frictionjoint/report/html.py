@@ -14,7 +14,7 @@ from markupsafe import Markup
 from frictionjoint.arrays import Array
 from frictionjoint.report.charts import Chart
 
-_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy", "numba")
+_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy")
 # figures of a number in a chart
 _FIGURES = 5
 

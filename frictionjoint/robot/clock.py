@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.cluster import KMeans
-from sklearn.preprocessing import StandardScaler
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.blocks import Blocks, correlation_time
+from frictionjoint.diagnose.kinds import kinds_of
 from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.logs import Place, by_place
@@ -118,6 +117,4 @@ def _kinds(
         size = np.maximum(np.bincount(of_sample, minlength=count), 1)
         for x in (v**2, a**2, q, np.sign(v)):
             rows.append(np.bincount(of_sample, x, count) / size)
-    features = StandardScaler().fit_transform(np.column_stack(rows))
-    found = KMeans(min(_KINDS, count), n_init=4, random_state=0).fit_predict(features)
-    return np.asarray(found, dtype=np.int64)
+    return kinds_of(np.column_stack(rows), _KINDS)

@@ -10,9 +10,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, TypeVar
 
-from numba import config
-
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.threads import allow
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -136,4 +135,4 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends them
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDS)
-    config.NUMBA_NUM_THREADS = 1  # type: ignore[attr-defined]
+    allow(1)

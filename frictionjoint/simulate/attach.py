@@ -1,7 +1,6 @@
 """Let friction act: for one model (`attach`), or for every model of the process (`enable`)."""
 
 import warnings
-from collections.abc import Iterable
 from types import TracebackType
 
 import mujoco
@@ -9,7 +8,6 @@ import mujoco
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.acting import forget_warning
-from frictionjoint.simulate.callback import link_what_acts
 from frictionjoint.simulate.carrier import blocks, resolve
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
 from frictionjoint.simulate.mechanism import require_flags
@@ -99,14 +97,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     native = native_friction(model, found)
     if native:
         warnings.warn(counts_twice(native), RuntimeWarning, stacklevel=2)
-    return Attached(model, _hold(backend, model, found.values()))
-
-
-def _hold(backend: Backend, model: mujoco.MjModel, blocks: Iterable[int]) -> Hold:
-    entry = hold(backend)
-    if backend == "native":
-        link_what_acts(model, blocks)
-    return entry
+    return Attached(model, hold(backend))
 
 
 def enable(backend: Backend = "native") -> None:

@@ -8,16 +8,15 @@ model: one call into Python in the life of a model.
 import ctypes
 import threading
 import warnings
-from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import mujoco
-from llvmlite import binding
-from numba import types
 
+from frictionjoint.compiled import external
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.simulate.carrier import MAGIC, REFUSED, RESOLVED, blocks, resolve
 from frictionjoint.simulate.model_view import ModelView
+from frictionjoint.simulate.pointers import Address
 from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
 
 # simulations of one model may run side by side
@@ -64,22 +63,23 @@ def warn_of_no_room(address: int) -> None:
     )
 
 
-def _by_address(
-    symbol: str, function: Callable[[int], None]
-) -> "Callable[[ctypes.c_void_p], None]":
-    """A Python function of an address for compiled code."""
-    called = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(function)
-    _kept.append(called)
-    binding.add_symbol(symbol, ctypes.cast(called, ctypes.c_void_p).value)
-    return cast(
-        "Callable[[ctypes.c_void_p], None]",
-        types.ExternalFunction(symbol, types.void(types.voidptr)),
-    )
+@external
+def make_ready_in_c(m: Address) -> None:
+    """`make_ready` for compiled code, by the address of the model."""
 
 
-make_ready_in_c = _by_address(
-    "frictionjoint_make_ready", lambda address: make_ready(ModelView(address))
-)
-"""`make_ready` for compiled code, by the address of the model."""
-warn_of_no_room_in_c = _by_address("frictionjoint_no_room", warn_of_no_room)
-"""`warn_of_no_room` for compiled code, by the address of the model."""
+@external
+def warn_of_no_room_in_c(m: Address) -> None:
+    """`warn_of_no_room` for compiled code, by the address of the model."""
+
+
+def bind_python() -> None:
+    """Tell compiled code where these two are."""
+    prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
+    ready = prototype(lambda address: make_ready(ModelView(address)))
+    for outside, function in (
+        (make_ready_in_c, ready),
+        (warn_of_no_room_in_c, prototype(warn_of_no_room)),
+    ):
+        _kept.append(function)
+        outside.bind(ctypes.cast(function, ctypes.c_void_p).value or 0)

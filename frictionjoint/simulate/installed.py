@@ -6,19 +6,18 @@ first, at every evaluation, and comes back alone when the last hold ends.
 """
 
 import ctypes
-import functools
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
 import mujoco
-from numba import cfunc, types
 
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
-from frictionjoint.simulate.callback import build_native, python_callback
+from frictionjoint.simulate.callback import python_callback
 from frictionjoint.simulate.layout import LayoutMismatchError
+from frictionjoint.simulate.native import build_both, build_native
 
 Backend = Literal["native", "python"]
 _C_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
@@ -102,18 +101,13 @@ def _warn_if_replaced(what_now: str) -> None:
     )
 
 
-@functools.lru_cache(maxsize=1)
-def _native() -> Any:
-    return build_native().ctypes
-
-
 def _kernel(backend: Backend) -> Any:
     if backend not in ("native", "python"):
         raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
     if backend == "python":
         return python_callback
     try:
-        return _native()
+        return build_native()
     except LayoutMismatchError as error:
         warnings.warn(f"{error}: using the slower backend='python'", RuntimeWarning, stacklevel=4)
         return python_callback
@@ -123,8 +117,8 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     """One callback that calls two; C where both are C, so that no thread waits for Python."""
     if first is None:
         return kernel
-    if is_c(first) and is_c(kernel):
-        return _both_in_c(_address(first), _address(kernel))
+    if is_c(first) and kernel is not python_callback and _is_free(first):
+        return build_both(_address(first))
     calls = tuple(map(_from_python, (first, kernel)))
 
     def both(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -145,14 +139,7 @@ def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], Non
     return lambda model, data: function(model._address, data._address)
 
 
-def _both_in_c(first: int, then: int) -> Any:
-    one, other = _C_CALLBACK(first), _C_CALLBACK(then)
-
-    @cfunc(types.void(types.voidptr, types.voidptr))
-    def both(m: ctypes.c_void_p, d: ctypes.c_void_p) -> None:
-        one(m, d)
-        other(m, d)
-
-    callback: Any = both.ctypes
-    callback._kept = both  # its code lives as long as the callback
-    return callback
+def _is_free(first: Any) -> bool:
+    """Whether C can call this one first: it does so for one callback of a user's at a time."""
+    others = (hold.first for hold in _holds if hold.first is not None and is_c(hold.first))
+    return all(_address(other) == _address(first) for other in others)

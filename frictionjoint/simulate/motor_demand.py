@@ -13,6 +13,7 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects import motor_saturation, motor_temperature
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.model_view import ModelView, names_of
+from frictionjoint.simulate.pointers import Flags, Shorts
 
 _IDS = tuple(
     float(effect.effect_id) for effect in (motor_saturation.EFFECT, motor_temperature.EFFECT)
@@ -46,13 +47,13 @@ def asked_torque(
     actuators: int,
     flags: int,
     off: int,
-    kinds: Vector,
-    targets: Vector,
-    groups: Vector,
+    kinds: Shorts,
+    targets: Shorts,
+    groups: Shorts,
     gears: Vector,
     gains: Vector,
     biases: Vector,
-    limited: Vector,
+    limited: Flags,
     ranges: Vector,
     ctrl: Vector,
 ) -> float:

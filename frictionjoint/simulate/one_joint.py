@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.effects.signals import TEMP
@@ -235,7 +235,7 @@ class _Given(NamedTuple):
 
 
 @in_line
-def _warm(given: _Given, X: Array, k: int) -> None:
+def _warm(given: _Given, X: Vector, k: int) -> None:
     """Put the temperature of step k where effects remember it."""
     for i in range(len(given.thermal)):
         X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
@@ -250,7 +250,7 @@ def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float)
 @in_line
 def _effects(
     given: _Given,
-    X: Array,
+    X: Vector,
     k: int,
     t: float,
     q: float,
@@ -273,7 +273,7 @@ def _effects(
 
 
 @compiled
-def _hold(given: _Given, X: Array, q: float) -> bool:
+def _hold(given: _Given, X: Vector, q: float) -> bool:
     """Strain the friction of a joint at rest until it holds what the drive and the load leave.
 
     Returns:
@@ -281,17 +281,18 @@ def _hold(given: _Given, X: Array, q: float) -> bool:
     """
     asked = 0.0
     if given.on[0]:
-        S = np.zeros(STATE)
+        S = room(STATE)
         asked = given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
-    way = -math.copysign(1.0, _unbalanced(given, X.copy(), q, 0.0, asked))
+    tried = room(len(X))
+    way = -math.copysign(1.0, _tried(given, X, tried, q, 0.0, asked))
     least, most = 0.0, _STRAIN
-    while _unbalanced(given, X.copy(), q, way * most, asked) * way < 0.0:
+    while _tried(given, X, tried, q, way * most, asked) * way < 0.0:
         least, most = most, 2.0 * most
         if most > _FURTHEST:
             return False
     for _ in range(_HALVINGS):
         middle = 0.5 * (least + most)
-        if _unbalanced(given, X.copy(), q, way * middle, asked) * way < 0.0:
+        if _tried(given, X, tried, q, way * middle, asked) * way < 0.0:
             least = middle
         else:
             most = middle
@@ -299,8 +300,22 @@ def _hold(given: _Given, X: Array, q: float) -> bool:
     return True
 
 
-@in_line
-def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> float:
+@compiled
+def copy(X: Vector, to: Vector) -> None:
+    """Fill `to` with the numbers of X."""
+    for i in range(len(X)):
+        to[i] = X[i]
+
+
+@compiled
+def _tried(given: _Given, X: Vector, tried: Vector, q: float, d: float, asked: float) -> float:
+    """`_unbalanced` of a row that is as X at first."""
+    copy(X, tried)
+    return _unbalanced(given, tried, q, d, asked)
+
+
+@compiled
+def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> float:
     """Torque of all but the drive, less the drive's, at rest at q after a slow displacement d.
 
     Of a friction that was never moved before.
@@ -309,7 +324,8 @@ def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> fl
     c, s = math.cos(q), math.sin(q)
     bias = _load_torque(given.load, given.body, 0, q, c, s)
     F = 0.0
-    for t, x in ((-1.0 - h, q - d), (-h, q)):
+    for turn in range(2):
+        t, x = (-1.0 - h, q - d) if turn == 0 else (-h, q)
         F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
         if P[effects] > 0.0:
             F += _effects(given, X, 0, t, x, 0.0, bias, c, s, asked)
@@ -319,8 +335,8 @@ def _unbalanced(given: _Given, X: Array, q: float, d: float, asked: float) -> fl
 @compiled
 def _part(
     given: _Given,
-    X: Array,
-    S: Array,
+    X: Vector,
+    S: Vector,
     q: float,
     v: float,
     begin: int,
@@ -363,7 +379,7 @@ def _part(
 
 
 @compiled
-def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vector) -> None:
+def _along(given: _Given, X: Vector, S: Vector, begin: int, end: int, drive: Vector) -> None:
     """Lead friction, effects and controller along the measured motion from `begin` to `end`."""
     P, effects, load, body = given.P, given.effects, given.load, given.body
     gain, emf, on = given.motor[0], given.motor[1], given.on
@@ -384,13 +400,16 @@ def _along(given: _Given, X: Array, S: Array, begin: int, end: int, drive: Vecto
 
 @compiled
 def _windows(
-    given: _Given, X: Array, S: Array, window: int, position: Vector, drive: Vector
+    given: _Given, X: Vector, S: Vector, window: int, position: Vector, drive: Vector
 ) -> None:
     """Steps free from the measured motion in windows; X and S follow that motion between them."""
     n = len(given.target)
+    row, remembered = room(len(X)), room(len(S))
     for begin in range(0, n, window):
         end = min(begin + window, n)
         q, v = given.q[begin], given.v[begin]
-        _part(given, X.copy(), S.copy(), q, v, begin, end, position, drive)
+        copy(X, row)
+        copy(S, remembered)
+        _part(given, row, remembered, q, v, begin, end, position, drive)
         if end < n:
             _along(given, X, S, begin, end, drive)

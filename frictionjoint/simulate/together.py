@@ -11,7 +11,7 @@ where a load is held.
 """
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import NOTHING, REAL, VECTOR, WHOLE, compiled, in_line, late
+from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law.ahead import STIFF, torque_ahead
 from frictionjoint.law.kernel import presliding
 from frictionjoint.simulate.carrier import DOF, HEAD, ROW
@@ -79,9 +79,6 @@ def settle(P: Vector, blocks: Vector, k: int, X: Vector, h: float, W: Vector, Y:
         x = int(P[int(blocks[i]) + ROW])
         Y[i] = Y[F + i] - X[x + TORQUE]
         X[x + TORQUE] = Y[F + i]
-
-
-late_settle = late(settle, NOTHING(VECTOR, VECTOR, WHOLE, VECTOR, REAL, VECTOR, VECTOR))
 
 
 @compiled

@@ -1,13 +1,13 @@
-"""The compiled kernels as warp functions, from the one source that numba compiles.
+"""The kernels as warp functions, from the Python they are written in.
 
-`frictionjoint.law` and `frictionjoint.effects` are written once, as scalar Python functions for
-numba. Warp compiles Python too, with a stricter grammar. `translate` rewrites a numba function and
-all it calls into that grammar, statement by statement, and hands the text to warp; so an edit of
+`frictionjoint.law` and `frictionjoint.effects` are written once, as scalar Python functions. Warp
+compiles Python too, with a stricter grammar. `translate` rewrites a kernel and all it calls into
+that grammar, statement by statement, and hands the text to warp; so an edit of
 the law, or a new effect, is on the GPU without a second copy that could differ from the first.
 Numbers are doubles throughout, as in the source.
 
 What the rewriting knows about: scalar arithmetic, `while`, `for ... in range`, `if`, calls of other
-numba functions, `math`, arrays by subscript, `room` of a fixed size, and tuples
+kernels, `math`, arrays by subscript, `room` of a fixed size, and tuples
 of numbers. Anything else is an error at translation, never a guess.
 """
 
@@ -47,6 +47,8 @@ def expm1(x: Any):
     return below * x / wp.log(u)
 '''
 _OWN = {"log1p", "expm1"}
+# nodes of the syntax tree of a kernel that goes into its callers
+_SMALL = 150
 _AS_IT_IS = (
     ast.BoolOp,
     ast.IfExp,
@@ -63,10 +65,10 @@ _BUILTIN = {"abs", "min", "max", "range", "int", "bool"}
 
 
 def translate(functions: list[Any], room: int, name: str) -> dict[str, Any]:
-    """Warp functions of numba ones, by name, in a namespace that also holds warp itself.
+    """Warp functions of kernels, by name, in a namespace that also holds warp itself.
 
     Args:
-        functions: compiled by numba; what they call follows by itself.
+        functions: marked by `compiled`; what they call follows by itself.
         room: numbers that an array made inside a function can hold.
         name: of the module warp compiles them into, and caches them under.
     Returns:
@@ -75,7 +77,7 @@ def translate(functions: list[Any], room: int, name: str) -> dict[str, Any]:
         ModelError: a construct that the rewriting does not know.
     """
     text = source(functions, room)
-    file = f"<{name}: made from the numba kernels>"
+    file = f"<{name}: made from the kernels>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     import warp as wp
 
@@ -114,11 +116,11 @@ def _key(function: Any) -> str:
 
 
 class _Rewriting(ast.NodeTransformer):
-    """One function. `calls` collects the numba functions it calls."""
+    """One function. `calls` collects the kernels it calls."""
 
     def __init__(self, function: Any, room: int, vectors: dict[str, str]) -> None:
         self.function = function.py_func
-        self.options = function.targetoptions
+        self.in_line = function.in_line
         self.key = _key(function)
         self.room = room
         self.vectors = vectors
@@ -139,9 +141,9 @@ class _Rewriting(ast.NodeTransformer):
             statements += self._statement(statement)
         arguments = ", ".join(f"{a.arg}: Any" for a in tree.args.args)
         code = "\n".join(ast.unparse(ast.fix_missing_locations(s)) for s in statements)
-        # out of line where numba does not put it in line: CUDA's compiler would inline all of
-        # it everywhere, and take minutes
-        small = self.options.get("inline") == "always"
+        # out of line but for the smallest: CUDA's compiler would inline all of it everywhere, and
+        # take minutes
+        small = self.in_line and len([*ast.walk(tree)]) <= _SMALL
         decorator = "@wp.func" if small else "@wp.func(inline=False)"
         return f"{decorator}\ndef {self.key}({arguments}):\n{textwrap.indent(code, '    ')}"
 

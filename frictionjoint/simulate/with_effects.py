@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import REAL, VECTOR, WHOLE, compiled, in_line, late, room
+from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.kernel import MEMORY, total_torque
@@ -205,12 +205,3 @@ def joint_effects(
     return effects_torque(
         P, block + HEAD, effects, X, x, t, q, v, bias, inertia, armature, gx, gy, asked
     )
-
-
-late_joint_effects = late(
-    joint_effects,
-    REAL(
-        *[VECTOR, WHOLE, VECTOR, *[REAL] * 6],
-        *[WHOLE, VECTOR, VECTOR, VECTOR, VECTOR, WHOLE, REAL],
-    ),
-)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Array, Index
+from frictionjoint.law.kernel import row_size
 from frictionjoint.law.motion import edges_of
 from frictionjoint.law.tangents import kernels
 from frictionjoint.law.tangents.direction import DIRECTIONS
@@ -38,11 +39,13 @@ def driven_with_tangents(
     drive = getattr(kernels, f"drive_{law}")
     H, rate = np.empty_like(position), np.empty_like(position)
     H_t, rate_t = np.empty((2, len(P_t), len(position)))
+    X = np.empty(row_size(P, 0))
+    X_t = np.empty((len(X), DIRECTIONS))
     for first in range(0, len(P_t), DIRECTIONS):
         some = slice(first, first + DIRECTIONS)
         block_t = _padded(P_t[some])
         motion_t = np.empty((0, DIRECTIONS)) if position_t is None else _padded(position_t[some])
-        drive(P, block_t, time, position, motion_t, edges, H, H_t[some], rate, rate_t[some])
+        drive(P, block_t, time, position, motion_t, edges, H, H_t[some], rate, rate_t[some], X, X_t)
     return H, rate, H_t, rate_t
 
 

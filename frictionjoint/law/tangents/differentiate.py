@@ -59,7 +59,7 @@ class Differentiated:
         """Differentiate.
 
         Args:
-            kernel: compiled by numba. moving: its arguments, numbers, that have a tangent.
+            kernel: marked by `compiled`. moving: its arguments, numbers, that have a tangent.
             wanted: whether the caller uses the value returned.
         Raises:
             UnknownError: a construct that cannot be differentiated.
@@ -75,8 +75,6 @@ class Differentiated:
         self.source = self._head(kernel, moving) + "\n".join(_indented(lines))
 
     def _head(self, kernel: Any, moving: frozenset[str]) -> str:
-        options = kernel.targetoptions
-        small = options.get("inline") == "always" or options.get("forceinline")
         arguments = []
         for name, kind in self.activity.arguments.items():
             arguments.append(f"{name}: {kind}")
@@ -86,7 +84,7 @@ class Differentiated:
                 arguments.append(f"{name}_t: Tangent")
         returned = "tuple[float, Tangent]" if self.wanted else "None"
         head = f"def {name_of(kernel)}({', '.join(arguments)}) -> {returned}:\n"
-        return f"@{'in_line' if small else 'compiled'}\n{head}"
+        return f"@{'in_line' if kernel.in_line else 'compiled'}\n{head}"
 
     # statements
 

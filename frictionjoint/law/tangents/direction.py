@@ -7,7 +7,7 @@ its exponentials and its branches among all of them.
 `frictionjoint.law.tangents.kernels` is written in terms of what is here.
 """
 
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 from frictionjoint.arrays import Array
 from frictionjoint.compiled import in_line
@@ -15,7 +15,7 @@ from frictionjoint.compiled import in_line
 DIRECTIONS = 6
 Tangent: TypeAlias = tuple[float, float, float, float, float, float]
 # those of an array, shape (its length, DIRECTIONS)
-Tangents: TypeAlias = Array
+Tangents: TypeAlias = Annotated[Array, "rows of", DIRECTIONS]
 
 ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

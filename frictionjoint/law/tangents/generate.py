@@ -2,9 +2,9 @@
 
     python -m frictionjoint.law.tangents.generate
 
-A law is written once, as a scalar function for numba. Its source is differentiated here, statement
-by statement and in forward mode (`frictionjoint.law.tangents.differentiate`), and the result is a
-file like any other, because numba keeps the machine code of a file's functions between runs.
+A law is written once, as a scalar kernel. Its source is differentiated here, statement by
+statement and in forward mode (`frictionjoint.law.tangents.differentiate`), and the result is a file
+like any other, compiled with the other kernels.
 """
 
 import subprocess
@@ -80,15 +80,17 @@ def drive_{law}(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros({size})
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         {start}
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[{header}.RATE], 0.0
+        H[first], rate[first] = 0.0, X[{header}.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -105,7 +107,6 @@ _STATIC_STEP = "static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0
 _DRIVE_INTEGRATED = _DRIVE.format(
     law="integrated",
     header="memory",
-    size="memory.HEADER + 2 * memory.CAPACITY",
     start="integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)",
     step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)\n"
     "            memory_make_room(X, X_t, 0, memory.HEADER)",
@@ -137,7 +138,6 @@ def source() -> str:
         _DRIVE.format(
             law=law,
             header="bristle",
-            size="row_size(P, 0)",
             start="start_rival(P, 0, X, 0)",
             step=_STATIC_STEP if law == "static" else _STEP.format(law=law),
         )
@@ -152,15 +152,13 @@ _HEAD = '''"""The laws' kernels with their tangents; written by ``generate``, se
 
 import math
 
-import numpy as np
-
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import {modules}
-from frictionjoint.law.kernel import row_size, start_rival
+from frictionjoint.law.kernel import start_rival
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import (
-    DIRECTIONS, ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4
+    ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4
 )
 
 '''

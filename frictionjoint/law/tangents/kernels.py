@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import (
@@ -20,10 +18,9 @@ from frictionjoint.law import (
     stribeck,
     transition,
 )
-from frictionjoint.law.kernel import row_size, start_rival
+from frictionjoint.law.kernel import start_rival
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import (
-    DIRECTIONS,
     ZERO,
     Tangent,
     Tangents,
@@ -933,15 +930,17 @@ def drive_integrated(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(memory.HEADER + 2 * memory.CAPACITY)
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[memory.RATE], 0.0
+        H[first], rate[first] = 0.0, X[memory.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -967,15 +966,17 @@ def drive_static(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1000,15 +1001,17 @@ def drive_armstrong(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1033,15 +1036,17 @@ def drive_dahl(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1066,15 +1071,17 @@ def drive_dahl_stribeck(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1099,15 +1106,17 @@ def drive_lugre(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1132,15 +1141,17 @@ def drive_elastoplastic(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
@@ -1165,15 +1176,17 @@ def drive_maxwell_slip(
     H_t: Array,
     rate: Vector,
     rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
 ) -> None:
-    X = np.zeros(row_size(P, 0))
-    X_t = np.zeros((len(X), DIRECTIONS))
     for j in range(len(edges) - 1):
         first = edges[j]
-        X_t[:] = 0.0
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
         start_rival(P, 0, X, 0)
-        H[first], H_t[:, first] = 0.0, 0.0
-        rate[first], rate_t[:, first] = X[bristle.RATE], 0.0
+        H[first], rate[first] = 0.0, X[bristle.RATE]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]

@@ -5,6 +5,9 @@ errors are a few units in the last place; of sin, cos and tan for arguments up t
 """
 
 import math
+import re
+
+from frictionjoint.translate.kinds import Dialect
 
 _QUARTERS = tuple(math.atan(0.25 * k) for k in range(5))
 # pi / 2 in three pieces, the first two with so few digits that products with whole numbers are
@@ -139,7 +142,22 @@ _NEEDS = {
 }
 
 
-def with_dependencies(names: set[str]) -> list[str]:
-    """The helpers of these names and those they call, in the order in which C wants them."""
+# of the C library where all of it may be called; these are whole numbers' and the rest
+_WHOLE = """static inline int fj_floor_div(int a, int b)
+{
+    int whole = a / b;
+    return whole * b != a && (a < 0) != (b < 0) ? whole - 1 : whole;
+}"""
+_REST = """static inline int fj_floor_mod(int a, int b)
+{
+    return a - fj_floor_div(a, b) * b;
+}"""
+HELPERS |= {"floor_div": _WHOLE, "floor_mod": _REST}
+_NEEDS["floor_mod"] = ("floor_div",)
+
+
+def helpers_of(names: set[str], dialect: Dialect) -> list[str]:
+    """C text of helpers and of those they call, in the order in which C wants them."""
     wanted = names.union(*(_NEEDS.get(name, ()) for name in names))
-    return [name for name in HELPERS if name in wanted]
+    texts = [HELPERS[name] for name in HELPERS if name in wanted]
+    return [re.sub(r"\bint\b", dialect.whole, text) for text in texts]

@@ -1,0 +1,26 @@
+"""Kinds of motion: groups of blocks of a log that are alike."""
+
+import numpy as np
+from scipy.cluster.vq import kmeans2
+
+from frictionjoint.arrays import Array, Index
+
+_TRIES = 4
+
+
+def kinds_of(rows: Array, most: int) -> Index:
+    """Group of each row by k-means, columns scaled to one size; the best of a few starts.
+
+    Args:
+        rows: shape (n, k). most: of the groups.
+    Returns:
+        shape (n,), numbers from 0 on; the same for the same rows.
+    """
+    spread = rows.std(axis=0)
+    scaled = (rows - rows.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    count = min(most, len(np.unique(scaled, axis=0)))
+    tries = []
+    for seed in range(_TRIES):
+        centres, found = kmeans2(scaled, count, iter=100, minit="++", rng=seed)
+        tries.append((float(np.sum((scaled - centres[found]) ** 2)), seed, found))
+    return np.asarray(min(tries)[2], dtype=np.int64)

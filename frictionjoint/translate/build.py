@@ -1,0 +1,62 @@
+"""Build the shared library of the kernels.
+
+    python -m frictionjoint.translate.build FOLDER [TARGET]
+
+A build imports all modules with kernels, in which these run as Python (``FRICTIONJOINT_PYTHON=1``).
+"""
+
+import hashlib
+import importlib
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from frictionjoint import compiled, library
+from frictionjoint.translate.compiler import FLAGS, compile_library
+from frictionjoint.translate.unit import unit
+
+
+def build(folder: Path, target: str | None = None) -> Path:
+    """Translate and compile into a folder; what is there already of the same source stays.
+
+    Args:
+        target: see `compiler.TARGETS`; None: this machine.
+    Returns:
+        the library.
+    Raises:
+        ModelError: a kernel that cannot be translated. RuntimeError: it cannot be compiled.
+    """
+    files = library.sources()
+    stamps = library.stamps(files)
+    for file in files:
+        if file.parent.name != "translate":
+            place = file.relative_to(Path(library.__file__).parent).with_suffix("")
+            parts = [part for part in place.parts if part != "__init__"]
+            importlib.import_module(".".join(["frictionjoint", *parts]))
+    text, listed = unit(dict(sorted(compiled.registry.items())))
+    digest = hashlib.sha256(f"{FLAGS}{text}".encode()).hexdigest()[:12]
+    folder.mkdir(parents=True, exist_ok=True)
+    present = [f for f in folder.glob(f"kernels-{digest}.*") if f.suffix != ".c"]
+    if present and target is None:
+        made = present[0]
+    else:
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            source = Path(scratch) / "kernels.c"
+            source.write_text(text, encoding="utf-8")
+            fresh = compile_library(source, Path(scratch), f"kernels-{digest}", target)
+            made = folder / fresh.name
+            os.replace(fresh, made)
+    said = {"library": made.name, "sources": stamps, "kernels": listed}
+    with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as held:
+        json.dump(said, held, separators=(",", ":"))
+    os.replace(held.name, folder / library.LISTED)
+    for old in folder.glob("kernels-*"):
+        if old.name != made.name:
+            old.unlink(missing_ok=True)
+    return made
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1]), *sys.argv[2:3])

@@ -1,0 +1,60 @@
+"""A C compiler: the machine's own, or the one that ``ziglang`` of PyPI brings."""
+
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+# Results are Python's: no product and sum are made one operation, and nothing is reordered.
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w")
+ENDINGS = {"linux": ".so", "macos": ".dylib", "windows": ".dll"}
+TARGETS = {
+    "linux-x86_64": "x86_64-linux-gnu.2.17",
+    "linux-aarch64": "aarch64-linux-gnu.2.17",
+    "macos-arm64": "aarch64-macos.11.0",
+    "windows-x86_64": "x86_64-windows-gnu",
+}
+"""What zig compiles for, by the names used here."""
+
+
+def own_compiler() -> list[str] | None:
+    """Command of the machine's compiler, that of ``CC`` first; None without one."""
+    asked = os.environ.get("CC")
+    if asked:
+        return shlex.split(asked)
+    found = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    return [found] if found else None
+
+
+def system() -> str:
+    """This machine's operating system, a key of `ENDINGS`."""
+    return {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+
+
+def compile_library(source: Path, folder: Path, stem: str, target: str | None = None) -> Path:
+    """Compile a C file into a shared library.
+
+    Args:
+        folder: for the library. stem: of its name. target: a key of `TARGETS`, by zig; None: this
+            machine.
+    Raises:
+        RuntimeError: there is no compiler, or it does not take the file.
+    """
+    compiler = None if target else own_compiler()
+    if compiler is None:
+        if importlib.util.find_spec("ziglang") is None:
+            raise RuntimeError("no C compiler: install one, or ziglang from PyPI")
+        compiler = [sys.executable, "-m", "ziglang", "cc"]
+        compiler += ["-target", TARGETS[target]] if target else []
+    name = target.split("-")[0] if target else system()
+    made = folder / f"{stem}{ENDINGS[name]}"
+    flags = [flag for flag in FLAGS if not (flag == "-fPIC" and name == "windows")]
+    libraries = [] if name == "windows" else ["-lm"]
+    command = [*compiler, *flags, str(source), "-o", str(made), *libraries]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{shlex.join(command)} fails:\n{done.stderr[-4000:]}")
+    return made

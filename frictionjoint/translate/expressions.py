@@ -1,0 +1,538 @@
+"""C text and C type of the expressions a kernel consists of."""
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NoReturn
+
+import numpy as np
+
+from frictionjoint.compiled import External, Table, pointer, room
+from frictionjoint.errors import ModelError
+from frictionjoint.translate.kinds import (
+    DOUBLE,
+    POINTERS,
+    REALS,
+    WHOLE,
+    Dialect,
+    elements,
+    fields_of,
+    is_structure,
+    is_tuple,
+    kind_of,
+    row_of,
+    tuple_of,
+)
+
+BINARY = {ast.Add: ("+", 4), ast.Sub: ("-", 4), ast.Mult: ("*", 5), ast.Div: ("/", 5)}
+_WHOLE_BINARY = {ast.BitAnd: "&", ast.BitOr: "|", ast.RShift: ">>", ast.LShift: "<<"}
+_FLOOR = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod"}
+_COMPARE = {
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+}
+# how strongly operators bind; the numbers in BINARY belong to the same scale
+_CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
+_HELPED = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}
+_MORE = {"copysign", "hypot", "atan2", "floor", "asin", "acos", "fabs", "pow", "fmod"}
+_LIBRARY = {"exp", "log"}
+_ROUNDED = {"ceil", "floor"}
+_KEYWORDS = """_ auto break case char const continue default do double else enum extern float for
+goto if inline int long register restrict return short signed sizeof static struct switch typedef
+union unsigned void volatile while"""
+# and functions of the C library that kernels name values after
+_RESERVED = frozenset(_KEYWORDS.split())
+
+
+@dataclass
+class Called:
+    """What a caller must know of a kernel.
+
+    Attributes:
+        name: in C. parameters: names in turn. written: those it writes to.
+        axes: lengths it asks for, by parameter.
+    """
+
+    name: str
+    parameters: list[str]
+    written: set[str]
+    axes: dict[str, set[int]]
+
+
+@dataclass
+class Gathered:
+    """What functions translated so far need besides themselves.
+
+    Attributes:
+        dialect: C that is written.
+        call: translates a kernel unless it is there.
+        constants: values of module constants, by their C name.
+        helpers: names in `c_math`. tuples: kinds of tuples. structures: NamedTuples, by kind.
+        tables, externals: of `frictionjoint.compiled`, by name.
+    """
+
+    dialect: Dialect
+    call: Callable[[Any], Called]
+    constants: dict[str, int | float | tuple[float, ...]] = field(default_factory=dict)
+    helpers: set[str] = field(default_factory=set)
+    tuples: set[str] = field(default_factory=set)
+    structures: dict[str, Any] = field(default_factory=dict)
+    tables: dict[str, Table] = field(default_factory=dict)
+    externals: dict[str, Any] = field(default_factory=dict)
+
+
+class Expressions:
+    """Expressions of one function.
+
+    Attributes:
+        kinds: of each parameter and local. written: arrays that are written to.
+        axes: lengths of parameters that are asked for. lengths: C text of those of local arrays.
+        roots: arrays that local pointers point into. same: what other arrays' names stand for.
+    """
+
+    def __init__(self, function: Any, gathered: Gathered) -> None:
+        self.plain: Callable[..., Any] = getattr(function, "py_func", function)
+        self.gathered = gathered
+        tree = ast.parse(textwrap.dedent(inspect.getsource(self.plain))).body[0]
+        assert isinstance(tree, ast.FunctionDef)
+        self.tree = tree
+        self.kinds: dict[str, str] = {}
+        self.kinds = {a.arg: self._annotation(a.annotation, a) for a in tree.args.args}
+        self.rows = {a.arg: row_of(a.annotation, self._aliases) for a in tree.args.args}
+        self.parameters = list(self.kinds)
+        self.written: set[str] = set()
+        self.axes: dict[str, set[int]] = {}
+        self.lengths: dict[str, str] = {}
+        self.roots: dict[str, str] = {}
+        self.same: dict[str, ast.expr] = {}
+        nodes = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
+        self.locals = {n.id for n in nodes if isinstance(n.ctx, ast.Store)}
+
+    @property
+    def _aliases(self) -> dict[str, Any]:
+        return self.plain.__globals__
+
+    def unknown(self, node: ast.AST) -> NoReturn:
+        """Raise ModelError for what cannot be translated."""
+        raise ModelError(
+            f"{self.plain.__module__}.{self.plain.__name__} cannot be made C: rewrite "
+            f"{ast.unparse(node)!r} in plainer Python"
+        )
+
+    def look_up(self, node: ast.expr) -> Any:
+        """What a name or an attribute of a module stands for."""
+        if isinstance(node, ast.Attribute):
+            return getattr(self.look_up(node.value), node.attr, None)
+        if isinstance(node, ast.Name) and node.id in self.plain.__globals__:
+            return self.plain.__globals__[node.id]
+        self.unknown(node)
+
+    @property
+    def result(self) -> str:
+        """Kind of what the function returns."""
+        return self._annotation(self.tree.returns, self.tree)
+
+    def _annotation(self, node: ast.expr | None, where: ast.AST) -> str:
+        kind = kind_of(node, self._aliases)
+        if kind is None:
+            self.unknown(where)
+        if is_structure(kind):
+            self.gathered.structures[kind] = self._aliases[ast.unparse(node)]
+        return self.noted(kind)
+
+    def _field(self, node: ast.expr) -> str | None:
+        """Kind of a field of a NamedTuple; None for what is none."""
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
+            return None
+        kind = self.kinds.get(node.value.id)
+        if kind is None or not is_structure(kind):
+            return None
+        return fields_of(self.gathered.structures[kind])[node.attr]
+
+    def noted(self, kind: str) -> str:
+        """The kind itself; a tuple's is defined later."""
+        if is_tuple(kind):
+            self.gathered.tuples.add(kind)
+        return kind
+
+    # types
+
+    def kind(self, node: ast.expr) -> str | None:
+        """Kind of an expression; None while it hangs on a local not yet known."""
+        if isinstance(node, ast.Name) and (node.id in self.kinds or node.id in self.locals):
+            return self.kinds.get(node.id)
+        if self._field(node):
+            return self._field(node)
+        if isinstance(node, ast.Name | ast.Attribute):
+            return self._kind_of_constant(node)
+        if isinstance(node, ast.Constant):
+            return DOUBLE if isinstance(node.value, float) else WHOLE
+        if isinstance(node, ast.Subscript):
+            return self._kind_of_element(node)
+        if isinstance(node, ast.BoolOp | ast.Compare):
+            return WHOLE
+        if isinstance(node, ast.UnaryOp):
+            return WHOLE if isinstance(node.op, ast.Not) else self.kind(node.operand)
+        if isinstance(node, ast.IfExp):
+            return self._wider(node.body, node.orelse)
+        if isinstance(node, ast.BinOp):
+            if isinstance(node.op, ast.Div | ast.Pow):
+                return DOUBLE
+            return self._wider(node.left, node.right)
+        if isinstance(node, ast.Tuple):
+            kinds = [self.kind(x) for x in node.elts]
+            return tuple_of(k for k in kinds if k) if all(kinds) else None
+        if isinstance(node, ast.Call):
+            return self._call_kind(node)
+        self.unknown(node)
+
+    def _kind_of_constant(self, node: ast.Name | ast.Attribute) -> str:
+        if ast.unparse(node).endswith(".shape"):
+            self.unknown(node)
+        value = self.look_up(node)
+        if isinstance(value, tuple):
+            return tuple_of(DOUBLE if isinstance(x, float) else WHOLE for x in value)
+        return DOUBLE if isinstance(value, float) else WHOLE
+
+    def _kind_of_element(self, node: ast.Subscript) -> str | None:
+        if _is_shape(node.value):
+            return WHOLE
+        if isinstance(node.value, ast.Name | ast.Attribute) and not self._is_local(node.value):
+            value = self.look_up(node.value)
+            if isinstance(value, Table):
+                return WHOLE
+            return DOUBLE if any(isinstance(x, float) for x in value) else WHOLE
+        kind = self.kind(node.value)
+        if kind is None:
+            return None
+        if is_tuple(kind) and isinstance(node.slice, ast.Constant):
+            return elements(kind)[node.slice.value]
+        return POINTERS[kind] if kind in POINTERS else self.unknown(node)
+
+    def _is_local(self, node: ast.expr) -> bool:
+        """Whether a value is the function's own, not one of a module."""
+        if isinstance(node, ast.Name):
+            return node.id in self.kinds or node.id in self.locals
+        return isinstance(node, ast.Call) or bool(self._field(node))
+
+    def _wider(self, *nodes: ast.expr) -> str | None:
+        kinds = [self.kind(node) for node in nodes]
+        if len(set(kinds)) == 1:
+            return kinds[0]
+        return DOUBLE if DOUBLE in kinds else None if None in kinds else WHOLE
+
+    def _call_kind(self, node: ast.Call) -> str | None:
+        name = _built_in(node)
+        if name in ("abs", "min", "max"):
+            return self._wider(*node.args)
+        if name:
+            return DOUBLE if name == "float" else WHOLE
+        called = self.look_up(node.func)
+        if called in (room, pointer):
+            return REALS
+        if is_kernel(called) or isinstance(called, External) or hasattr(called, "c_text"):
+            stub = called.stub if isinstance(called, External) else called
+            return Expressions(stub, self.gathered).result
+        return WHOLE if called in (math.ceil, math.floor, math.isnan) else DOUBLE
+
+    # text
+
+    def text(self, node: ast.expr, least: int = 0) -> str:
+        """C text, in parentheses where it binds less than `least`."""
+        text, binds = self._expression(node)
+        return f"({text})" if binds < least else text
+
+    def target(self, node: ast.expr) -> str:
+        """C text of what is assigned to."""
+        if isinstance(node, ast.Subscript) and self._is_local(node.value):
+            self.write(node.value)
+        elif not isinstance(node, ast.Name):
+            self.unknown(node)
+        return self.text(node)
+
+    def write(self, node: ast.expr) -> None:
+        """Note that what a pointer points to is written to."""
+        if isinstance(node, ast.Call) and self.look_up(node.func) is pointer:
+            self.write(node.args[0])
+        if isinstance(node, ast.Name):
+            self.written.add(node.id)
+            if node.id in self.roots:
+                self.write(ast.Name(self.roots[node.id]))
+
+    def length(self, node: ast.expr, axis: int) -> str:
+        """C text of an array's length along an axis."""
+        if self._field(node):
+            return f"{self.text(node)}_n[{axis}]"
+        if not isinstance(node, ast.Name):
+            self.unknown(node)
+        if node.id in self.same:
+            return self.length(self.same[node.id], axis)
+        if axis == 1 and self.rows.get(node.id):
+            return str(self.rows[node.id])
+        if node.id in self.parameters and node.id not in self.roots:
+            self.axes.setdefault(node.id, set()).add(axis)
+            return f"{safe(node.id)}_n{axis}"
+        if axis == 0 and node.id in self.lengths:
+            return self.lengths[node.id]
+        self.unknown(node)
+
+    def _expression(self, node: ast.expr) -> tuple[str, int]:
+        if isinstance(node, ast.Constant):
+            return self.number(node.value, node), _ATOM
+        if isinstance(node, ast.Name) and node.id in self.kinds:
+            return safe(node.id), _ATOM
+        if self._field(node) and isinstance(node, ast.Attribute):
+            return f"{self.text(node.value)}->{node.attr}", _ATOM
+        if isinstance(node, ast.Name | ast.Attribute):
+            return self._constant(node), _ATOM
+        if isinstance(node, ast.Subscript):
+            return self._subscript(node), _ATOM
+        if isinstance(node, ast.UnaryOp):
+            sign = "!" if isinstance(node.op, ast.Not) else "-"
+            text = self.text(node.operand, _UNARY)
+            return sign + (f"({text})" if text.startswith("-") else text), _UNARY
+        if isinstance(node, ast.BinOp):
+            return self._binary(node)
+        if isinstance(node, ast.BoolOp):
+            sign, binds = (" || ", _OR) if isinstance(node.op, ast.Or) else (" && ", _AND)
+            # && within || in parentheses, which compilers warn of the absence of
+            return sign.join(self.text(v, _COMPARISON) for v in node.values), binds
+        if isinstance(node, ast.Compare):
+            return self._compare(node)
+        if isinstance(node, ast.IfExp):
+            test, a, b = (self.text(n, _OR) for n in (node.test, node.body, node.orelse))
+            return f"{test} ? {a} : {b}", _CHOICE
+        if isinstance(node, ast.Tuple):
+            return self._literal(self.kind(node), map(self.text, node.elts), node), _ATOM
+        if isinstance(node, ast.Call):
+            return self._call(node), _ATOM
+        self.unknown(node)
+
+    def _literal(self, kind: str | None, texts: Any, node: ast.AST) -> str:
+        if kind is None:
+            self.unknown(node)
+        return f"({self.noted(kind)}){{ {', '.join(texts)} }}"
+
+    def as_kind(self, node: ast.expr, kind: str) -> str:
+        """C text of a value where one of this kind is wanted: tuples have to be just that."""
+        if not is_tuple(kind):
+            return self.text(node)
+        if isinstance(node, ast.Tuple):
+            wanted = elements(kind)
+            texts = [self.as_kind(x, k) for x, k in zip(node.elts, wanted, strict=True)]
+            return self._literal(kind, texts, node)
+        if isinstance(node, ast.IfExp):
+            texts = [self.as_kind(x, kind) for x in (node.body, node.orelse)]
+            return f"({self.text(node.test, _OR)} ? {texts[0]} : {texts[1]})"
+        if self.kind(node) != kind:
+            self.unknown(node)
+        return self.text(node)
+
+    def _subscript(self, node: ast.Subscript) -> str:
+        if _is_shape(node.value) and isinstance(node.slice, ast.Constant):
+            return self.length(node.value.value, node.slice.value)  # type: ignore[attr-defined]
+        if not self._is_local(node.value):
+            return self._element_of_constant(node)
+        if is_tuple(self.kind(node.value)):
+            if not isinstance(node.slice, ast.Constant):
+                self.unknown(node)
+            return f"{self.text(node.value, _ATOM)}._{node.slice.value}"
+        parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        for part in parts:
+            if isinstance(part, ast.Slice) or _is_negative(part):
+                self.unknown(node)
+        index = self.text(parts[0])
+        for axis, part in enumerate(parts[1:], start=1):
+            outer = index if index.isidentifier() or index.isdecimal() else f"({index})"
+            index = f"{outer} * {self.length(node.value, axis)} + {self.text(part, _SUM + 1)}"
+        return f"{self.text(node.value, _ATOM)}[{index}]"
+
+    def _element_of_constant(self, node: ast.Subscript) -> str:
+        value = self.look_up(node.value)
+        if isinstance(value, Table):
+            self.gathered.tables[value.name] = value
+            return f"fj_{value.name}[{self.text(node.slice)}]"
+        if isinstance(node.slice, ast.Constant):
+            return self.number(value[node.slice.value], node)
+        return f"{self.array_of(node.value)}[{self.text(node.slice)}]"
+
+    def array_of(self, node: ast.expr) -> str:
+        """C array of a constant tuple of a module."""
+        value = self.look_up(node)
+        if isinstance(value, np.ndarray) and value.ndim == 1:
+            value = tuple(float(x) for x in value)
+        if not isinstance(value, tuple):
+            self.unknown(node)
+        return self._named(node, value)
+
+    def _binary(self, node: ast.BinOp) -> tuple[str, int]:
+        if isinstance(node.op, ast.Pow):
+            if isinstance(node.right, ast.Constant) and node.right.value == 2:
+                self.gathered.helpers.add("square")
+                return f"fj_square({self.text(node.left)})", _ATOM
+            return f"pow({self.text(node.left)}, {self.text(node.right)})", _ATOM
+        whole = self._wider(node.left, node.right) == WHOLE
+        if type(node.op) in _FLOOR and whole:
+            return self._helper(
+                _FLOOR[type(node.op)], [*map(self.text, (node.left, node.right))]
+            ), 7
+        if type(node.op) in _WHOLE_BINARY and whole:
+            sides = (self.text(side, _ATOM) for side in (node.left, node.right))
+            return f"({f' {_WHOLE_BINARY[type(node.op)]} '.join(sides)})", _ATOM
+        if type(node.op) not in BINARY:
+            self.unknown(node)
+        sign, binds = BINARY[type(node.op)]
+        left = self.text(node.left, binds)
+        if isinstance(node.op, ast.Div) and whole:
+            left = f"(double){self.text(node.left, _ATOM)}"
+        return f"{left} {sign} {self.text(node.right, binds + 1)}", binds
+
+    def _compare(self, node: ast.Compare) -> tuple[str, int]:
+        texts = [self.text(term, _SUM) for term in (node.left, *node.comparators)]
+        signs = [_COMPARE.get(type(op), "") for op in node.ops]
+        if "" in signs:
+            self.unknown(node)
+        pairs = [f"{a} {s} {b}" for a, s, b in zip(texts, signs, texts[1:], strict=False)]
+        return " && ".join(pairs), _COMPARISON if len(pairs) == 1 else _AND
+
+    def _call(self, node: ast.Call) -> str:
+        if node.keywords:
+            self.unknown(node)
+        name = _built_in(node)
+        if name == "len":
+            return self._length_of(node.args[0])
+        if name in ("min", "max") and len(node.args) != 2:
+            self.unknown(node)
+        if name in ("abs", "min", "max"):
+            name += "" if self._wider(*node.args) == DOUBLE else "_int"
+            return self._helper(name, [*map(self.text, node.args)])
+        if name:
+            return self._converted(name, node.args[0])
+        called = self.look_up(node.func)
+        if called is pointer:
+            return f"({self.text(node.args[0], _ATOM)} + {self.text(node.args[1], _SUM + 1)})"
+        if hasattr(called, "c_text"):
+            return str(called.c_text.format(*(self.text(a, _ATOM) for a in node.args)))
+        if isinstance(called, External):
+            return self._external(called, node)
+        if is_kernel(called):
+            return self._kernel(called, node)
+        return self._mathematics(called, node)
+
+    def _length_of(self, node: ast.expr) -> str:
+        if not self._is_local(node):
+            return str(len(self.look_up(node)))
+        return self.length(node, 0)
+
+    def _converted(self, name: str, node: ast.expr) -> str:
+        inner, kind = self.text(node, _ATOM), self.kind(node)
+        if name == "bool" and kind == DOUBLE:
+            return f"({inner} != 0.0)"
+        wanted = DOUBLE if name == "float" else WHOLE
+        return inner if kind == wanted else f"({self.gathered.dialect.type_of(wanted)}){inner}"
+
+    def _kernel(self, called: Any, node: ast.Call) -> str:
+        known = self.gathered.call(called)
+        kinds = Expressions(called, self.gathered).kinds
+        texts: list[str] = []
+        for name, argument in zip(known.parameters, node.args, strict=True):
+            texts.append(self.as_kind(argument, kinds[name]))
+            if name in known.written:
+                self.write(argument)
+            texts += [self.length(argument, axis) for axis in sorted(known.axes.get(name, ()))]
+        return f"{known.name}({', '.join(texts)})"
+
+    def _external(self, called: Any, node: ast.Call) -> str:
+        self.gathered.externals[called.name] = called
+        kinds = list(Expressions(called.stub, self.gathered).kinds.values())
+        for argument, kind in zip(node.args, kinds, strict=True):
+            if kind == REALS:
+                self.write(argument)
+        return f"fj_{called.name}({', '.join(map(self.text, node.args))})"
+
+    def _mathematics(self, called: Any, node: ast.Call) -> str:
+        texts = [self.text(a) for a in node.args]
+        if called is math.isnan:
+            return f"({texts[0]} != {texts[0]})"
+        name = getattr(called, "__name__", "")
+        full = self.gathered.dialect.full
+        if getattr(math, name, None) is not called or name not in _HELPED | (
+            _MORE if full else {""}
+        ):
+            self.unknown(node)
+        if name in _ROUNDED and full:
+            return f"({self.gathered.dialect.whole}){name}({texts[0]})"
+        if full or name in _LIBRARY:
+            return f"{name}({', '.join(texts)})"
+        return self._helper(name, texts)
+
+    def _helper(self, name: str, texts: list[str]) -> str:
+        self.gathered.helpers.add(name)
+        return f"fj_{name}({', '.join(texts)})"
+
+    def _constant(self, node: ast.Name | ast.Attribute) -> str:
+        value = self.look_up(node)
+        if isinstance(value, np.floating | np.integer):
+            value = value.item()
+        if isinstance(value, tuple):
+            texts = [self.number(x, node) for x in value]
+            return self._literal(self._kind_of_constant(node), texts, node)
+        module = self.plain.__module__
+        if isinstance(node, ast.Attribute):
+            module = self.look_up(node.value).__name__
+        if module in ("math", "numpy") or (isinstance(value, float) and not math.isfinite(value)):
+            return self.number(value, node)
+        if not isinstance(value, int | float):
+            self.unknown(node)
+        return self._named(node, value)
+
+    def _named(self, node: ast.expr, value: Any) -> str:
+        module, own = self.plain.__module__, ast.unparse(node).split(".")[-1]
+        if isinstance(node, ast.Attribute):
+            module = self.look_up(node.value).__name__
+        name = first = f"fj_{module.split('.')[-1]}_{own.strip('_')}"
+        also = 1
+        while self.gathered.constants.setdefault(name, value) != value:
+            also += 1
+            name = f"{first}_{also}"
+        return name
+
+    def number(self, value: Any, node: ast.AST) -> str:
+        """A number as C has it; doubles with all their digits."""
+        if isinstance(value, bool):
+            return str(int(value))
+        if isinstance(value, float) and not math.isfinite(value):
+            return "NAN" if value != value else "INFINITY" if value > 0.0 else "(-INFINITY)"
+        if isinstance(value, int | float):
+            return repr(value)
+        self.unknown(node)
+
+
+def is_kernel(value: Any) -> bool:
+    """Whether something is a function marked by `frictionjoint.compiled`."""
+    return hasattr(value, "py_func")
+
+
+def safe(name: str) -> str:
+    """A name that C does not take for itself."""
+    return f"{name}_" if name in _RESERVED else name
+
+
+def _built_in(node: ast.Call) -> str:
+    known = ("abs", "min", "max", "int", "float", "bool", "len")
+    return node.func.id if isinstance(node.func, ast.Name) and node.func.id in known else ""
+
+
+def _is_shape(node: ast.expr) -> bool:
+    return isinstance(node, ast.Attribute) and node.attr == "shape"
+
+
+def _is_negative(node: ast.expr) -> bool:
+    return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)

@@ -1,0 +1,512 @@
+"""Kernels as C99 functions, statement by statement, from the Python they are written in.
+
+So a controller, a simulation and a fit run the very law that was identified, not a second version
+that could differ. Floating point operations keep their order. `frictionjoint.compiled` says what a
+kernel may consist of; anything else is an error, never a guess.
+"""
+
+import ast
+import textwrap
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from frictionjoint.compiled import pointer, room
+from frictionjoint.translate.c_math import helpers_of
+from frictionjoint.translate.expressions import BINARY, Called, Expressions, Gathered, safe
+from frictionjoint.translate.kinds import (
+    DOUBLE,
+    HEADER,
+    NOTHING,
+    POINTERS,
+    REALS,
+    WHOLE,
+    Dialect,
+    definitions,
+    elements,
+    is_structure,
+    is_tuple,
+    structure_definitions,
+)
+
+# values that a selecting number can take, by module of the kernel and text of the expression
+Known = Mapping[tuple[str, str], frozenset[float]]
+_WIDTH = 100
+# a space at which no line is broken
+_GLUE = "\N{NO-BREAK SPACE}"
+
+
+class Translation:
+    """Kernels and all they call, as C.
+
+    Attributes:
+        called: what callers must know of each, by the Python function.
+        gathered: what they need besides themselves.
+    """
+
+    def __init__(
+        self, functions: Iterable[Any], known: Known | None = None, dialect: Dialect = HEADER
+    ) -> None:
+        """Translate.
+
+        Args:
+            functions: marked by `frictionjoint.compiled`.
+            known: where a kernel selects by a number, the values it can have; what is selected by
+                others is left out.
+        Raises:
+            ModelError: a construct that the translation does not know.
+        """
+        self.called: dict[Any, Called] = {}
+        self._texts: list[str] = []
+        self._known = known or {}
+        self.gathered = Gathered(dialect, self._call)
+        for function in functions:
+            self._call(function)
+
+    def _call(self, function: Any) -> Called:
+        plain = function.py_func
+        if plain not in self.called:
+            name = name_of(function)
+            if any(name == other.name for other in self.called.values()):
+                raise AssertionError(f"two kernels are called {name}")
+            made = _Function(function, self.gathered, self._known)
+            text = made.translate()  # callees come first
+            self._texts.append(text)
+            written = made.written & set(made.parameters)
+            self.called[plain] = Called(name, made.parameters, written, made.axes)
+        return self.called[plain]
+
+    def text(self) -> str:
+        """C text, ready to follow ``#include <math.h>``."""
+        gathered = self.gathered
+        tuples = "\n".join(definitions(gathered.tuples, gathered.dialect))
+        structures = structure_definitions(gathered.structures.values(), gathered.dialect)
+        return "\n\n".join(
+            [
+                *helpers_of(gathered.helpers, gathered.dialect),
+                *([tuples] if tuples else []),
+                *structures,
+                *_constants(gathered.constants),
+                *_from_outside(gathered),
+                *self._texts,
+            ]
+        )
+
+
+def source(functions: Iterable[Any], known: Known) -> str:
+    """C text of kernels for a header; see `Translation`."""
+    return Translation(functions, known).text()
+
+
+def name_of(function: Any) -> str:
+    """The C name of a kernel."""
+    plain = function.py_func
+    return "_".join(["fj", *plain.__module__.split(".")[-2:], plain.__name__.strip("_")])
+
+
+class _Function(Expressions):
+    """The translation of one function."""
+
+    def __init__(self, function: Any, gathered: Gathered, known: Known) -> None:
+        super().__init__(function, gathered)
+        self.known = known
+        self.name = name_of(function)
+        self.in_line = bool(getattr(function, "in_line", False))
+        self.declared: set[str] = set(self.kinds)
+        self.counters: set[str] = set()
+        self.rooms: set[str] = set()
+        self._fresh = 0
+
+    def translate(self) -> str:
+        """C text; afterwards `written` and `axes` are known."""
+        tree = self.tree
+        doc = ast.get_docstring(tree) or ""
+        body = _without_unread(self._fold(tree.body[1:] if doc else tree.body))
+        self._infer(body)
+        lines = self._block(body, set())
+        read = _names(ast.Module(body, []))
+        lines = [f"(void){safe(name)};" for name in self.parameters if name not in read] + lines
+        taken = [one for name in self.parameters for one in self._parameter(name)]
+        head = "static inline" if not self.gathered.dialect.full else "static"
+        if self.in_line and self.gathered.dialect.full:
+            head = "FJ_IN_LINE"
+        result = self.gathered.dialect.type_of(self.result)
+        start = _wrapped(f"{head} {result} {self.name}({', '.join(taken) or 'void'})")
+        inner = "\n".join(_wrapped("    " + line) for line in lines)
+        return f"{comment(doc)}{start}\n{{\n{inner}\n}}"
+
+    def _parameter(self, name: str) -> list[str]:
+        kind = self.kinds[name]
+        whole = self.gathered.dialect.whole
+        const = self.gathered.dialect.constant and kind == REALS and name not in self.written
+        own = f"{'const ' if const else ''}{self._declared_as(kind)}{safe(name)}"
+        return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
+
+    def _declared_as(self, kind: str) -> str:
+        """A C type as it stands before a name."""
+        if is_structure(kind):
+            return f"const {kind}"
+        return kind if kind in POINTERS else f"{self.gathered.dialect.type_of(kind)} "
+
+    # what is known beforehand
+
+    def _fold(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """Without branches that the known values rule out, and what follows a sure return."""
+        kept: list[ast.stmt] = []
+        for node in body:
+            if isinstance(node, ast.If | ast.While | ast.For):
+                node.body, node.orelse = self._fold(node.body), self._fold(node.orelse)
+            sure = self._decided(node.test) if isinstance(node, ast.If) else None
+            if sure is None:
+                kept.append(node)
+            elif isinstance(node, ast.If):
+                kept += node.body if sure else node.orelse
+            if kept and isinstance(kept[-1], ast.Return):
+                break
+        return kept
+
+    def _decided(self, test: ast.expr) -> bool | None:
+        if not isinstance(test, ast.Compare) or not isinstance(test.ops[0], ast.Eq | ast.NotEq):
+            return None
+        module = ".".join(self.plain.__module__.split(".")[-2:])
+        values = self.known.get((module, ast.unparse(test.left)))
+        if values is None:
+            return None
+        right = test.comparators[0]
+        value = right.value if isinstance(right, ast.Constant) else self.look_up(right)
+        equal = isinstance(test.ops[0], ast.Eq)
+        if value not in values:
+            return not equal
+        return equal if len(values) == 1 else None
+
+    # types of locals
+
+    def _infer(self, body: list[ast.stmt]) -> None:
+        pairs: list[tuple[ast.expr, int, ast.expr]] = []
+        for node in (n for statement in body for n in ast.walk(statement)):
+            if isinstance(node, ast.Assign):
+                for target in node.targets:
+                    pairs += _all_pairs(target, node.value)
+                    self.rooms |= self._made_room(pairs)
+            elif isinstance(node, ast.AugAssign) or (
+                isinstance(node, ast.AnnAssign) and node.value is not None
+            ):
+                pairs.append((node.target, -1, node.value))
+            elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
+                self.counters.add(node.target.id)
+                self.kinds.setdefault(node.target.id, self._kind_of_counter(node.iter))
+        own = set(self.kinds)
+        for _ in pairs:
+            before = dict(self.kinds)
+            for to, place, value in pairs:
+                if isinstance(to, ast.Name) and to.id not in own:
+                    kind = self.kind(value)
+                    if kind and place != -1:
+                        kind = elements(kind)[place]
+                    if kind and self.kinds.get(to.id) != DOUBLE:
+                        self.kinds[to.id] = self.noted(kind)
+            if before == self.kinds:
+                break
+
+    def _made_room(self, pairs: list[tuple[ast.expr, int, ast.expr]]) -> set[str]:
+        """Names of arrays that are made here: they last as long as the block they are made in."""
+        return {
+            to.id
+            for to, _, value in pairs
+            if isinstance(to, ast.Name)
+            and isinstance(value, ast.Call)
+            and self.look_up_call(value) is room
+        }
+
+    def _kind_of_counter(self, node: ast.expr) -> str:
+        if isinstance(node, ast.Call):
+            return WHOLE
+        return DOUBLE if any(isinstance(x, float) for x in self.look_up(node)) else WHOLE
+
+    # statements
+
+    def _block(self, body: list[ast.stmt], outside: set[str]) -> list[str]:
+        """Lines of a block. `outside`: names that are used after it."""
+        lines: list[str] = []
+        for i, node in enumerate(body):
+            after = _names(ast.Module(body[i + 1 :], [])) | outside
+            if isinstance(node, ast.If | ast.While | ast.For):
+                shared = sorted(name for name in _names(node) & after if self._is_new(name))
+                self.declared.update(shared)
+                lines += [self._empty(name) for name in shared]
+            lines += self._statement(node, after)
+        return lines
+
+    def _empty(self, name: str) -> str:
+        kind = self.kinds[name]
+        return f"{self._declared_as(kind)}{safe(name)} = {'{0}' if is_tuple(kind) else '0'};"
+
+    def _is_new(self, name: str) -> bool:
+        return name in self.kinds and name not in self.declared | self.counters | self.rooms
+
+    def _statement(self, node: ast.stmt, after: set[str]) -> list[str]:
+        if isinstance(node, ast.Assign):
+            return self._assign_all(node)
+        if isinstance(node, ast.AnnAssign) and node.value is not None:
+            return self._assign(node.target, node.value)
+        if isinstance(node, ast.AugAssign) and type(node.op) in BINARY:
+            sign = BINARY[type(node.op)][0]
+            return [f"{self.target(node.target)} {sign}= {self.text(node.value)};"]
+        if isinstance(node, ast.If):
+            return self._if(node, after)
+        if isinstance(node, ast.While) and not node.orelse:
+            endless = isinstance(node.test, ast.Constant) and node.test.value is True
+            test = "1" if endless else self.text(node.test)
+            return [f"while ({test}) {{", *self._inner(node.body, after), "}"]
+        if isinstance(node, ast.For) and not node.orelse:
+            return self._for(node, after)
+        if isinstance(node, ast.Return):
+            return [f"return {self.as_kind(node.value, self.result)};" if node.value else "return;"]
+        if isinstance(node, ast.Expr):
+            return [f"{self.text(node.value)};"]
+        if isinstance(node, ast.Break | ast.Continue):
+            return [f"{type(node).__name__.lower()};"]
+        self.unknown(node)
+
+    def _inner(self, body: list[ast.stmt], after: set[str]) -> list[str]:
+        before = set(self.declared)
+        lines = ["    " + line for line in self._block(body, after)]
+        self.declared = before
+        return lines
+
+    def _if(self, node: ast.If, after: set[str]) -> list[str]:
+        made = [f"if ({self.text(node.test)}) {{", *self._inner(node.body, after)]
+        if len(node.orelse) == 1 and isinstance(node.orelse[0], ast.If):
+            first, *rest = self._if(node.orelse[0], after)
+            return [*made, f"}} else {first}", *rest]
+        if node.orelse:
+            made += ["} else {", *self._inner(node.orelse, after)]
+        return [*made, "}"]
+
+    def _for(self, node: ast.For, after: set[str]) -> list[str]:
+        counter = node.target
+        # a counter belongs to its loop in C
+        if not isinstance(counter, ast.Name) or counter.id in self.declared:
+            self.unknown(node)
+        if not isinstance(node.iter, ast.Call):
+            return self._over_constants(node, counter.id, after)
+        call = node.iter
+        if ast.unparse(call.func) != "range" or len(call.args) > 3:
+            self.unknown(node)
+        whole, name = self.gathered.dialect.whole, safe(counter.id)
+        bounds = ["0", *map(self.text, call.args[:2])][-2:]
+        step = f"{name} += {self.text(call.args[2])}" if len(call.args) == 3 else f"{name}++"
+        end, first = bounds[1], f"{whole} {name} = {bounds[0]}"
+        if not self._stays(call.args[min(len(call.args), 2) - 1], node.body):
+            end, first = f"{name}_end", f"{first}, {name}_end = {end}"
+        head = f"for ({first}; {name} < {end}; {step}) {{"
+        self.declared.add(counter.id)
+        inner = self._inner(node.body, after)
+        self.declared.discard(counter.id)
+        return [head, *inner, "}"]
+
+    def _stays(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
+        """Whether a loop's end is plainly the same at each turn."""
+        if any(isinstance(n, ast.Call | ast.Subscript) for n in ast.walk(bound)):
+            return False
+        return not _names(bound) & _set(ast.Module(body, []))
+
+    def _over_constants(self, node: ast.For, name: str, after: set[str]) -> list[str]:
+        array, place = self.array_of(node.iter), f"{name}_at"
+        whole, count = self.gathered.dialect.whole, len(self.look_up(node.iter))
+        head = f"for ({whole} {place} = 0; {place} < {count}; {place}++) {{"
+        kind = self.gathered.dialect.type_of(self.kinds[name])
+        self.declared.add(name)
+        inner = self._inner(node.body, after)
+        self.declared.discard(name)
+        return [head, f"    {kind} {safe(name)} = {array}[{place}];", *inner, "}"]
+
+    # assignments
+
+    def _assign_all(self, node: ast.Assign) -> list[str]:
+        if len(node.targets) == 1 or isinstance(node.value, ast.Name | ast.Constant):
+            return [line for to in node.targets for line in self._assign(to, node.value)]
+        held, lines = self._held(node.value)
+        return lines + [line for to in node.targets for line in self._assign(to, held)]
+
+    def _held(self, value: ast.expr) -> tuple[ast.Name, list[str]]:
+        """A value under a name of its own."""
+        self._fresh += 1
+        name, kind = f"value_{self._fresh}", self.kind(value)
+        if kind is None or name in self.locals:
+            self.unknown(value)
+        self.kinds[name] = self.noted(kind)
+        self.declared.add(name)
+        text = self.as_kind(value, kind)
+        return ast.Name(name), [f"{self._declared_as(kind)}{name} = {text};"]
+
+    def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
+        if not isinstance(target, ast.Tuple):
+            return self._single(target, value)
+        lines: list[str] = []
+        if not isinstance(value, ast.Tuple):
+            if not is_tuple(self.kind(value)):
+                self.unknown(target)
+            held: ast.expr = value
+            if not isinstance(value, ast.Name):
+                held, lines = self._held(value)
+            for i, to in enumerate(target.elts):
+                lines += self._single(to, ast.Subscript(held, ast.Constant(i)))
+            return lines
+        pairs = list(zip(target.elts, value.elts, strict=True))
+        stored: set[str] = set()
+        for to, part in pairs:
+            # one after the other is as good as all at once unless a later value, or a later place,
+            # reads what an earlier one has set
+            if stored & (_names(part) | _read(to)):
+                return self._at_once(pairs)
+            stored |= _set_by(to)
+        return [line for to, part in pairs for line in self._single(to, part)]
+
+    def _at_once(self, pairs: list[tuple[ast.expr, ast.expr]]) -> list[str]:
+        lines: list[str] = []
+        new: list[ast.expr] = []
+        for to, value in pairs:
+            if isinstance(to, ast.Subscript) and any(_set_by(o) & _read(to) for o, _ in pairs):
+                self.unknown(to)
+            held, more = self._held(value)
+            lines += more
+            new.append(held)
+        for (to, _), value in zip(pairs, new, strict=True):
+            lines += self._single(to, value)
+        return lines
+
+    def _single(self, target: ast.expr, value: ast.expr) -> list[str]:
+        if isinstance(value, ast.Call) and self.look_up_call(value) is room:
+            return self._room(target, value)
+        if not isinstance(target, ast.Name):
+            return [f"{self.target(target)} = {self.text(value)};"]
+        kind = self.kinds[target.id]
+        if kind in POINTERS:
+            self._point(target.id, value)
+        text = self.as_kind(value, kind)
+        if self._is_new(target.id):
+            self.declared.add(target.id)
+            return [f"{self._declared_as(kind)}{safe(target.id)} = {text};"]
+        return [f"{safe(target.id)} = {text};"]
+
+    def look_up_call(self, node: ast.Call) -> Any:
+        """The function that is called; None for a built-in one."""
+        if isinstance(node.func, ast.Name) and node.func.id not in self.plain.__globals__:
+            return None
+        return self.look_up(node.func)
+
+    def _point(self, name: str, value: ast.expr) -> None:
+        """Remember what a local pointer points into."""
+        if not isinstance(value, ast.Call):
+            self.same[name] = value
+        while isinstance(value, ast.Call) and self.look_up_call(value) is pointer:
+            value = value.args[0]
+        if isinstance(value, ast.Name):
+            self.roots[name] = value.id
+
+    def _room(self, target: ast.expr, value: ast.Call) -> list[str]:
+        name, size = self.target(target), value.args[0]
+        text = self.text(size)
+        if not _names(size) & (self.locals | set(self.parameters)) and not _calls(size):
+            self.lengths[name] = text
+            return [f"double {name}[{text}] = {{0}};"]
+        count = f"{name}_n0"
+        self.lengths[name] = count
+        return [
+            f"{self.gathered.dialect.whole} {count} = {text};",
+            f"double {name}[{count} > 0 ? {count} : 1];",
+            f"memset({name}, 0, sizeof({name}));",
+        ]
+
+
+def _all_pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, int, ast.expr]]:
+    """What is set, its place in the value or -1 for all of it, and the value."""
+    if not isinstance(target, ast.Tuple):
+        return [(target, -1, value)]
+    if isinstance(value, ast.Tuple):
+        return [(to, -1, part) for to, part in zip(target.elts, value.elts, strict=True)]
+    return [(to, i, value) for i, to in enumerate(target.elts)]
+
+
+def _names(node: ast.AST) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+
+
+def _calls(node: ast.AST) -> bool:
+    return any(isinstance(n, ast.Call) for n in ast.walk(node))
+
+
+def _set(node: ast.AST) -> set[str]:
+    """Names that are assigned to within a statement."""
+    nodes = (n for n in ast.walk(node) if isinstance(n, ast.Name))
+    return {n.id for n in nodes if isinstance(n.ctx, ast.Store)}
+
+
+def _set_by(target: ast.expr) -> set[str]:
+    """The variable or the array that an assignment changes."""
+    while isinstance(target, ast.Subscript):
+        target = target.value
+    return _names(target)
+
+
+def _read(target: ast.expr) -> set[str]:
+    """Names that say where an assignment goes."""
+    return _names(target.slice) if isinstance(target, ast.Subscript) else set()
+
+
+def _without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
+    """Without assignments of plain values that nothing reads since branches were left out."""
+    nodes = [n for n in ast.walk(ast.Module(body, [])) if isinstance(n, ast.Name)]
+    read = {n.id for n in nodes if isinstance(n.ctx, ast.Load)}
+
+    def unread(node: ast.stmt) -> bool:
+        if not isinstance(node, ast.Assign):
+            return False
+        calls = [n for n in ast.walk(node.value) if isinstance(n, ast.Call)]
+        plain = all(ast.unparse(call.func) in ("int", "float") for call in calls)
+        return plain and all(isinstance(t, ast.Name) and t.id not in read for t in node.targets)
+
+    return [node for node in body if not unread(node)]
+
+
+def _constants(values: Mapping[str, int | float | tuple[float, ...]]) -> list[str]:
+    """Definitions of the modules' constants, by kind."""
+    whole = [f"{name}{_GLUE}={_GLUE}{int(x)}" for name, x in values.items() if isinstance(x, int)]
+    made = [f"#define {name} {x!r}" for name, x in values.items() if isinstance(x, float)]
+    blocks = ["\n".join(sorted(made))] if made else []
+    if whole:
+        inner = _wrapped("    " + ", ".join(sorted(whole)), deeper=0).replace(_GLUE, " ")
+        blocks.append(f"enum {{\n{inner}\n}};")
+    for name, value in values.items():
+        if isinstance(value, tuple):
+            numbers = ", ".join(repr(float(x)) for x in value)
+            blocks.append(_wrapped(f"static const double {name}[{len(value)}] = {{{numbers}}};"))
+    return blocks
+
+
+def _from_outside(gathered: Gathered) -> list[str]:
+    """Tables that Python sets, and addresses of functions that it knows."""
+    made = [f"FJ_SHARED int64_t fj_{x.name}[{x.size}];" for x in gathered.tables.values()]
+    for outside in gathered.externals.values():
+        seen = Expressions(outside.stub, gathered)
+        kinds = [gathered.dialect.type_of(kind) for kind in seen.kinds.values()]
+        result = gathered.dialect.type_of(seen.result)
+        made.append(f"FJ_SHARED {result} (*fj_{outside.name})({', '.join(kinds) or NOTHING});")
+    return ["\n".join(made)] if made else []
+
+
+def comment(text: str) -> str:
+    """The first paragraph as a C comment on lines of its own; nothing for nothing."""
+    plain = " ".join(text.split("\n\n")[0].split()).replace("*/", "* /").replace("/*", "/ *")
+    return _wrapped(f"/* {plain} */", deeper=3) + "\n" if plain else ""
+
+
+def _wrapped(line: str, deeper: int = 4) -> str:
+    indent = len(line) - len(line.lstrip())
+    return textwrap.fill(
+        line,
+        _WIDTH,
+        subsequent_indent=" " * (indent + deeper),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -1,0 +1,194 @@
+"""Types of what kernels compute with, and what they are called in C.
+
+A kind is ``double``, ``int``, ``void``, a pointer to numbers, or a tuple. A tuple's name says what
+it consists of: ``fj_tuple_TdTddEE`` is a double and a tuple of two doubles.
+"""
+
+import ast
+import inspect
+import sys
+import textwrap
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+DOUBLE, WHOLE, NOTHING = "double", "int", "void"
+REALS, WHOLES, FLAGS, SHORTS, ADDRESS = (
+    "double *",
+    "int64_t *",
+    "uint8_t *",
+    "int32_t *",
+    "char *",
+)
+POINTERS = {REALS: DOUBLE, WHOLES: WHOLE, FLAGS: WHOLE, SHORTS: WHOLE, ADDRESS: WHOLE}
+"""Kinds of arrays, and the kind of their elements."""
+_TUPLE, _STRUCTURE = "fj_tuple_", "fj_struct_"
+_LETTERS = {DOUBLE: "d", WHOLE: "i"}
+_NAMES = {
+    "float": DOUBLE,
+    "int": WHOLE,
+    "bool": WHOLE,
+    "None": NOTHING,
+    "Vector": REALS,
+    "Array": REALS,
+    "Index": WHOLES,
+    "NDArray[np.bool_]": FLAGS,
+    "Flags": FLAGS,
+    "Shorts": SHORTS,
+    "Address": ADDRESS,
+}
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """C as one purpose wants it.
+
+    Attributes:
+        whole: type of whole numbers.
+        full: whether all of the C library's mathematics may be called.
+        constant: whether pointers that are only read from are so marked.
+    """
+
+    whole: str
+    full: bool
+    constant: bool
+
+    def type_of(self, kind: str) -> str:
+        """C type of a kind."""
+        return self.whole if kind == WHOLE else kind
+
+
+LIBRARY = Dialect("int64_t", full=True, constant=False)
+HEADER = Dialect("int", full=False, constant=True)
+
+
+def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
+    """Kind that an annotation stands for; None for one that is none of ours.
+
+    Args:
+        aliases: what names stand for in the module of the function.
+    """
+    if annotation is None:
+        return None
+    text = ast.unparse(annotation)
+    if text in _NAMES:
+        return _NAMES[text]
+    if isinstance(annotation, ast.Subscript) and ast.unparse(annotation.value) == "tuple":
+        inner = annotation.slice
+        parts = inner.elts if isinstance(inner, ast.Tuple) else [inner]
+        kinds = [kind_of(part, aliases) for part in parts]
+        return tuple_of(k for k in kinds if k) if all(kinds) else None
+    if isinstance(annotation, ast.Name):
+        if hasattr(aliases.get(text), "_fields"):
+            return structure_of(aliases[text])
+        size = row_of(annotation, aliases)
+        if size:
+            return REALS
+        alias = getattr(aliases.get(text), "__args__", None)
+        if alias and all(part is float for part in alias):
+            return tuple_of([DOUBLE] * len(alias))
+    return None
+
+
+def structure_of(named: Any) -> str:
+    """Kind of a NamedTuple, whose address is passed: ``const fj_struct_module_name *``."""
+    return f"{_STRUCTURE}{named.__module__.rpartition('.')[2]}_{named.__name__.strip('_')} *"
+
+
+def is_structure(kind: str | None) -> bool:
+    """Whether a kind is the address of a NamedTuple."""
+    return kind is not None and kind.startswith(_STRUCTURE)
+
+
+def fields_of(named: Any) -> dict[str, str]:
+    """Kinds of a NamedTuple's fields.
+
+    Raises:
+        ValueError: a field of another kind.
+    """
+    tree = ast.parse(textwrap.dedent(inspect.getsource(named))).body[0]
+    assert isinstance(tree, ast.ClassDef)
+    aliases = vars(sys.modules[named.__module__])
+    found = {}
+    for node in tree.body:
+        if isinstance(node, ast.AnnAssign):
+            kind = kind_of(node.annotation, aliases)
+            if kind is None:
+                raise ValueError(f"{named.__name__}: no kind for {ast.unparse(node)}")
+            found[ast.unparse(node.target)] = kind
+    return found
+
+
+def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
+    """Numbers a row has where the annotation says so, as ``Annotated[Array, "rows of", 6]``."""
+    if not isinstance(annotation, ast.Name):
+        return 0
+    said = getattr(aliases.get(annotation.id), "__metadata__", ())
+    return int(said[1]) if len(said) == 2 and said[0] == "rows of" else 0
+
+
+def tuple_of(kinds: Iterable[str]) -> str:
+    """Kind of a tuple of such values."""
+    return _TUPLE + _mangled(kinds)
+
+
+def is_tuple(kind: str | None) -> bool:
+    """Whether a kind is that of a tuple."""
+    return kind is not None and kind.startswith(_TUPLE)
+
+
+def elements(kind: str) -> list[str]:
+    """Kinds of what a tuple consists of."""
+    found: list[str] = []
+    text, depth, start = kind.removeprefix(_TUPLE)[1:-1], 0, 0
+    for i, letter in enumerate(text):
+        if letter == "T":
+            start = i if depth == 0 else start
+            depth += 1
+        elif letter == "E":
+            depth -= 1
+            if depth == 0:
+                found.append(_TUPLE + text[start : i + 1])
+        elif depth == 0:
+            found.append(DOUBLE if letter == "d" else WHOLE)
+    return found
+
+
+def _mangled(kinds: Iterable[str]) -> str:
+    return f"T{''.join(_LETTERS.get(k) or k.removeprefix(_TUPLE) for k in kinds)}E"
+
+
+AXES = 3
+"""Lengths that go along with an array in a structure."""
+
+
+def structure_definitions(named: Iterable[Any], dialect: Dialect) -> list[str]:
+    """C structures of NamedTuples; each array is followed by its lengths."""
+    made = []
+    for one in named:
+        lines = []
+        for name, kind in fields_of(one).items():
+            lines.append(f"    {kind if kind in POINTERS else dialect.type_of(kind) + ' '}{name};")
+            if kind in POINTERS:
+                lines.append(f"    {dialect.whole} {name}_n[{AXES}];")
+        name = structure_of(one).removesuffix(" *")
+        made.append("\n".join([f"typedef struct {name} {{", *lines, f"}} {name};"]))
+    return made
+
+
+def definitions(kinds: Iterable[str], dialect: Dialect) -> list[str]:
+    """C structures of tuples, those within others first."""
+    done: dict[str, str] = {}
+
+    def add(kind: str) -> None:
+        parts = elements(kind)
+        for part in parts:
+            if is_tuple(part) and part not in done:
+                add(part)
+        fields = " ".join(f"{dialect.type_of(part)} _{i};" for i, part in enumerate(parts))
+        done[kind] = f"typedef struct {{ {fields} }} {kind};"
+
+    for kind in sorted(kinds):
+        if kind not in done:
+            add(kind)
+    return list(done.values())

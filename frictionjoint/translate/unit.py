@@ -1,0 +1,99 @@
+"""One C file with all kernels of the package, and how Python calls each.
+
+Kernels are static functions of one translation unit, so that the compiler puts them into one
+another as it sees fit; around each there is a function that the library shows.
+"""
+
+import ast
+from collections.abc import Mapping
+from typing import Any
+
+from frictionjoint.translate.expressions import Called, Expressions
+from frictionjoint.translate.functions import Translation
+from frictionjoint.translate.kinds import (
+    LIBRARY,
+    NOTHING,
+    POINTERS,
+    fields_of,
+    is_structure,
+    is_tuple,
+)
+
+_HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(_MSC_VER) || defined(_WIN32)
+#define FJ_SHARED __declspec(dllexport)
+#else
+#define FJ_SHARED __attribute__((visibility("default")))
+#endif
+#define FJ_IN_LINE static inline __attribute__((always_inline))
+"""
+
+# symbol, result, and of each parameter its name, kind, whether it is written to, lengths, fields
+Listed = tuple[str, str, list[tuple[str, str, bool, list[int], dict[str, str]]]]
+
+
+def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
+    """C text, and of each kernel its symbol, result and parameters as ``library.Entry`` has them.
+
+    Args:
+        kernels: by module and name, see `frictionjoint.compiled.registry`.
+    Raises:
+        ModelError: a construct that the translation does not know.
+    """
+    translation = Translation(kernels.values(), dialect=LIBRARY)
+    shown: list[str] = []
+    listed: dict[str, Listed] = {}
+    for name, kernel in kernels.items():
+        called = translation.called[kernel.py_func]
+        seen = Expressions(kernel, translation.gathered)
+        shown.append(_shown(called, seen))
+        listed[name] = (f"{called.name}_", _result(seen), _parameters(called, seen))
+    return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
+
+
+def _result(seen: Expressions) -> str:
+    said = ast.unparse(seen.tree.returns) if seen.tree.returns else ""
+    return "bool" if said == "bool" else seen.result
+
+
+def _parameters(
+    called: Called, seen: Expressions
+) -> list[tuple[str, str, bool, list[int], dict[str, str]]]:
+    found = []
+    for name, kind in seen.kinds.items():
+        fields = fields_of(seen.gathered.structures[kind]) if is_structure(kind) else {}
+        axes = sorted(called.axes.get(name, ()))
+        found.append((name, kind, name in called.written, axes, fields))
+    return found
+
+
+def _shown(called: Called, seen: Expressions) -> str:
+    """The function that the library shows: tuples go by address."""
+    taken: list[str] = []
+    given: list[str] = []
+    for name, kind in seen.kinds.items():
+        space = "" if kind in POINTERS or is_structure(kind) else " "
+        if is_tuple(kind):
+            taken.append(f"const {kind} *{name}_")
+            given.append(f"*{name}_")
+            continue
+        const = "const " if is_structure(kind) else ""
+        taken.append(f"{const}{LIBRARY.type_of(kind)}{space}{name}_")
+        given.append(f"{name}_")
+        for axis in sorted(called.axes.get(name, ())):
+            taken.append(f"int64_t {name}_n{axis}")
+            given.append(f"{name}_n{axis}")
+    call, result = f"{called.name}({', '.join(given)})", LIBRARY.type_of(seen.result)
+    if is_tuple(seen.result):
+        taken.append(f"{seen.result} *out_")
+        call, result = f"*out_ = {call}", NOTHING
+    elif seen.result != NOTHING:
+        call = f"return {call}"
+    return (
+        f"FJ_SHARED {result} {called.name}_({', '.join(taken) or NOTHING});\n"
+        f"FJ_SHARED {result} {called.name}_({', '.join(taken) or NOTHING})\n{{\n    {call};\n}}\n"
+    )
