@@ -94,7 +94,7 @@ class Table:
         """The table itself, int64, shape (size,)."""
         if PLAIN:
             return self._plain
-        held = (ctypes.c_int64 * self.size).in_dll(load().shared, f"fj_{self.name}")
+        held: Any = (ctypes.c_int64 * self.size).in_dll(load().shared, f"fj_{self.name}")
         return np.frombuffer(held, dtype=np.int64)
 
     def __getitem__(self, at: int) -> int:
@@ -139,7 +139,7 @@ def _kernel(function: _Function, in_line: bool) -> _Function:
     made: Any = function
     if not PLAIN:
         # a namespace of its own, where the C function takes the place of `_first_call`
-        space = {"_first_call": _first_call, "_name": name}
+        space: dict[str, Any] = {"_first_call": _first_call}
         made = types.FunctionType(_waiting.__code__, space, function.__name__)
         functools.update_wrapper(made, function)
         space["_self"] = made
@@ -149,11 +149,13 @@ def _kernel(function: _Function, in_line: bool) -> _Function:
 
 
 def _waiting(*arguments: Any, **keywords: Any) -> Any:
-    return _first_call(_self, _name)(*arguments, **keywords)  # type: ignore[name-defined] # noqa: F821
+    """What a kernel does when it is first called; `_self` is the kernel."""
+    return _first_call(_self)(*arguments, **keywords)  # type: ignore[name-defined] # noqa: F821
 
 
-def _first_call(kernel: Any, name: str) -> Any:
+def _first_call(kernel: Any) -> Any:
     """Make a kernel a call of its C function, whose arguments are looked up and checked once."""
+    name = _name(kernel.py_func)
     library = load(name)
     entry = library.entries[name]
     space = kernel.__globals__

@@ -123,7 +123,8 @@ def _is_fresh() -> bool:
     try:
         listed: dict[str, Any] = json.loads((FOLDER / LISTED).read_text(encoding="utf-8"))
         known = {_PACKAGE / name for name in listed["sources"]}
-        return stamps(sorted(known)) == listed["sources"] and (FOLDER / listed["library"]).is_file()
+        same = stamps(sorted(known)) == listed["sources"]
+        return bool(same) and (FOLDER / listed["library"]).is_file()
     except (OSError, ValueError, KeyError):
         return False
 

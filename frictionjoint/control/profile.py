@@ -124,7 +124,8 @@ def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -
 def area_until(path: Array, i: int, t: float) -> float:
     """Area under such a target up to a time after its corner i, or before the first one."""
     s = t - path[AT, i]
-    return path[AREA, i] + s * (path[PLACE, i] + 0.5 * max(s, 0.0) * path[SLOPE, i])
+    until: float = path[AREA, i] + s * (path[PLACE, i] + 0.5 * max(s, 0.0) * path[SLOPE, i])
+    return until
 
 
 @in_line

@@ -119,7 +119,7 @@ def lost_effects(friction: Mapping[str, JointFriction]) -> list[str]:
 
 def _effect_arguments() -> str:
     own = ["P", "0", "joint->effects", "state", "0", "time", "position", "velocity"]
-    names = list(inspect.signature(effects_torque.py_func).parameters)
+    names = list(inspect.signature(effects_torque).parameters)
     return ", ".join([*own, *(_SURROUNDINGS[name] for name in names[len(own) :])])
 
 

@@ -5,6 +5,7 @@ A structure is an address, and a field of it lies so many bytes behind it (``sim
 
 import ctypes
 import os
+from typing import Any
 
 import mujoco
 
@@ -89,7 +90,7 @@ def mj_stackAllocNum(d: Address, n: int) -> Vector:
     raise NotImplementedError
 
 
-def bind_mujoco(*functions: External) -> None:
+def bind_mujoco(*functions: External[..., Any]) -> None:
     """Tell compiled code where the loaded MuJoCo has these functions."""
     folder = os.path.dirname(mujoco.__file__)
     names = sorted(os.listdir(folder))

@@ -141,7 +141,7 @@ class Expressions:
 
     def _annotation(self, node: ast.expr | None, where: ast.AST) -> str:
         kind = kind_of(node, self._aliases)
-        if kind is None:
+        if kind is None or node is None:
             self.unknown(where)
         if is_structure(kind):
             self.gathered.structures[kind] = self._aliases[ast.unparse(node)]
@@ -212,8 +212,8 @@ class Expressions:
         kind = self.kind(node.value)
         if kind is None:
             return None
-        if is_tuple(kind) and isinstance(node.slice, ast.Constant):
-            return elements(kind)[node.slice.value]
+        if is_tuple(kind):
+            return elements(kind)[_place(node.slice)]
         return POINTERS[kind] if kind in POINTERS else self.unknown(node)
 
     def _is_local(self, node: ast.expr) -> bool:
@@ -336,14 +336,12 @@ class Expressions:
         return self.text(node)
 
     def _subscript(self, node: ast.Subscript) -> str:
-        if _is_shape(node.value) and isinstance(node.slice, ast.Constant):
-            return self.length(node.value.value, node.slice.value)  # type: ignore[attr-defined]
+        if _is_shape(node.value) and isinstance(node.value, ast.Attribute):
+            return self.length(node.value.value, _place(node.slice))
         if not self._is_local(node.value):
             return self._element_of_constant(node)
         if is_tuple(self.kind(node.value)):
-            if not isinstance(node.slice, ast.Constant):
-                self.unknown(node)
-            return f"{self.text(node.value, _ATOM)}._{node.slice.value}"
+            return f"{self.text(node.value, _ATOM)}._{_place(node.slice)}"
         parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         for part in parts:
             if isinstance(part, ast.Slice) or _is_negative(part):
@@ -532,6 +530,13 @@ def _built_in(node: ast.Call) -> str:
 
 def _is_shape(node: ast.expr) -> bool:
     return isinstance(node, ast.Attribute) and node.attr == "shape"
+
+
+def _place(node: ast.expr) -> int:
+    """A constant subscript."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, int):
+        return node.value
+    raise ModelError(f"a tuple is taken apart by constants, not by {ast.unparse(node)!r}")
 
 
 def _is_negative(node: ast.expr) -> bool:

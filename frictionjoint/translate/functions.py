@@ -187,9 +187,7 @@ class _Function(Expressions):
                 for target in node.targets:
                     pairs += _all_pairs(target, node.value)
                     self.rooms |= self._made_room(pairs)
-            elif isinstance(node, ast.AugAssign) or (
-                isinstance(node, ast.AnnAssign) and node.value is not None
-            ):
+            elif isinstance(node, ast.AugAssign | ast.AnnAssign) and node.value is not None:
                 pairs.append((node.target, -1, node.value))
             elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
                 self.counters.add(node.target.id)

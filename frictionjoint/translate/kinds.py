@@ -123,7 +123,7 @@ def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
     """Numbers a row has where the annotation says so, as ``Annotated[Array, "rows of", 6]``."""
     if not isinstance(annotation, ast.Name):
         return 0
-    said = getattr(aliases.get(annotation.id), "__metadata__", ())
+    said: tuple[Any, ...] = getattr(aliases.get(annotation.id), "__metadata__", ())
     return int(said[1]) if len(said) == 2 and said[0] == "rows of" else 0
 
 
