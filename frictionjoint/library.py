@@ -10,6 +10,8 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -75,10 +77,24 @@ def load(kernel: str = "") -> Library:
     return found
 
 
+@contextmanager
+def _alone() -> Iterator[None]:
+    """One process builds at a time, as far as the system has locks on files."""
+    FOLDER.mkdir(exist_ok=True)
+    with open(FOLDER / "lock", "w", encoding="utf-8") as held:
+        if sys.platform != "win32":
+            import fcntl
+
+            fcntl.flock(held, fcntl.LOCK_EX)
+        yield
+
+
 @functools.cache
 def _load() -> Library:
     if _is_source_tree() and not _is_fresh():
-        _rebuild()
+        with _alone():
+            if not _is_fresh():
+                _rebuild()
     try:
         listed = json.loads((FOLDER / LISTED).read_text(encoding="utf-8"))
         path = FOLDER / listed["library"]
