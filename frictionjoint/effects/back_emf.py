@@ -25,7 +25,7 @@ EFFECT = Effect(
     signature="voltage-driven joint; linear in velocity, larger than viscous friction",
     separating_motion="measure the current, or the winding resistance at standstill",
     bounds=((0.0, float("inf")),),
-    # sigma2 has taken what is linear in velocity elsewhere
+    # for other drives sigma2 already contains every term that is linear in velocity
     drives=("voltage",),
     first=True,
     opposes_voltage=True,

@@ -1,8 +1,8 @@
 """backlash: the link is driven through a gap, encoder on the motor.
 
-`share`, of the link's torque, is 1: all of it comes through the gap. Of hard flanks that bounce for
-long no motion of the motor foretells every impact, and softer ones that bounce less are found. What
-a model has in the link and turns with the motor, `rotor_inertia`, is not behind the gap.
+`share`, the part of the link's torque that passes through the gap, is 1. If hard flanks bounce for
+long, the motor's motion does not determine every impact, and a fit finds softer flanks that bounce
+less. `rotor_inertia` is inertia that the model counts to the link but that turns with the motor.
 """
 
 import math
@@ -15,17 +15,17 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.inertia import inertia_of
 from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
 
-# longest step, over the period of the flanks' resonance divided by 2 pi; and of a step, what is as
-# good as nothing
+# longest step, relative to the period of the flanks' resonance over 2 pi; fraction of a step that
+# counts as zero
 _FINE, _NEAR = 0.25, 1e-6
-# where a search starts: s to cross the gap, Hz, 1, parts of the inertia that turn with the motor
+# initial values: s to cross the gap, Hz, 1, fractions of the inertia that turn with the motor
 _CROSSINGS, _FLANKS, _ZETA = tuple(0.01 * 1.3**k for k in range(10)), (8.0, 16.0), 0.45
 _ROTORS = (0.0, 0.3)
 
 
 @compiled
 def _step(p: float, rate: float, half: float, longest: float) -> float:
-    """Length of a step that ends where the link meets or leaves a flank, at most the longest."""
+    """Length of a step: up to where the link meets or leaves a flank, at most the longest."""
     if rate == 0.0:
         return longest
     along = p if rate > 0.0 else -p
@@ -36,7 +36,7 @@ def _step(p: float, rate: float, half: float, longest: float) -> float:
 
 @compiled
 def _pushed(p: float, half: float, w: float) -> float:
-    """Force of the spring of the flank that p is beyond, 0 in the gap; without its damping."""
+    """Spring force of the flank at p, without damping; 0 in the gap."""
     if abs(p) <= half:
         return 0.0
     return -w * w * (p - half if p > 0.0 else p + half)
@@ -44,9 +44,9 @@ def _pushed(p: float, half: float, w: float) -> float:
 
 @compiled
 def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
-    """Where the link is while nothing moves: in the gap as it hangs, or held by a flank.
+    """Position of the link at rest: hanging in the gap, or supported by a flank.
 
-    Where nothing pulls it, it may be anywhere in the gap, and the middle is never far off.
+    Without gravity it may be anywhere in the gap; the middle is then the best guess.
     """
     if sway == 0.0:
         return 0.0
@@ -57,13 +57,13 @@ def _at_rest(rigid: float, sway: float, half: float, w: float) -> float:
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """What the flanks transmit, less what a rigid gear would.
+    """Torque that the flanks transmit minus the torque that a rigid gear would transmit.
 
-    With p = J (q_link - q_motor), small: p'' = T - T_rigid - sway p, for the link hangs where it
-    is, and T = -w^2 (p beyond the gap) - 2 zeta w p' while the flanks touch. Gap and p are scaled
-    by the link's inertia J, which so need not be known. A step is half of one of p, one of p', half
-    of one of p, and ends where a flank is met: there T leaps, and a link that meets it late bounces
-    otherwise. X[x] p, X[x+1] p', X[x+2] last T_rigid.
+    With p = J (q_link - q_motor), small: p'' = T - T_rigid - sway p, because gravity acts at the
+    link's position, and T = -w^2 (p beyond the gap) - 2 zeta w p' while the flanks touch. Gap and
+    p are scaled by the link's inertia J, so J need not be known. A step is half a step of p, one
+    of p', half a step of p, and ends where the link meets a flank: T jumps there, and a late
+    contact would change the bounce. X[x] p, X[x+1] p', X[x+2] last T_rigid.
     """
     half, w, zeta = 0.5 * P[e], 2.0 * math.pi * P[e + 1], P[e + 2]
     rigid, sway = sig[GEAR] - P[e + 3] * sig[A], sig[SWAY]
@@ -85,7 +85,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
         free = rate - dt * asked
         brake = zeta * w * dt
         rate = ((1.0 - brake) * rate + dt * (push - asked)) / (1.0 + brake) if push != 0.0 else free
-        if (rate - free) * p > 0.0:  # flanks push, they do not hold
+        if (rate - free) * p > 0.0:  # flanks only push
             rate = free
         impulse += rate - free - dt * of_rigid
         p += 0.5 * dt * rate
@@ -99,8 +99,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 def _gaps(signals: Array) -> list[Shape]:
     """Gaps that take ten to a hundred milliseconds to cross under the usual torque.
 
-    The flanks start soft and well damped: the link is followed from the motor's motion alone, and
-    a hard flank throws it back and forth after the least error in the moment of an impact.
+    The flanks start soft and well damped: the link's motion is computed from the motor's motion,
+    and with hard flanks a small error in the time of an impact changes all later bounces.
     """
     usual = float(np.sqrt(np.mean(signals[:, GEAR] ** 2)))
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))

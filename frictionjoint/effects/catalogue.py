@@ -1,8 +1,8 @@
-"""All effects the tracing knows, in the order in which ties between equals are broken.
+"""All effects that the search knows; among equals the first one is preferred.
 
-`SIMULATED` are those that a model can carry: one more, which only a simulation has.
-Those of the drive act on what a controller puts out, and have no kernel in the joint: they are
-looked for where the drive is reconstructed from target and position.
+`SIMULATED` lists the effects that a model can contain, one more than `CATALOGUE`. Effects of the
+drive act on the controller output and have no kernel in the joint: they are searched for when the
+drive is reconstructed from target and position.
 """
 
 import copyreg
@@ -91,7 +91,7 @@ def _numbered(number: int) -> Effect:
 
 
 def _reduced(effect: Effect) -> Any:
-    """By its place here an effect goes to another process, so that it is the same one there."""
+    """Pickle an effect by its place here, so that another process gets the same object."""
     number = next((i for i, known in enumerate(_ALL) if known is effect), None)
     return object.__reduce_ex__(effect, 2) if number is None else (_numbered, (number,))
 

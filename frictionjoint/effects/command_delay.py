@@ -1,4 +1,4 @@
-"""command-delay: a target acts later than the log has it."""
+"""command-delay: a target acts later than its time in the log."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,12 +13,12 @@ _DELAYS = (0.004, 0.012, 0.03, 0.08)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """A controller that gets its target later."""
+    """The controller block with a later target."""
     return block, delay + shape[0]
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     before = controller.delay_s
     return {"delay_s": shape[0] + (0.0 if isinstance(before, str) else before)}
 

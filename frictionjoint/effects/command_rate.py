@@ -1,4 +1,4 @@
-"""command-rate: firmware that follows its target no faster than some speed."""
+"""command-rate: firmware that limits the speed of its target."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,19 +11,19 @@ from frictionjoint.control.kernel import SLEW
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# over the joint's fastest motion. A target that is too slow never arrives, and from one much too
-# fast no gradient leads: a start must lie little above the speed that is sought
+# initial limits relative to the joint's fastest motion. With a limit far above the right one the
+# gradient vanishes, so there must be a start slightly above it
 _FRACTIONS = tuple(np.geomspace(0.4, 1.8, 10))
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """A target that follows the commanded one at a limited speed."""
+    """The controller block with a target of limited speed."""
     block[SLEW] = min(block[SLEW], shape[0])
     return block, delay
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"target_rate": shape[0]}
 
 

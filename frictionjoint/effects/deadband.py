@@ -1,6 +1,6 @@
 """deadband: a controller that does nothing while the error is small.
 
-Two forms: beyond the band the whole error acts, or what exceeds the band.
+Two forms: outside the band the whole error acts, or only the part that exceeds the band.
 """
 
 from collections.abc import Sequence
@@ -16,31 +16,31 @@ from frictionjoint.control.kernel import DEADBAND, SHIFTED
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# quantiles of the error's size at which a search starts
+# initial values: quantiles of the error's magnitude
 _QUANTILES = (0.05, 0.1, 0.2, 0.35, 0.5)
-# a torque that leaps tells nothing of a band further away than a few hundredths of the samples
+# the torque is discontinuous, so a start must be within a few per cent of the samples
 _CLOSE = np.linspace(0.02, 0.5, 25)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """No output within the band, the whole beyond it."""
+    """No output inside the band, the full output outside."""
     block[DEADBAND], block[SHIFTED] = shape[0], 0.0
     return block, delay
 
 
 def shifted(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """No output within the band, beyond it what exceeds it."""
+    """No output inside the band; outside, only the part that exceeds it."""
     block[DEADBAND], block[SHIFTED] = shape[0], 1.0
     return block, delay
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"deadband": shape[0], "deadband_form": "cut"}
 
 
 def shifted_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"deadband": shape[0], "deadband_form": "shifted"}
 
 

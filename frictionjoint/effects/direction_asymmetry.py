@@ -1,7 +1,7 @@
 """direction-asymmetry: friction levels that differ between the two directions.
 
-Two forms, alike in sliding: after a reversal the difference falls to nothing with the torque and
-comes back with it, or it stays until motion has led to the other direction's level.
+Two forms, equal in sliding. After a reversal the difference either follows the hysteresis torque
+through zero, or it stays until the joint has moved to the level of the other direction.
 """
 
 from dataclasses import replace

@@ -11,18 +11,18 @@ from frictionjoint.control.kernel import LIMIT, SUPPLY
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# over the largest output asked for
+# initial limits relative to the largest commanded output
 _FRACTIONS = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """An output that ends lower."""
+    """The controller block with a lower limit."""
     block[LIMIT] = min(block[LIMIT], shape[0])
     return block, delay
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"limit": shape[0]}
 
 

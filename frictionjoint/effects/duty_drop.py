@@ -1,6 +1,6 @@
-"""duty-drop: a protection that cuts the drive above an error, or above an output.
+"""duty-drop: a protection that reduces the drive above an error, or above an output.
 
-Two forms by what it watches.
+Two forms, one per monitored quantity.
 """
 
 from collections.abc import Sequence
@@ -15,33 +15,33 @@ from frictionjoint.control.kernel import DROP_ERROR, DROP_LEFT, DROP_OUTPUT, KP
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# Quantiles of the size of what is watched, among samples and among their squares, and what is left,
-# at which a search starts: a torque that leaps tells nothing of a threshold further away than a few
-# hundredths of the samples or of the drive. A leg that follows slowly and leaps now and then has
-# most of its samples at small errors and most of its drive at large ones.
+# Initial values: quantiles of the magnitude of the monitored quantity, over samples and over their
+# squares, and the remaining fraction. The torque is discontinuous, so a start must be within a few
+# per cent of the samples or of the drive. A leg that follows slowly and jumps now and then has most
+# of its samples at small errors and most of its drive at large ones.
 _OF_SAMPLES, _OF_SQUARES = np.linspace(0.02, 0.98, 30), np.linspace(0.02, 0.98, 20)
 _LEFT = 0.4
 
 
 def of_error(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """Only a part left above an error."""
+    """A fraction of the output above an error."""
     block[DROP_ERROR], block[DROP_LEFT] = shape
     return block, delay
 
 
 def of_output(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """Only a part left above an output."""
+    """A fraction of the output above an output."""
     block[DROP_OUTPUT], block[DROP_LEFT] = shape
     return block, delay
 
 
 def error_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"drop_above": shape[0], "drop_of": "error", "drop_left": shape[1]}
 
 
 def output_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"drop_above": shape[0], "drop_of": "output", "drop_left": shape[1]}
 
 
@@ -54,7 +54,7 @@ def _outputs(logs: Sequence[Commands]) -> list[Shape]:
 
 
 def _starts(watched: Sequence[Array]) -> list[Shape]:
-    """Thresholds of what is watched, with what is left above each."""
+    """Initial thresholds of the monitored quantity, each with remaining fractions."""
     size = np.sort(np.concatenate(watched))
     squares = np.cumsum(size**2)
     at = np.minimum(np.searchsorted(squares, _OF_SQUARES * squares[-1]), len(size) - 1)

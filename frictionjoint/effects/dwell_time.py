@@ -10,8 +10,8 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
-# where a search starts: s, and the slip that renews a contact, some asperities to some hundredths
-# of the travel, over that travel; over it, the length over which the level is reached
+# initial values: time constant, s; slip that renews a contact and length over which the level is
+# reached, both relative to the travel
 _TAUS, _SLIPS, _REACH = (0.2, 1.0), (1e-4, 5e-4, 2e-3, 8e-3), 0.1
 
 
@@ -24,7 +24,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """
     h = sig[DT]
     if h <= 0.0:
-        X[x] = 1.0  # a joint at rest for long before the log
+        X[x] = 1.0  # the joint has been at rest for long before the log
         X[x + 1] = 0.0
     else:
         rate = 1.0 / P[e] + abs(sig[V]) / P[e + 1]

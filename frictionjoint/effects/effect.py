@@ -35,48 +35,48 @@ class Effect:
     """One effect beyond the friction law.
 
     Attributes:
-        title: what a person calls it; the name where it is empty.
-        name: canonical name; two forms of one effect have the same and differ in `form`.
+        title: common name; the canonical name if empty.
+        name: canonical name; forms of one effect share it and differ in `form`.
         effect_id: number of its kernel.
-        coefficients: names of the linear coefficients; units: one unit a coefficient, with
+        coefficients: names of the linear coefficients; units: one unit per coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
         shape: names of the shape numbers; shape_units: their units.
-        shape_fixed: how many of the shape numbers, the first ones, are references, not estimated.
+        shape_fixed: number of leading shape numbers that are references and not estimated.
         shapes: grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS).
-        needs: signal columns without which the effect cannot be tested.
-        entry: how it enters. cause, form, source, signature: for people.
-        bounds: of each coefficient, in units of its column; physical signs live here.
+        needs: signal columns that the effect requires.
+        entry: how it enters the torque. cause, form, source, signature: text for people.
+        bounds: of each coefficient, in units of its column; they state the physical sign.
         shape_bounds: of each shape number; none where empty.
-        slow: it changes over minutes, so that a log may hold one value of it: its gain is judged
-            on stretches of every log, not on whole logs.
-        memory: float64 of state the kernel keeps.
-        proposed_by: what its shape numbers are proposed by: the grid of `shapes`, or, for what is
-            fixed in angle, the spectrum of the residual over position.
-        drives: what a log must hold of the motor for the effect to show.
-        first: it is decided before anything else, for without it every torque is off.
-        opposes_voltage: it takes from the voltage what turns with the motor; it acts only while the
+        slow: it changes over minutes, and a log may contain a single value, so its gain is judged
+            on parts of every log and not on whole logs.
+        memory: number of float64 of kernel state.
+        proposed_by: source of initial shape numbers: the grid of `shapes`, or, for effects fixed
+            in angle, the spectrum of the residual over position.
+        drives: kinds of drive signal for which the effect is identifiable.
+        first: it is decided before all others, because without it every torque is wrong.
+        opposes_voltage: it is a voltage proportional to motor speed; it acts only while the
             motor's circuit is closed.
-        on_motor: it stands between the drive and the motor's torque.
-        delays: its shape number is a time by which the drive is logged early, s.
-        delays_target: it is a time by which a controller gets its target late, s.
+        on_motor: it acts between the drive and the motor torque.
+        delays: its shape number is the time by which the drive is logged early, s.
+        delays_target: its number is the time by which a controller gets its target late, s.
         is_inertia: its coefficient adds to the joint's inertia.
-        acts: what it is in a simulation: a torque of the callback, a joint and its springs, or a
+        acts: what it is in a simulation: a torque in the callback, a joint with springs, or a
             delay of the joint's sensors.
-        of_speed: its torque is a function of the speed alone, which a joint's damping approximates.
-        plain: what each coefficient is of a joint in any simulator; none where empty.
+        of_speed: its torque is a function of speed only, and a joint's damping approximates it.
+        plain: property of a joint in any simulator, per coefficient; empty if there is none.
         of_inertia: bounds are in units of the joint's inertia.
-        of_load: it changes what the load asks of the motor, all of it: its coefficient is 1, of a
-            motor whose gain is unknown as much as the load's.
-        of_size: it depends on how much torque the gear transmits, whatever its sign.
-        leaps: its torque leaps with a shape number, at an impact or a threshold: the squares that a
-            fit leaves are rough, and derivatives say little of where they are least.
-        free: its motion without excitation, for a log that begins in the middle of one: torque per
+        of_load: it changes the whole load torque: its coefficient is 1, or, if the motor gain is
+            unknown, that of the load.
+        of_size: it depends on the magnitude of the transmitted torque.
+        leaps: its torque is discontinuous in a shape number, at an impact or a threshold, so the
+            residual sum of squares is not smooth and derivatives do not lead to its minimum.
+        free: its free oscillation, for a log that begins during one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
-        drive: of an effect of the drive, from (block, delay, shape) of a controller to block and
-            delay of what it truly is; such an effect has no kernel and no coefficients.
-        controller: of an effect of the drive, the fields of a `Controller` that it changes.
+        drive: for an effect of the drive: maps (block, delay, shape) of the documented controller
+            to block and delay of the actual one. Such an effect has no kernel and no coefficients.
+        controller: for an effect of the drive, the fields of a `Controller` that it changes.
         drive_shapes: grid of shape numbers to search, from the commands of each log.
-        separating_motion: what to record to distinguish it from its nearest neighbours.
+        separating_motion: what to record to distinguish it from similar effects.
     """
 
     name: str
@@ -124,12 +124,12 @@ class Effect:
 
     @property
     def decided_first(self) -> bool:
-        """Whether without it every torque is off: a motor's own, or the drive itself."""
+        """Whether every torque is wrong without it: an effect of the motor or of the drive."""
         return self.first or self.drive is not None
 
     @property
     def scales(self) -> bool:
-        """Whether its coefficient is the error of a measured torque over the true one."""
+        """Whether its coefficient is the relative error of the measured torque."""
         return self.units == ("1",) and self.entry == "acts on the measurement"
 
     @property

@@ -1,4 +1,4 @@
-"""end-stop: a spring that acts only beyond a position; a form for each end and one for both."""
+"""end-stop: a spring that acts beyond a position; one form per end and one for both ends."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,7 +11,7 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
-# how deep into the range a search starts; a hard stop is hardly entered
+# initial depth as a fraction of the range; a hard stop yields very little
 _DEPTHS = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2)
 
 

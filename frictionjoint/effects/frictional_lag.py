@@ -16,9 +16,9 @@ _REACH = 5e-4
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c H1 (E late by the time constant tau - E), E = exp(-(v/Vs)^2), H1 = H within +-1.
+    """c H1 (E delayed with the time constant tau - E), E = exp(-(v/Vs)^2), H1 = H within +-1.
 
-    The level is late, the direction is not: a reversal turns friction round as fast as ever.
+    Only the level is late. At a reversal friction changes direction without delay.
     X[x] late E, X[x+1] torque per unit of c, X[x+2] last position.
     """
     ratio = sig[V] / P[e + 1]

@@ -1,4 +1,4 @@
-"""gain-error: a proportional gain other than the controller's file says."""
+"""gain-error: a proportional gain that differs from the controller file."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,13 +13,13 @@ _FACTORS = (0.7, 0.85, 1.2, 1.5)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """Another kp."""
+    """The controller block with another kp."""
     block[KP] *= shape[0]
     return block, delay
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     kp = controller.kp
     if isinstance(kp, str):
         return {"gain_unit": controller.gain_unit * shape[0]}
@@ -44,7 +44,7 @@ EFFECT = Effect(
     shape=("factor",),
     shape_units=("1",),
     shape_bounds=((0.05, 20.0),),
-    # a voltage is known up to a gain, and this is that gain
+    # with a voltage the motor gain is unknown anyway, and the two are the same number
     drives=("torque",),
     drive=changed,
     controller=figures,

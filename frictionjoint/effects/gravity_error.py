@@ -9,7 +9,7 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 
-# of the larger one, what a model's first moment of mass must be to have a direction
+# smallest first moment of mass, relative to the largest, that has a direction
 _NOTHING = 1e-6
 
 
@@ -21,12 +21,12 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 @compiled
 def centred_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """m (cx Gx + cy Gy), the direction (cx, cy) that of the MJCF's own first moment."""
+    """m (cx Gx + cy Gy), in the direction (cx, cy) of the MJCF's own first moment."""
     return P[e + 2] * (P[e] * sig[GX] + P[e + 1] * sig[GY])
 
 
 def _directions(signals: Array) -> list[Shape]:
-    """Of the MJCF's own first moment; none of a joint whose load gravity does not change."""
+    """Direction of the MJCF's first moment; none if gravity does not load the joint."""
     moment = parts_of_load(signals)[1:]
     torque = np.ptp(signals[:, [GX, GY]] @ moment)
     if torque <= _NOTHING * np.ptp(signals[:, LOAD]):
@@ -49,7 +49,7 @@ EFFECT = Effect(
     needs=(GX, GY),
 )
 
-# what is simply heavier: one number, as a wrong motor constant is
+# a heavier link is one number, like a wrong motor constant
 ALONG_CENTRE = replace(
     EFFECT,
     effect_id=31,

@@ -1,7 +1,7 @@
-"""heating: the joint's temperature in a simulation, warmed by the friction's own loss.
+"""heating: the joint's temperature in a simulation, raised by the friction loss.
 
-It adds no torque. A log measures the temperature; in a simulation this effect makes it, for the
-effects that depend on it.
+It adds no torque. In a log the temperature is measured; in a simulation this effect computes it
+for the effects that depend on it.
 """
 
 import math
@@ -14,9 +14,9 @@ from frictionjoint.effects.signals import DT, LOSS, TEMP
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Nothing; sig[TEMP] becomes the temperature.
+    """Zero; sets sig[TEMP] to the temperature.
 
-    X[x] is what the joint is above ambient, K: C dT/dt = loss - T/R, exact for a constant loss.
+    X[x] is the temperature above ambient, K: C dT/dt = loss - T/R, exact for a constant loss.
     """
     if sig[DT] > 0.0:
         warmest = P[e + 1] * sig[LOSS]

@@ -1,4 +1,4 @@
-"""The inertia that signals of a log show."""
+"""The inertia that the signals of a log imply."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from frictionjoint.effects.signals import GX, GY, A
 
 
 def inertia_of(signals: Array, torque: int) -> float:
-    """A torque of the rigid body over its acceleration, kg m^2; gravity goes with the position.
+    """Inertia, kg m^2: rigid-body torque per acceleration; gravity is a function of position.
 
     Args:
-        signals: of a log, shape (n, N_SIGNALS). torque: column of them, all of the load or what
+        signals: of a log, shape (n, N_SIGNALS). torque: column, the whole load or the torque that
             the gear transmits.
     """
     columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])

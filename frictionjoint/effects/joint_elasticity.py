@@ -1,4 +1,4 @@
-"""joint-elasticity seen from the motor: the link swings on its spring behind the encoder."""
+"""joint-elasticity seen from the motor: the link oscillates on a spring behind the encoder."""
 
 import math
 
@@ -9,41 +9,40 @@ from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
-# of a spring's stiffness that gravity leaves at least: a link that hangs on it does not fall
+# smallest fraction of the stiffness that gravity leaves: a hanging link does not fall
 _LEAST = 0.1
-# half the angle that a resonance turns between two samples, rad; a faster one is just fast
+# largest half phase of a resonance between two samples, rad; faster ones are treated as equal
 _FASTEST = 1.3
 
 
 @compiled
 def _half_angle(w: float, h: float) -> float:
-    """By which the resonance turns in half a sample, rad."""
+    """Phase of the resonance in half a sample, rad."""
     return min(0.5 * w * h, _FASTEST)
 
 
 @compiled
 def _steeper(w: float, h: float) -> float:
-    """How much faster than w the trapezoidal rule passes through its resonance at w."""
+    """Factor by which the trapezoidal rule must be faster to resonate at w."""
     angle = _half_angle(w, h)
     return angle / (math.sin(angle) * math.cos(angle)) if angle > 0.0 else 1.0
 
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """What the spring hands on, less what a rigid gear would.
+    """Torque that the spring transmits minus the torque that a rigid gear would transmit.
 
-    With d = q_link - q_motor, small: d'' + 2 zeta w d' + w^2 d + sway d = -(a_motor + sag), for the
-    link hangs where it has swung to. By the trapezoidal rule, which adds no damping of its own. As
-    it stands it would resonate at less than w, by (w h)^2/12, 2% at 20 Hz and 4 ms. With a step
-    longer by tan(w h/2)/(w h/2) it resonates at w, and with J, zeta and sway larger by
-    w h/sin(w h) as widely and as high. X[x] d over that factor, X[x+1] its rate, X[x+2] the last
-    a_motor + sag.
+    With d = q_link - q_motor, small: d'' + 2 zeta w d' + w^2 d + sway d = -(a_motor + sag), because
+    gravity acts at the link's position. The trapezoidal rule adds no damping, but it would
+    resonate below w by a factor of (w h)^2/12, 2% at 20 Hz and 4 ms. With a step longer by tan(w
+    h/2)/(w h/2) it resonates at w, and with J, zeta and sway larger by w h/sin(w h) with the right
+    width and height. X[x] d over that factor, X[x+1] its rate, X[x+2] the last a_motor + sag.
     """
     w = 2.0 * math.pi * P[e]
     h = sig[DT]
     asked = sig[A] + sig[SAG]
     if h <= 0.0:
-        # bent by its weight, and at rest
+        # deflected by its weight, at rest
         X[x] = -sig[SAG] / max(w * w + sig[SWAY], _LEAST * w * w)
         X[x + 1] = 0.0
         X[x + 2] = asked
@@ -76,11 +75,11 @@ def _free(P: Vector, d: float, rate: float, signals: Array, out: Vector) -> None
 
 
 def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Array:
-    """Torque per unit of J of a link that swings when a log begins, shape (n,).
+    """Torque per unit of J of a link that oscillates when a log begins, shape (n,).
 
     Args:
-        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample, and
-            what the motor's motion makes of them. signals: shape (n, N_SIGNALS).
+        shape: resonance, damping ratio. start: d, x, and d', x/s, at the first sample and
+            as driven by the motor's motion. signals: shape (n, N_SIGNALS).
     """
     out = np.empty(len(signals))
     _free(np.array([*shape, 1.0]), *start, signals, out)
@@ -108,9 +107,9 @@ EFFECT = Effect(
     shape_units=("Hz", "1"),
     shapes=_resonances,
     needs=(A,),
-    # the link is a part of the joint's inertia
+    # the link is part of the joint's inertia
     bounds=((0.0, 1.0),),
-    # gears and shafts are lightly damped: a spring damped more is another thing, as play is
+    # gears and shafts are lightly damped; stronger damping means another effect, such as backlash
     shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
     of_inertia=True,
     memory=3,

@@ -1,7 +1,7 @@
-"""One entry to all effects, for a log and for a simulation.
+"""One entry point for all effects, for logs and simulations.
 
-A block ``P[e:]`` holds the number of effects, then for each its id, the length of its numbers, and
-the numbers (shape first, then coefficients). Memory ``X[x:]`` holds `MEMORY` numbers an effect.
+A block ``P[e:]`` contains the number of effects, then per effect its id, the count of its numbers
+and the numbers (shape first, then coefficients). Memory ``X[x:]`` has `MEMORY` numbers per effect.
 """
 
 import numpy as np
@@ -70,7 +70,7 @@ _heating = heating.torque
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """Torque of one effect; a kernel knows no table of functions, hence the chain.
 
-    8 was a friction linear in the temperature, 15 an elastic joint expanded in derivatives.
+    Ids 8 and 15 belonged to effects that no longer exist.
     """
     if effect_id == 1:
         return _bias(P, e, sig, X, x)
@@ -139,7 +139,7 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
 def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
     """Sum over the block's effects in a simulation; X[each:] becomes the torque of each.
 
-    Those that act by the mechanism or by the sensors add none.
+    Effects that act through the mechanism or the sensors add no torque.
     """
     total = 0.0
     at = e + 1
@@ -155,15 +155,15 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
 
 @compiled
 def _centred(out: Array) -> None:
-    """Means over the time since the sample before each, made means around each."""
+    """Means over the interval before each sample, converted to means around each sample."""
     for k in range(len(out) - 1):
         out[k] = 0.5 * (out[k] + out[k + 1])
 
 
-# Other threads go on: a search asks for columns side by side.
+# releases the GIL: a search computes columns in parallel
 @compiled
 def _fill(effect_id: int, numbers: Array, signals: Array, out: Array) -> None:
-    """Torque of one effect, in each column of `out` with another row of its numbers."""
+    """Torque of one effect; column j of `out` uses row j of its numbers."""
     X, start = room(MEMORY), 0
     for c in range(len(numbers)):
         P = pointer(numbers, c * numbers.shape[1])

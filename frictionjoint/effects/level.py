@@ -1,8 +1,8 @@
 """How a change of the friction level reaches the torque: by motion, not by time.
 
-The level bounds what a stuck contact can bear; it does not move the contact. While the joint
-stands still the torque stays, however the level changes, and follows it over the presliding
-distance once the joint moves. To first order in the change this is what LuGre's bristle does:
+The level limits the torque of a stuck contact; it does not move the contact. While the joint is at
+rest the torque stays constant when the level changes. When the joint moves, the torque follows the
+level over the presliding distance. To first order in the change this is what LuGre's bristle does:
 with dz/dx = 1 - sigma0 z/S, a level S + s adds the torque E with dE/d|x| = (s h - E) sigma0/S,
 where h = sigma0 z/S.
 """
@@ -21,7 +21,7 @@ _REACHES = (1e-4, 1e-3)
 
 @compiled
 def approached(E: float, target: float, dq: float, reach: float) -> float:
-    """E after a displacement dq on its way to `target`, over the length `reach`, 0 for at once."""
+    """E after a displacement dq towards `target`, over the length `reach` (0: immediately)."""
     if reach <= 0.0:
         return target if dq != 0.0 else E
     return E - (target - E) * math.expm1(-abs(dq) / reach)
@@ -29,7 +29,7 @@ def approached(E: float, target: float, dq: float, reach: float) -> float:
 
 @compiled
 def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
-    """A level reached over a length of motion; X[x] what is reached, X[x+1] the last position."""
+    """A level approached over a length of motion; X[x] present level, X[x+1] last position."""
     if sig[DT] <= 0.0:
         X[x] = target
     else:
@@ -39,6 +39,6 @@ def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> floa
 
 
 def reaches(signals: Array) -> list[Shape]:
-    """Lengths to start a search from, by the travel of a log."""
+    """Initial lengths, relative to the travel of a log."""
     span = float(np.ptp(signals[:, Q]))
     return [(part * span,) for part in _REACHES if span > 0.0]

@@ -1,7 +1,7 @@
 """load-dependent: the friction level grows with the transmitted torque.
 
-Three forms: all of the level grows, its fall with speed too; the Coulomb part alone; or that and a
-part that falls with speed on its own.
+Three forms: the whole level grows, including the Stribeck part; only the Coulomb part grows; or the
+Coulomb part and a separate Stribeck part grow.
 """
 
 import math
@@ -15,7 +15,7 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.level import reached, reaches
 from frictionjoint.effects.signals import GEAR, H, V
 
-# speeds over which the extra level falls off, over the fastest of a log: where a search starts
+# initial Stribeck velocities of the extra level, relative to the fastest motion of a log
 _FALLS = (0.03, 0.15)
 
 
@@ -72,7 +72,7 @@ COULOMB = replace(
     EFFECT,
     effect_id=22,
     form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
-    source="Bittencourt and Gunnarsson (2012); beside Dahl's law the loss of MuJoCo's issue 3528",
+    source="Bittencourt and Gunnarsson (2012); with Dahl's law the loss in MuJoCo's issue 3528",
 )
 STRIBECK = replace(
     EFFECT,

@@ -1,7 +1,7 @@
 """measurement-delay: torque and position sampled at different times.
 
-A fit compares the drive of an earlier time with the motion as logged: the whole model is then late
-by T, edges of friction and all. The kernel is the first order of that.
+A fit compares the drive at an earlier time with the logged motion, so the whole model is late by T,
+including the steps of friction at reversals. The kernel is the first-order approximation.
 """
 
 from frictionjoint.arrays import Array, Vector
@@ -37,6 +37,6 @@ EFFECT = Effect(
     shape=("delay",),
     shape_units=("s",),
     shapes=_none_yet,
-    # beyond this a log is two logs
+    # a larger delay means that the channels do not belong together
     shape_bounds=((-0.1, 0.1),),
 )

@@ -1,8 +1,8 @@
 """motor-saturation: torque per ampere falls as the torque grows.
 
-The iron of a motor saturates, its magnets weaken and its supply sags: all even in the current, so
-what has to be asked for a torque T is T + s T^3 to first order. That inverts for every demand, and
-has no limit that a fit could set below what the motor was seen to give.
+Iron saturates, magnets weaken and the supply voltage falls, all even in the current. So a torque T
+requires a commanded torque of T + s T^3 to first order. This can be inverted for every command and
+has no limit that a fit could set below an observed torque.
 """
 
 import math
@@ -12,13 +12,13 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR
 
-# fraction of a torque that a double does not resolve
+# relative resolution of a double
 _NOTHING = 1e-17
 
 
 @compiled
 def given(asked: float, s: float) -> float:
-    """The one T with T + s T^3 = asked, s >= 0 (Cardano, in its hyperbolic form)."""
+    """The T with T + s T^3 = asked, s >= 0 (Cardano, hyperbolic form)."""
     if s * asked * asked < _NOTHING:
         return asked
     scale = 2.0 / math.sqrt(3.0 * s)
@@ -31,7 +31,7 @@ def given(asked: float, s: float) -> float:
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """s T^3, what is asked for and not given; a simulation knows what is asked for, a log T."""
+    """s T^3, commanded but not delivered; a simulation knows the command, a log knows T."""
     T = sig[MOTOR]
     return P[e] * T * T * T + sig[ASKED] - given(sig[ASKED], P[e])
 

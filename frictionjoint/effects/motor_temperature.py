@@ -1,11 +1,11 @@
 """motor-temperature: torque per volt or ampere that changes as the motor warms.
 
-Copper resists by 0.39% a kelvin more, magnets give 0.1 to 0.2% a kelvin less. What a servo measures
-is its housing or its board, of which the winding is several times as far above the surroundings as
-the reading says: a change per kelvin of the reading may well be several times those.
+The resistance of copper rises by 0.39% per kelvin, and magnets weaken by 0.1 to 0.2% per kelvin. A
+servo measures its housing or its board; the winding is several times further above ambient, so the
+change per kelvin of the reading may be several times larger.
 
-To first order, what has to be asked for a torque M is M (1 + a (T - T0)). A log measures T. In a
-simulation it rests where it was set, as that of `temperature-dependent`.
+To first order a torque M requires a commanded torque of M (1 + a (T - T0)). A log measures T. In a
+simulation T stays where it was set, as for `temperature-dependent`.
 """
 
 import numpy as np
@@ -16,15 +16,15 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
 from frictionjoint.effects.thermometer import warmer
 
-# least and largest of what is asked for over what is given: beyond, the first order means nothing
+# range of commanded over delivered torque in which the first order is meaningful
 _LEAST, _MOST = 0.2, 5.0
 
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """a (T - T0) M, asked for and not given; a simulation knows what is asked for, a log M.
+    """a (T - T0) M, commanded but not delivered; a simulation knows the command, a log knows M.
 
-    X[x] is T - T0, K, where T is not a signal.
+    X[x] is T - T0, K, if T is not a signal.
     """
     change = P[e + 1] * warmer(P[e], sig, X, x)
     asked_over_given = min(_MOST, max(_LEAST, 1.0 + change))
@@ -32,7 +32,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 
 def _references(signals: Array) -> list[Shape]:
-    # the gain of the drive holds at the mean temperature of its logs
+    # the gain of the drive is that at the mean temperature of its logs
     return [(float(np.nanmean(signals[:, TEMP])),)]
 
 

@@ -1,4 +1,4 @@
-"""position-periodic: cogging, torque ripple, eccentric gears; one harmonic of position each."""
+"""position-periodic: cogging, torque ripple, eccentric gears; one harmonic per effect."""
 
 import math
 

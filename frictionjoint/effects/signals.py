@@ -1,20 +1,20 @@
-"""What an effect may look at: one row of numbers a sample, the same in a log and in a simulation.
+"""Signals that effects may use: one row per sample, equal in logs and simulations.
 
 TIME   s since the start of the log or simulation
 Q V A  position, velocity, acceleration (rad or m)
-SAG    torque that holds the link behind the gear against gravity over its inertia, rad/s^2
+SAG    gravity torque of the link behind the gear over its inertia, rad/s^2
 SWAY   derivative of SAG by the position, 1/s^2; both zero in simulation
 LOAD   rigid-body torque of the MJCF at this joint, N m
-GEAR   the same without what turns the armature: torque the gear transmits
+GEAR   LOAD without the armature: torque that the gear transmits
 GX GY  gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m/kg/m
 TEMP   temperature, deg C; not a number in a simulation that has no `heating`
 H      Fh / Fc, the hysteresis torque in units of the Coulomb level: +-1 in sliding
 DTAU   time derivative of the predicted torque, N m/s; zero in simulation
-DT     s since the last sample
+DT     s since the previous sample
 RATE   dz/dq of the bristle, 1 at a reversal and 0 in sliding; zero in simulation
-MOTOR  torque the motor gives, N m, of a model fitted to voltages or currents; zero in simulation
-ASKED  torque the motor would give if nothing saturated, N m; zero in a log
-LOSS   power that friction takes, W, for `heating`; zero in a log
+MOTOR  motor torque, N m, for models fitted to voltages or currents; zero in simulation
+ASKED  commanded motor torque, N m; zero in a log
+LOSS   friction power, W, for `heating`; zero in a log
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ N_SIGNALS = 18
 
 
 def parts_of_load(signals: Array) -> Array:
-    """Inertia, kg m^2, and first moments of mass about the joint, kg m, in LOAD; shape (3,).
+    """Inertia, kg m^2, and first moments of mass, kg m, that LOAD contains; shape (3,).
 
     Args:
         signals: shape (n, N_SIGNALS).

@@ -1,4 +1,4 @@
-"""supply-sag: a supply whose voltage falls with the current that the motor takes."""
+"""supply-sag: a supply voltage that falls with the motor current."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,18 +11,18 @@ from frictionjoint.control.kernel import SAG, SAG_EMF, SUPPLY
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# back-EMF at the fastest motion of the logs, over the supply; the supply's resistance
+# initial values: back-EMF at the fastest motion relative to the supply; supply resistance
 _FRACTIONS, _SAG = (0.3, 0.7), 0.1
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """A supply with a resistance."""
+    """The controller block with a supply resistance."""
     block[SAG], block[SAG_EMF] = shape
     return block, delay
 
 
 def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """What it changes in a controller's file."""
+    """Entries of the controller file that this effect changes."""
     return {"sag": shape[0], "sag_emf": shape[1]}
 
 
@@ -47,7 +47,7 @@ EFFECT = Effect(
     cause="battery, cable or adapter with a resistance of its own",
     form="V - sag u (u V - emf v), sag the supply's resistance over the winding's, u the duty",
     source="Kirchhoff's laws of a chopped supply",
-    signature="missing drive that grows with the cube of the duty, less of it at speed",
+    signature="missing drive that grows with the cube of the duty, smaller at speed",
     separating_motion="the same motion with a small and a large load",
     entry="acts on the drive",
     shape=("sag", "emf"),

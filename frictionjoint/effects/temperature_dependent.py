@@ -1,9 +1,10 @@
 """temperature-dependent: level and viscosity that fall with the temperature.
 
-Two forms: both fall at the same rate, which a small change of the temperature cannot tell from the
-truth; or each at its own.
+Two forms: both fall at the same rate, or each at its own rate. A small change of temperature cannot
+distinguish them.
 
-A log measures it. In a simulation it is the state of `heating`, or rests where it was set.
+A log measures the temperature. In a simulation it is the state of `heating`, or it stays where it
+was set.
 """
 
 import math
@@ -17,27 +18,27 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
 from frictionjoint.effects.thermometer import warmer
 
-# K over which a change falls to 1/e: where a search starts. The last is next to linear.
+# initial values: K over which a change falls to 1/e; the last is almost linear
 _SCALES = (8.0, 20.0, 60.0, 300.0)
 
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, where T is not a signal."""
+    """(exp(-(T - T0)/s) - 1) (a Fh/Fc + b v); X[x] is T - T0, K, if T is not a signal."""
     change = math.expm1(-warmer(P[e], sig, X, x) / P[e + 1])
     return change * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
 
 
 @compiled
 def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v; X[x] as that of `torque`."""
+    """a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v; X[x] as in `torque`."""
     rise = warmer(P[e], sig, X, x)
     level = P[e + 3] * math.expm1(-rise / P[e + 1]) * sig[H]
     return level + P[e + 4] * math.expm1(-rise / P[e + 2]) * sig[V]
 
 
 def _references(signals: Array) -> list[Shape]:
-    # the base fit holds at the mean temperature of its logs: changes are counted from there
+    # the base fit applies at the mean temperature of its logs; changes are relative to it
     reference = float(np.nanmean(signals[:, TEMP]))
     return [(reference, scale) for scale in _SCALES]
 

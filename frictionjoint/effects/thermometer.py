@@ -1,4 +1,4 @@
-"""How much warmer than its reference a joint or motor is, of a log or of a simulation."""
+"""Temperature of a joint or motor above its reference, in logs and simulations."""
 
 import math
 
@@ -9,5 +9,5 @@ from frictionjoint.effects.signals import TEMP
 
 @compiled
 def warmer(reference: float, sig: Vector, X: Vector, x: int) -> float:
-    """T - T0, K; X[x] where no thermometer is read, so that a simulation can set it."""
+    """T - T0, K; X[x] if there is no thermometer, so that a simulation can set it."""
     return X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - reference

@@ -1,4 +1,4 @@
-"""torque-gain: a wrong motor constant, seen as a fraction of the known load."""
+"""torque-gain: a wrong motor constant, as a fraction of the known load."""
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
@@ -19,13 +19,13 @@ EFFECT = Effect(
     coefficients=("gain",),
     units=("1",),
     cause="motor constant, gear efficiency or current scale that differs from the assumed one",
-    form="(1 + e) tau, seen against the rigid-body torque; friction scales along unseen",
+    form="(1 + e) tau, relative to the rigid-body torque; friction scales too",
     source="Gautier and Briot (2014), on drive gains",
     signature="scales inertia and gravity torque alike",
     separating_motion="a known extra load, and motion both fast and slow",
     entry="acts on the measurement",
     drives=("torque",),
     needs=(LOAD,),
-    # a motor whose torque runs against its current has a wrong sign in its log
+    # below -1 the sign of the log would be wrong
     bounds=((-1.0, float("inf")),),
 )

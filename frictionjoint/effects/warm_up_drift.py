@@ -1,4 +1,4 @@
-"""warm-up-drift: level and viscosity relaxing in time, the temperature unmeasured."""
+"""warm-up-drift: level and viscosity that relax in time; the temperature is not measured."""
 
 import math
 from dataclasses import replace
@@ -10,23 +10,23 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, TIME, H, V
 
-# grids: time constants over a log's duration, and the warmth by which a first-order change is
-# distinguished from one that levels off, over the most that the log reaches
+# grids: time constants relative to a log's duration; warmth scale relative to the largest warmth of
+# the log, which distinguishes a linear change from one that levels off
 _TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
-# s; oil, grease and the metal around them warm no faster. Memory shorter than that is of the
-# motion, not of heat.
+# s; oil, grease and the metal around them do not warm faster. A shorter memory comes from the
+# motion, not from heat.
 _FASTEST = 5.0
 
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """exp(-(t + X[x])/tau) (a Fh/Fc + b v); X[x], s, the work done before the start, 0 in a log."""
+    """exp(-(t + X[x])/tau) (a Fh/Fc + b v); X[x] earlier operation, s, 0 in a log."""
     return math.exp(-(sig[TIME] + X[x]) / P[e]) * (P[e + 1] * sig[H] + P[e + 2] * sig[V])
 
 
 @compiled
 def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
-    """What rubbing has left of its heat: dw/dt = |h v| - w/tau."""
+    """Heat from friction that has not yet dissipated: dw/dt = |h v| - w/tau."""
     steady = abs(h * v) * tau
     return steady + (before - steady) * math.exp(-dt / tau)
 
@@ -46,7 +46,7 @@ def _time_constants(signals: Array) -> list[Shape]:
 
 @compiled
 def _warmest(signals: Array, tau: float) -> float:
-    """The most that w of `warmed_torque` reaches."""
+    """Largest w of `warmed_torque`."""
     w, most = 0.0, 0.0
     for k in range(len(signals)):
         dt = signals[k, DT]
