@@ -4,6 +4,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from frictionjoint.batch import FrictionBatch
     from frictionjoint.commands import close_loop, export, identify
     from frictionjoint.evaluation.run import evaluate
     from frictionjoint.law.motion import friction_torque
@@ -46,11 +47,13 @@ _HOMES = {
     "warmth": "frictionjoint.simulate.thermal",
     "torque": "frictionjoint.simulate.torque",
     "uninstall": "frictionjoint.simulate.uninstall",
+    "FrictionBatch": "frictionjoint.batch",
     "FrictionParameters": "frictionjoint.parameters",
     "friction_torque": "frictionjoint.law.motion",
 }
 
 __all__ = [
+    "FrictionBatch",
     "FrictionParameters",
     "attach",
     "attach_warp",

@@ -1,0 +1,263 @@
+"""Friction of many joints for simulators without a passive callback: torque, stiffness, damping.
+
+    batch = frictionjoint.FrictionBatch(parameters, n)
+    torque, stiffness, damping = batch.step(q, v, h)
+
+Over the step of h seconds that begins at (q, v) friction is, to first order,
+
+    F(q', v') = torque + stiffness (q' - q) + damping (v' - v)
+
+positive against positive motion. An explicit simulator applies ``-torque``, one with implicit
+drives also takes the other two: a stiff joint needs them. The same kernels serve MuJoCo.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.compiled import compiled, pointer
+from frictionjoint.errors import ParameterError
+from frictionjoint.law.kernel import link_law
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.secant import secant
+from frictionjoint.laws import require_parameters
+from frictionjoint.parameters import Friction
+from frictionjoint.simulate.row import (
+    FRONT,
+    GAIN,
+    STARTED,
+    T_COMMITTED,
+    T_EVALUATED,
+    TORQUE,
+    V_COMMITTED,
+    row_size,
+    torque_now,
+)
+
+# a joint's state: time and position as counted here, position given last and the step taken then,
+# the row of `simulate.row`
+CLOCK, PLACE, SHOWN, STEP, ROW = range(5)
+# of the difference of two numbers in single precision, relative to them
+_ROUNDING = 2.0**-22
+# of its distance from the position shown that our place goes in a step in which that moves
+_PULL = 0.01
+_CPU = 1
+
+
+@compiled
+def step_joint(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    q: float,
+    v: float,
+    h: float,
+    rounding: float,
+) -> tuple[float, float, float]:
+    """Torque at (q, v), N m, and what it gains with position and velocity over a step of h s.
+
+    Positions in single precision are counted on in double: what rounds off would let a joint at
+    rest tremble and creep.
+
+    Args:
+        P: block of the law at p, number of effects (none) at `effects`. X: state at x.
+        rounding: of positions, relative to them; 0: in double precision.
+    """
+    row = x + ROW
+    if X[row + STARTED] == 0.0:
+        X[x + CLOCK] = 0.0
+        X[x + PLACE] = q
+    else:
+        way = q - X[x + SHOWN]
+        last = X[x + STEP]
+        X[x + CLOCK] = X[x + CLOCK] + last
+        if way != 0.0 and rounding > 0.0:
+            if abs(way - last * v) <= rounding * abs(q):
+                way = last * v
+            way = way + _PULL * (X[x + SHOWN] - X[x + PLACE])
+        X[x + PLACE] = X[x + PLACE] + way
+    X[x + SHOWN] = q
+    X[x + STEP] = h
+    F = torque_now(P, p, effects, X, row, X[x + CLOCK], X[x + PLACE], v, 0.0)
+    if F != F:
+        return F, 0.0, 0.0
+    since = X[row + T_EVALUATED] - X[row + T_COMMITTED]
+    # as the velocity changed over the last step it is expected to go on
+    w = v
+    if since > 0.0:
+        w = v + (v - X[row + V_COMMITTED]) * h / since
+    constant, K, D = secant(P, p, X, row + FRONT, h, w)
+    X[row + TORQUE] = constant
+    X[row + GAIN] = h * K + D
+    return constant + D * v, K, D
+
+
+@compiled
+def step_all(
+    P: Vector,
+    blocks: Index,
+    ends: Index,
+    X: Vector,
+    stride: int,
+    q: Vector,
+    v: Vector,
+    h: float,
+    rounding: float,
+    torque: Vector,
+    stiffness: Vector,
+    damping: Vector,
+) -> None:
+    """`step_joint` for every joint; arrays of shape (n,)."""
+    block, state = pointer(P, 0), pointer(X, 0)
+    for i in range(len(q)):
+        torque[i], stiffness[i], damping[i] = step_joint(
+            *(block, blocks[i], ends[i], state, i * stride, float(q[i]), float(v[i]), h, rounding)
+        )
+
+
+class FrictionBatch:
+    """Friction of n joints, or of worlds times joints, outside of MuJoCo.
+
+    Args:
+        parameters: of all joints, or a sequence with those of each.
+        n: number of joints, or (worlds, joints).
+        device: None: compiled code on the CPU, on arrays of numpy or of anything with DLPack
+            (torch, JAX, Warp). "cuda:0", or "cpu": Warp kernels, on arrays of that device.
+    Attributes:
+        shape: of the arrays, (n,) or (worlds, joints).
+        state: doubles, shape (joints in all, m): what the joints remember. Copy it to save a
+            simulation, write it back to restore it.
+    Raises:
+        ParameterError: not one set of parameters per joint, or effects, which need a model.
+        TypeError: no parameters.
+    """
+
+    def __init__(
+        self,
+        parameters: Friction | Sequence[Friction],
+        n: int | tuple[int, int],
+        device: str | None = None,
+    ) -> None:
+        self.shape = (n,) if isinstance(n, int) else tuple(n)
+        if not self.shape or min(self.shape) < 1 or len(self.shape) > 2:
+            raise ParameterError(f"n is {n!r}: give a number of joints, or (worlds, joints)")
+        total, joints = int(np.prod(self.shape)), self.shape[-1]
+        sets = list(parameters) if isinstance(parameters, Sequence) else [parameters]
+        for one in sets:
+            if getattr(one, "effects", ()):
+                raise ParameterError("FrictionBatch: effects need a model: give .parameters alone")
+            require_parameters(one, "FrictionBatch")
+        if len(sets) not in (1, joints, total):
+            raise ParameterError(
+                f"{len(sets)} sets of parameters for {joints} joints: give one, or one per joint"
+            )
+        packed = [np.append(one.pack(), 0.0) for one in sets]  # no effects behind
+        self._P = np.concatenate(packed)
+        begins = np.cumsum([0, *(len(x) for x in packed)])
+        which = np.arange(total) % len(sets)
+        self._blocks: Index = begins[which].astype(np.int64)
+        self._ends: Index = self._blocks + np.array([len(x) - 1 for x in packed])[which]
+        rows = [law_row_size(self._P, int(b)) for b in begins[:-1]]
+        self._stride = ROW + row_size(max(rows), 0)
+        for begin in begins[:-1]:
+            link_law(self._P, int(begin))
+        self._warp: Any = None
+        self.state: Any = np.zeros((total, self._stride))
+        if device is not None:
+            from frictionjoint.batch_warp import WarpBatch
+
+            self._warp = WarpBatch(device, self._P, self._blocks, self._ends, self._stride)
+            self.state = self._warp.state
+
+    def step(self, q: Any, v: Any, h: float) -> tuple[Any, Any, Any]:
+        """Friction over the step that begins now; one call per step.
+
+        Args:
+            q, v: position and velocity where the step begins, rad and rad/s (m, m/s), of `shape`,
+                single or double precision. h: s, length of the step.
+        Returns:
+            torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, of the kind and precision
+            of q; on the CPU without copies of either.
+        Raises:
+            ParameterError: another shape or device, or h is not positive.
+        """
+        if not (np.isfinite(h) and h > 0.0):
+            raise ParameterError(f"step of {h!r} s: give a positive number")
+        if self._warp is not None:
+            found: tuple[Any, Any, Any] = self._warp.step(q, v, float(h), self.shape)
+            return found
+        position, velocity = self._array("q", q), self._array("v", v)
+        if velocity.dtype != position.dtype:
+            raise ParameterError(f"q is of {position.dtype}, v of {velocity.dtype}: make them one")
+        made = [np.empty(self.shape, position.dtype) for _ in range(3)]
+        step_all(
+            self._P,
+            self._blocks,
+            self._ends,
+            self.state.reshape(-1),
+            self._stride,
+            position.reshape(-1),
+            velocity.reshape(-1),
+            float(h),
+            _ROUNDING if position.dtype == np.float32 else 0.0,
+            *(x.reshape(-1) for x in made),
+        )
+        torque, stiffness, damping = (like(q, x) for x in made)
+        return torque, stiffness, damping
+
+    def reset(self, mask: Any = None) -> None:
+        """Joints as at rest and never moved.
+
+        Args:
+            mask: of `shape`, or (worlds,), True for those to reset; None: all.
+        """
+        if self._warp is not None:
+            self._warp.reset(mask, self.shape)
+            return
+        chosen = np.ones(self.shape, dtype=bool)
+        if mask is not None:
+            given = np.asarray(mask, dtype=bool)
+            chosen = np.broadcast_to(
+                given[:, None] if given.ndim < chosen.ndim else given, self.shape
+            )
+        self.state[chosen.reshape(-1)] = 0.0
+
+    def _array(self, name: str, x: Any) -> NDArray[Any]:
+        """A numpy view of an array on the CPU."""
+        if not isinstance(x, np.ndarray):
+            if not hasattr(x, "__dlpack__"):
+                raise TypeError(f"{name} is of type {type(x).__name__}: give an array")
+            if int(x.__dlpack_device__()[0]) != _CPU:
+                raise ParameterError(
+                    f"{name} is not on the CPU: make FrictionBatch(..., device='cuda:0')"
+                )
+            x = np.from_dlpack(x)
+        if x.shape != self.shape or x.dtype not in (np.float32, np.float64):
+            raise ParameterError(
+                f"{name} is of shape {x.shape} and {x.dtype}: give {self.shape}, single or double "
+                "precision"
+            )
+        return np.ascontiguousarray(x)
+
+
+def like(given: Any, made: Array) -> Any:
+    """A numpy array, or any array on a device, as the library has it that another is of."""
+    library = type(given).__module__.partition(".")[0]
+    if library == "torch":
+        import torch
+
+        return torch.from_dlpack(made)
+    if library in ("jax", "jaxlib"):
+        import jax
+
+        return jax.dlpack.from_dlpack(made)
+    if library == "warp":
+        import warp
+
+        return made if isinstance(made, warp.array) else warp.from_dlpack(made)
+    return made
