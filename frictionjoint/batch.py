@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, pointer
 from frictionjoint.errors import ParameterError
-from frictionjoint.law.kernel import link_law
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.secant import secant
 from frictionjoint.laws import require_parameters
@@ -115,9 +114,10 @@ def step_all(
     """`step_joint` for every joint; arrays of shape (n,)."""
     block, state = pointer(P, 0), pointer(X, 0)
     for i in range(len(q)):
-        torque[i], stiffness[i], damping[i] = step_joint(
-            *(block, blocks[i], ends[i], state, i * stride, float(q[i]), float(v[i]), h, rounding)
-        )
+        F, K, D = step_joint(block, blocks[i], ends[i], state, i * stride, q[i], v[i], h, rounding)
+        torque[i] = F
+        stiffness[i] = K
+        damping[i] = D
 
 
 class FrictionBatch:
@@ -164,8 +164,6 @@ class FrictionBatch:
         self._ends: Index = self._blocks + np.array([len(x) - 1 for x in packed])[which]
         rows = [law_row_size(self._P, int(b)) for b in begins[:-1]]
         self._stride = ROW + row_size(max(rows), 0)
-        for begin in begins[:-1]:
-            link_law(self._P, int(begin))
         self._warp: Any = None
         self.state: Any = np.zeros((total, self._stride))
         if device is not None:
@@ -182,7 +180,8 @@ class FrictionBatch:
                 single or double precision. h: s, length of the step.
         Returns:
             torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, of the kind and precision
-            of q; on the CPU without copies of either.
+            of q. Doubles on the CPU are neither copied on the way in nor on the way out; single
+            precision is computed in doubles.
         Raises:
             ParameterError: another shape or device, or h is not positive.
         """
@@ -194,20 +193,21 @@ class FrictionBatch:
         position, velocity = self._array("q", q), self._array("v", v)
         if velocity.dtype != position.dtype:
             raise ParameterError(f"q is of {position.dtype}, v of {velocity.dtype}: make them one")
-        made = [np.empty(self.shape, position.dtype) for _ in range(3)]
+        made = [np.empty(self.shape) for _ in range(3)]
         step_all(
             self._P,
             self._blocks,
             self._ends,
             self.state.reshape(-1),
             self._stride,
-            position.reshape(-1),
-            velocity.reshape(-1),
+            # doubles are read where they lie
+            position.astype(np.float64, copy=False).reshape(-1),
+            velocity.astype(np.float64, copy=False).reshape(-1),
             float(h),
             _ROUNDING if position.dtype == np.float32 else 0.0,
             *(x.reshape(-1) for x in made),
         )
-        torque, stiffness, damping = (like(q, x) for x in made)
+        torque, stiffness, damping = (like(q, x.astype(position.dtype, copy=False)) for x in made)
         return torque, stiffness, damping
 
     def reset(self, mask: Any = None) -> None:
