@@ -55,7 +55,7 @@ def test_files_keep_every_digit(tmp_path, preset):
         ('output = "torque_nm"\nkp = true', "kp is True: give a number"),
         ('output = "torque_nm"\nkp = nan', "kp is nan: give a number"),
         ('output = "torque_nm"\nkp = 1\nsupply_v = 3', "supply_v does not go with"),
-        ('output = "torque_nm"\nkp = "unknown"\nkd = 2', "kd is 2 beside an unknown kp"),
+        ('output = "torque_nm"\nkp = "unknown"\nkd = 2', "kd is 2 together with an unknown kp"),
         ("output = ", "not TOML"),
     ],
 )

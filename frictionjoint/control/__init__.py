@@ -1,10 +1,10 @@
-"""What drives a joint towards its target: one controller for logs and for simulations.
+"""Controllers that drive a joint to its target, for logs and for simulations.
 
-``controller``   what is known of it: gains, limits, delays
-``controller_file``  its TOML file, with what differs by joint
-``kernel``       the control law of a tick
+``controller``   gains, limits, delays
+``controller_file``  its TOML file, with differences per joint
+``kernel``       the control law of one tick
 ``block``        the numbers of a controller for one log
-``reconstruct``  the drive of a log that holds target and position only
+``reconstruct``  the drive of a log that contains only target and position
 ``presets``      controllers of common servos and legs, each with its source
 """
 

@@ -12,11 +12,11 @@ from frictionjoint.measured.log import JointLog
 def block_of(controller: Controller, log: JointLog) -> Array:
     """Block of a log, shape (BLOCK,).
 
-    An unknown kp counts as 1: the drive is the error then, in rad. So does an unknown supply: the
-    drive is the duty.
+    An unknown kp counts as 1, so the drive is the error in rad. An unknown supply counts as 1, so
+    the drive is the duty.
 
     Raises:
-        LogError: a log without a figure that the controller takes from it.
+        LogError: a log lacks a number that the controller reads from it.
     """
     c = without_unknowns(controller)
 
@@ -29,7 +29,7 @@ def block_of(controller: Controller, log: JointLog) -> Array:
     B[k.KD] = value("kd", 0.0) * c.gain_unit
     B[k.KFF] = c.feed_forward
     B[k.SUPPLY] = value("supply_v", 1.0) if c.output == "duty" else 1.0
-    # of an output in another unit no limit is known
+    # the limit of an output in another unit is not known
     B[k.LIMIT] = np.inf if c.kp == UNKNOWN else value("limit", np.inf)
     B[k.DEADBAND] = value("deadband", 0.0)
     B[k.SHIFTED] = c.deadband_form == "shifted"
@@ -45,12 +45,12 @@ def block_of(controller: Controller, log: JointLog) -> Array:
 
 
 def delay_of(controller: Controller) -> float:
-    """s from a target to the tick that uses it; an unknown one counts as none."""
+    """Time from a target to the tick that uses it, s; an unknown delay counts as 0."""
     return 0.0 if isinstance(controller.delay_s, str) else float(controller.delay_s)
 
 
 def supply_of(controller: Controller, log: JointLog) -> Array:
-    """The log's own supply over that of its block, shape (n,); ones where it has none."""
+    """The log's supply voltage relative to that of its block, shape (n,); ones if not logged."""
     if controller.output != "duty" or log.supply is None:
         return np.ones_like(log.time)
     return np.asarray(log.supply / block_of(controller, log)[k.SUPPLY])
@@ -68,7 +68,7 @@ def _value(value: Value | None, name: str, log: JointLog, unknown: float) -> flo
         listed = ", ".join(log.metadata) or "none"
         raise LogError(
             f"{log.name}: the controller's {name} is {value!r} and the log has no figure {key!r} "
-            f"(it has {listed}): give it a column {key!r} that holds one number, or the "
+            f"(it has {listed}): give it a column {key!r} with one number, or the "
             "controller's file a number"
         )
     return float(log.metadata[key])

@@ -1,4 +1,4 @@
-"""What is known of a controller: gains, limits, delays."""
+"""A position controller: gains, limits, delays."""
 
 import math
 from dataclasses import dataclass, fields, replace
@@ -14,7 +14,7 @@ DropOf = Literal["error", "output"]
 DeadbandForm = Literal["cut", "shifted"]
 UNKNOWN = "unknown"
 LOG = "log:"
-# a number, "unknown", or "log:NAME", a figure that each log brings
+# a number, "unknown", or "log:NAME", a number in each log
 Value = float | str
 
 _CHOICES = {
@@ -23,7 +23,7 @@ _CHOICES = {
     "drop_of": get_args(DropOf),
     "deadband_form": get_args(DeadbandForm),
 }
-# what may be "unknown", and what may be read from a log
+# entries that may be "unknown", and entries that may be read from a log
 _MAY_BE_UNKNOWN = (
     *("kp", "kd", "supply_v", "limit", "deadband", "delay_s", "target_rate", "drop_above", "sag"),
 )
@@ -32,35 +32,35 @@ _MAY_BE_LOGGED = ("kp", "kd", "ki", "supply_v", "limit")
 
 @dataclass(frozen=True, kw_only=True)
 class Controller:
-    """A position controller as the firmware runs it.
+    """A position controller as implemented in firmware.
 
         u = kp e + ki (integral of e) - kd v + feed_forward (target's velocity),  |u| <= limit
 
-    with e = target - position. A slide has m for rad and N for N m.
+    with e = target - position. For a slide joint read m for rad and N for N m.
 
     Attributes:
-        output: what u is. A duty drives the motor with supply_v u.
-        kp, kd, ki: per rad, per rad/s, per rad s, in `gain_unit`; ``"log:NAME"`` is a figure of
-            each log; ``"unknown"`` kp: estimated from the load (`reconstruct`), and no kd, ki or
-            feed_forward may be known beside it; unknown kd: none, and what is found of viscous
-            friction and back-EMF holds it too.
+        output: quantity of u. With a duty the motor voltage is supply_v u.
+        kp, kd, ki: per rad, per rad/s, per rad s, in `gain_unit`; ``"log:NAME"`` is read from each
+            log. An ``"unknown"`` kp is estimated from the load (`reconstruct`); kd, ki and
+            feed_forward must then be unknown or absent. An unknown kd counts as 0, and identified
+            viscous friction and back-EMF include it.
         gain_unit: u per unit of kp, kd and ki, for gains in units of the firmware.
-        supply_v: V at full duty, of a duty. A log's own ``supply_v`` column goes before it.
+        supply_v: V at full duty. A log's own ``supply_v`` column takes precedence.
         limit: of abs(u).
-        deadband: rad, within which there is no output; deadband_form: beyond it the whole error
-            acts (cut), or what exceeds it (shifted).
-        rate_hz: ticks a second; 0: as often as it is asked.
+        deadband: rad, no output below; deadband_form: outside, the whole error acts (cut) or only
+            the part that exceeds the band (shifted).
+        rate_hz: ticks per second; 0: at every call.
         delay_s: from the target to the tick that uses it.
-        target_rate: rad/s at which it follows its target at most: a motion profile in the firmware.
-        velocity: what kd sees: the joint's, or that of the position from tick to tick.
+        target_rate: largest speed of the target, rad/s: a motion profile in the firmware.
+        velocity: input of kd: the joint velocity, or the difference of positions between ticks.
         feed_forward: u per rad/s of the target.
-        count_rad: step of the position that it sees, rad; 0: none.
-        drop_above: protection: rad of error, or u, beyond which only `drop_left` of u is left.
+        count_rad: encoder step, rad; 0: none.
+        drop_above: protection: error in rad, or u, above which only `drop_left` of u remains.
         drop_of: which of the two.
-        sag: resistance of the supply over the winding's; sag_emf: V s/rad, of the motor.
-        source: where the figures come from.
+        sag: supply resistance relative to the winding's; sag_emf: V s/rad, of the motor.
+        source: where the numbers come from.
     Raises:
-        ParameterError: a figure that no controller has.
+        ParameterError: a number that is not possible for a controller.
     """
 
     output: Output
@@ -109,13 +109,13 @@ class Controller:
             self._check_nothing_beside_kp()
 
     def _check_nothing_beside_kp(self) -> None:
-        """What adds to an output over kp would have to be over it too, and nobody knows that."""
+        """Terms added to an output relative to kp would have to be relative to kp too."""
         for name in ("kd", "ki", "feed_forward"):
             value = getattr(self, name)
             if value not in (0.0, UNKNOWN):
                 instead = 'say that it is "unknown"' if name in _MAY_BE_UNKNOWN else "leave it out"
                 raise ParameterError(
-                    f"{name} is {value!r} beside an unknown kp: give kp too, or {instead}"
+                    f"{name} is {value!r} together with an unknown kp: give kp too, or {instead}"
                 )
 
     @staticmethod
@@ -133,11 +133,11 @@ class Controller:
 
     @property
     def scale_unknown(self) -> bool:
-        """Whether the size of its output is not known: the load must determine it."""
+        """Whether the scale of its output is unknown, so that the load must determine it."""
         return self.kp == UNKNOWN or self.output != "torque_nm"
 
     def to_toml(self) -> str:
-        """Inverse of `read_controller`, exact to the last bit; defaults are left out."""
+        """Inverse of `read_controller`, exact to the last bit; defaults are omitted."""
         document = tomlkit.document()
         unit = "of a joint, SI units; 'log:NAME' is a figure of each log, 'unknown' is not known."
         document.add(tomlkit.comment(f"Controller {unit}"))
@@ -164,17 +164,17 @@ def _check_number(name: str, value: Any) -> None:
 
 
 def unknown_notes(controller: Controller) -> tuple[str, ...]:
-    """What is assumed of a damping that is not known; other unknowns are looked for as effects."""
+    """Notes on an assumed damping; other unknowns are searched for as effects."""
     if controller.kd != UNKNOWN:
         return ()
     return (
         "The controller's kd is unknown and taken as 0. Where the drive is made from the "
-        "controller, viscous friction as found holds its damping too.",
+        "controller; the identified viscous friction includes its damping.",
     )
 
 
 def without_unknowns(controller: Controller) -> Controller:
-    """With what is not known as if it were not there, but for kp, kd and supply_v."""
+    """Without unknown entries, except kp, kd and supply_v."""
     nothing = {"limit": math.inf, "deadband": 0.0, "delay_s": 0.0, "drop_above": math.inf}
     nothing |= {"sag": 0.0, "target_rate": math.inf}
     changed = {name: x for name, x in nothing.items() if getattr(controller, name) == UNKNOWN}

@@ -1,4 +1,4 @@
-"""Files of controllers: one for all joints, and in tables [joint.NAME] what differs in some."""
+"""Controller files: values for all joints, and tables [joint.NAME] with differences."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from frictionjoint.control.presets import PRESETS
 from frictionjoint.errors import ParameterError
 from frictionjoint.measured.arguments import expect
 
-# one for every joint, one for each by its name, the file of either, a preset's name, or "mjcf"
+# one for all joints, one per joint name, a file of either, a preset's name, or "mjcf"
 GivenController = Controller | Mapping[str, Controller] | str | Path
 _JOINTS = "joint"
 
@@ -22,7 +22,7 @@ _JOINTS = "joint"
 def controller_of(
     given: GivenController | None, joint: str, models: Sequence[mujoco.MjModel]
 ) -> Controller | None:
-    """The controller of a joint; None where none is given.
+    """The controller of a joint; None if none is given.
 
     Args:
         models: of the joint under one or several loads.
@@ -51,10 +51,10 @@ def controller_of(
 
 
 def read_controller(path: str | Path) -> Controller:
-    """A controller from its TOML file, or a preset by its name, without what differs by joint.
+    """A controller from its TOML file, or a preset by name, without differences per joint.
 
     Raises:
-        ParameterError: one line that names the file, the key and the mend.
+        ParameterError: one line that names the file, the key and the fix.
     """
     if str(path) in PRESETS:
         return PRESETS[str(path)]
@@ -64,7 +64,7 @@ def read_controller(path: str | Path) -> Controller:
 
 
 def _by_joint(path: str | Path) -> dict[str, Controller]:
-    """The controllers of the joints that a file has a table of."""
+    """Controllers of the joints that have a table in the file."""
     if str(path) in PRESETS:
         return {}
     content = _content(path)

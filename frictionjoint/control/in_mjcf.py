@@ -1,4 +1,4 @@
-"""The controller that a position servo of the MJCF is."""
+"""The controller that a position servo of the MJCF represents."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,20 @@ from frictionjoint.errors import ParameterError
 
 IN_MJCF = "mjcf"
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-# difference of the ends of a range over the larger one, up to which they are one limit
+# largest relative difference of the two ends of a range that counts as symmetric
 _ALIKE = 1e-9
 
 
 def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
-    """What drives a joint in its models: kp, kv, the range of its force and its delay.
+    """Controller of a joint in its models: kp, kv, force range and delay.
 
-    Targets are those of the joint: through a gear g an actuator follows g times that. Its
-    ctrlrange does not hold them.
+    Targets are those of the joint; through a gear g an actuator follows g times the target. Its
+    ctrlrange does not limit them.
 
     Args:
         models: of the joint under one or several loads; they have the same servo.
     Raises:
-        ParameterError: no servo drives the joint, more than one, or one with dynamics of its own.
+        ParameterError: no servo drives the joint, several do, or one has internal dynamics.
     """
     found = {_of(model, joint) for model in models}
     if len(found) > 1:
@@ -34,7 +34,7 @@ def _of(model: mujoco.MjModel, joint: str) -> Controller:
     number = model.joint(joint).id
     own = [
         i
-        for i in range(len(model.actuator_group))  # one without control does not count in nu
+        for i in range(len(model.actuator_group))  # actuators without control do not count in nu
         if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
     ]
     if len(own) != 1:

@@ -1,12 +1,12 @@
-"""The control law of one tick, the same along a log and in a simulation.
+"""The control law of one tick, for logs and simulations.
 
-    e     = target - position, nothing within the dead band; the target no faster than its limit
+    e     = target - position, 0 inside the dead band; the target has a speed limit
     u     = kp e + ki (integral of e) - kd v + kff (target's velocity), within the limit;
             nothing at all within a dead band that cuts
-    u     = left u while |e| or |u| is above the threshold of a protection
-    drive = supply u of a duty, less what the supply sags; else u
+    u     = left u while |e| or |u| is above the protection's threshold
+    drive = supply u minus the supply's sag for a duty; otherwise u
 
-Block ``B``: see the names below. State ``S``: what a controller remembers from tick to tick.
+Block ``B``: see the names below. State ``S``: memory of a controller between ticks.
 """
 
 import math
@@ -20,31 +20,31 @@ from frictionjoint.compiled import compiled, in_line
 KP, KI, KD, KFF = range(4)
 # V at full duty; 1 where the output is no duty
 SUPPLY = 4
-# of |u|; rad, and whether u begins at nothing beyond the dead band; s between ticks; rad a count
+# limit of |u|; dead band, rad, and its form; s between ticks; rad per count
 LIMIT, DEADBAND, SHIFTED, PERIOD, COUNT = range(5, 10)
-# whether the velocity is that of the counts from tick to tick
+# whether the velocity is the difference of counts between ticks
 DIFFERENTIATED = 10
-# protection: of the error, rad, and of u; what is left of u beyond them
+# protection: thresholds of the error, rad, and of u; remaining fraction of u
 DROP_ERROR, DROP_OUTPUT, DROP_LEFT = 11, 12, 13
-# of a duty: resistance of the supply over the winding's, and back-EMF, V s/rad
+# for a duty: supply resistance relative to the winding's, and back-EMF, V s/rad
 SAG, SAG_EMF = 14, 15
-# of the target, rad/s
+# speed limit of the target, rad/s
 SLEW = 16
 BLOCK = 17
 
 STARTED, TICK, HELD, INTEGRAL, SEEN, TARGET = range(6)
 STATE = 6
-# s by which a tick may come early: times are sums of steps
+# s by which a tick may be early, because times are sums of steps
 _EARLY = 1e-9
 
 
 @in_line
 def tick(B: Vector, S: Vector, t: float, target: float, q: float, v: float, supply: float) -> float:
-    """Drive from the time t on: V, N m, or whatever the controller puts out.
+    """Drive from time t on: V, N m, or the unit of the controller output.
 
     Args:
-        target: that the controller knows at t, rad. q, v: rad, rad/s. supply: over that of the
-            block, 1 where it is not measured.
+        target: known to the controller at t, rad. q, v: rad, rad/s. supply: relative to that of
+            the block, 1 if it is not measured.
     """
     first = S[STARTED] == 0.0
     dt = t - S[TICK]
@@ -78,11 +78,11 @@ def tick(B: Vector, S: Vector, t: float, target: float, q: float, v: float, supp
     S[INTEGRAL] += acting * dt
     u = B[KP] * acting + B[KI] * S[INTEGRAL] - B[KD] * v + B[KFF] * rate
     if within and B[DEADBAND] > 0.0 and B[SHIFTED] == 0.0:
-        u = 0.0  # a band that cuts is silent, whatever the velocity
+        u = 0.0  # inside a band that cuts there is no output at any velocity
     asked = abs(u)
     if asked > B[LIMIT]:
         u = math.copysign(B[LIMIT], u)
-        if B[KI] != 0.0:  # an integral that goes on winding would hold the limit for long
+        if B[KI] != 0.0:  # stops integral wind-up at the limit
             S[INTEGRAL] -= acting * dt
     if abs(e) > B[DROP_ERROR] or asked > B[DROP_OUTPUT]:
         u *= B[DROP_LEFT]

@@ -1,11 +1,11 @@
-"""The mean drive that a controller makes around each sample of a log.
+"""The mean controller output around each sample of a log.
 
-A drive behind a filter has no more than its mean over half a sample on either side: a single tick
-is half a sample early, and knows no delay but of whole samples. It is the mean of what the
-controller puts out in turn and not what it would put out at the mean error: a command that leaps
-holds it at its limit for a part of a sample, and a fast joint is within its dead band for a part.
-What it puts out it holds until its next tick: on average it has read target and position half a
-tick before.
+After the filter, only the mean output over half a sample on either side matters; a single tick
+would be half a sample early and could represent delays of whole samples only. The mean is that of
+the successive outputs, not the output at the mean error: after a jump of the command the output is
+at its limit for part of a sample, and a fast joint is inside the dead band for part of a sample.
+The output is constant until the next tick, so on average target and position were read half a tick
+earlier.
 """
 
 import math
@@ -18,7 +18,7 @@ from frictionjoint.compiled import compiled, in_line, pointer, room
 from frictionjoint.control import kernel as k
 from frictionjoint.control.profile import area_until, fill_path, last_before
 
-# parts of a sample in each of which a drive is that of the mean error
+# parts of a sample in which the output is computed from the mean error
 _PARTS = 4
 
 
@@ -52,7 +52,7 @@ def fill_mean_drives(
         count, rate = block[k.COUNT], block[k.SLEW]
         log, asked = pointer(time, first), pointer(target, first)
         corners = fill_path(log, asked, last + 1 - first, rate, path)
-        # the target is followed already, and a position between two samples is not counted again
+        # the target has been followed already; positions between samples are not quantised again
         block[k.SLEW], block[k.COUNT] = np.inf, 0.0
         old = 0.5 * block[k.PERIOD]
         for j in range(k.STATE):

@@ -1,4 +1,4 @@
-"""Controllers of common servos and legs; what depends on the unit at hand is read from its log."""
+"""Controllers of common servos and legs; values that differ between units are read from the log."""
 
 import math
 

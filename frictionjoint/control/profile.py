@@ -1,7 +1,7 @@
-"""A command as a controller follows it between the samples of a log: held, or at a limited speed.
+"""A command between the samples of a log: held, or followed with limited speed.
 
-A log knows its command once a sample, and a controller follows it many times as often. A target
-that is moved once a sample is where it ought to be at the end of it, up to a sample early.
+A log has one command per sample, and a controller follows it at a higher rate. A target that is
+moved once per sample is up to one sample early.
 """
 
 import math
@@ -16,18 +16,18 @@ AT, PLACE, SLOPE, AREA = range(4)
 
 
 def held(time: Array, x: Array, at: Array) -> Array:
-    """A command at other times: each holds until the next one."""
+    """A command at other times; each value is held until the next one."""
     index = np.searchsorted(time, at + 1e-9, side="right") - 1
     return np.asarray(x[np.clip(index, 0, len(x) - 1)])
 
 
 def held_over(time: Array, command: Array, begin: Array, length: Array | float) -> Array:
-    """Mean of a command that holds until the next one, over stretches of time, shape of `begin`.
+    """Mean of a held command over intervals, shape of `begin`.
 
-    It depends smoothly on when they begin, and so on a delay that is finer than a sample.
+    It is a smooth function of `begin`, and so of a delay below one sample.
 
     Args:
-        begin, length: of the stretches, s.
+        begin, length: of the intervals, s.
     """
     return followed_over(time, command, begin, length, math.inf)
 
@@ -35,7 +35,7 @@ def held_over(time: Array, command: Array, begin: Array, length: Array | float) 
 def followed_over(
     time: Array, command: Array, begin: Array, length: Array | float, rate: float
 ) -> Array:
-    """The same of a target that moves to each command at no more than a speed.
+    """The same for a target that moves to each command with limited speed.
 
     Args:
         rate: of the target, rad/s (m/s); inf: `held_over`.
@@ -46,14 +46,14 @@ def followed_over(
 
 
 def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
-    """Where such a target is at other times; inf: `held`."""
+    """Position of such a target at other times; inf: `held`."""
     if math.isinf(rate):
         return held(time, command, at)
     return np.interp(at, *_corners(time, command, rate))
 
 
 def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
-    """Times and places between which such a target moves evenly, shape (2 n,) each."""
+    """Times and positions between which such a target has constant speed, shape (2 n,) each."""
     at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
     fill_corners(time, command, len(time), max(rate, 1e-9), at, x)
     return at, x
@@ -69,7 +69,7 @@ def fill_means(
     path: Array,
     out: Vector,
 ) -> None:
-    """Fill `out`, see `followed_over`; fastest where stretches come in turn.
+    """Fill `out`, see `followed_over`; fastest if the intervals are in order.
 
     Args:
         path: room for `fill_path`, shape (4, 2 n).
@@ -88,10 +88,10 @@ def fill_means(
 def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -> int:
     """Fill the rows of `path`, shape (4, at least 2 n), with the corners of a target.
 
-    Their times, where it is from each on, how fast it moves, and the area before it.
+    Rows: times, positions, speeds after each corner, and the area before it.
 
     Returns:
-        how many corners there are.
+        the number of corners.
     """
     count = n
     ramps = rate != math.inf
@@ -115,14 +115,14 @@ def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -
             path[SLOPE, i] = (after - x) / step if step > 0.0 else 0.0
         else:
             path[AREA, i + 1] = path[AREA, i] + step * x
-            # the slope of the area as it was rounded: it goes on evenly at the corners
+            # slope of the rounded area, so that it is continuous at the corners
             path[PLACE, i] = (path[AREA, i + 1] - path[AREA, i]) / step
     return count
 
 
 @in_line
 def area_until(path: Array, i: int, t: float) -> float:
-    """Area under such a target up to a time after its corner i, or before the first one."""
+    """Area under such a target up to a time after corner i, or before the first corner."""
     s = t - path[AT, i]
     until: float = path[AREA, i] + s * (path[PLACE, i] + 0.5 * max(s, 0.0) * path[SLOPE, i])
     return until
@@ -130,10 +130,10 @@ def area_until(path: Array, i: int, t: float) -> float:
 
 @in_line
 def last_before(at: Vector, n: int, t: float, near: int) -> int:
-    """Place of the last of n increasing times that is not after t, or of the first one.
+    """Index of the last of n increasing times that is not after t, or 0.
 
     Args:
-        near: where the search begins.
+        near: index at which the search begins.
     """
     while near + 1 < n and at[near + 1] <= t:
         near += 1

@@ -1,7 +1,7 @@
-"""The drive of a log that holds target and position only, as its controller made it.
+"""The drive of a log that contains only target and position, from its controller.
 
-Where the drive is logged it is compared with what the controller would have made: a wrong gain or
-unit shows before anything is fitted.
+If the drive is logged it is compared with the controller output, so a wrong gain or unit is found
+before anything is fitted.
 """
 
 from collections.abc import Sequence
@@ -20,21 +20,21 @@ from frictionjoint.control.profile import followed
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
-# difference from a measured drive, median over its rms, from which on the controller is another
+# relative median difference from a measured drive above which the controller is wrong
 _LARGEST = 0.05
-# rad (m): change of a position that shows how a drive answers it, where it is not seen in counts;
-# and rad/s (m/s) of a velocity
+# rad (m): change of a position for its effect on the drive, if there are no counts; rad/s (m/s):
+# change of a velocity
 _NUDGE = 1e-6
 
 
 @dataclass(frozen=True)
 class Commands:
-    """What a controller was given and measured along a log, each of shape (n,).
+    """Inputs of a controller along a log, each of shape (n,).
 
     Attributes:
-        time: s. target, position: rad. velocity: rad/s. supply: over that of the block, 1.
+        time: s. target, position: rad. velocity: rad/s. supply: relative to that of the block.
         block: of the controller, see `kernel`. delay: s, of the target.
-        on: False where the drive was off.
+        on: False while the drive was off.
     """
 
     time: Array
@@ -47,22 +47,22 @@ class Commands:
     on: NDArray[np.bool_]
 
     def drive(self) -> Array:
-        """Drive at each sample, as the controller's tick there makes it."""
+        """Drive at each sample, from the controller's tick at that sample."""
         at = self.time - self.delay
         target = followed(self.time, self.target, at, self.block[k.SLEW])
         return self._along(target, self.block)
 
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
-        """Drive around each sample, of this controller or of one with another block or delay.
+        """Mean drive around each sample, for this controller or another block or delay.
 
-        The mean over half a sample on either side, see `mean_drive`.
+        Mean over half a sample on either side, see `mean_drive`.
         """
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
         return AllCommands([self]).mean_drive(block[None], np.array([delay]))
 
     def _along(self, target: Array, block: Array) -> Array:
-        """Drive for a target that is followed already."""
+        """Drive for a target that has been followed already."""
         block = block.copy()
         block[k.SLEW] = np.inf
         drive = np.empty_like(self.time)
@@ -80,7 +80,7 @@ class Commands:
 
 
 class AllCommands:
-    """Those of several logs, one behind the other: one call makes the drives of all."""
+    """Commands of several logs, concatenated: one call computes all drives."""
 
     def __init__(self, logs: Sequence[Commands]) -> None:
         self.edges = np.cumsum([0, *(len(log.time) for log in logs)])
@@ -102,10 +102,9 @@ class AllCommands:
         return self._mean_drive(blocks, delays)
 
     def answer(self, blocks: Array, delays: Array) -> Array:
-        """How much drive a position that is off by a little calls for, per rad (m), shape (n,).
+        """Change of the drive per change of position, per rad (m), shape (n,).
 
-        A constant error, for which an integral would wind up as long as the log lasts: its part is
-        left out.
+        The error is constant; the integral part, which would wind up, is left out.
 
         Args:
             blocks, delays: as above.
@@ -118,7 +117,7 @@ class AllCommands:
         return (less - more) / (2.0 * nudge)
 
     def damping(self, blocks: Array, delays: Array) -> Array:
-        """How much less drive a velocity calls for that is a little larger, per rad/s (m/s), (n,).
+        """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,).
 
         Args:
             blocks, delays: as above.
@@ -129,7 +128,7 @@ class AllCommands:
     def _mean_drive(
         self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
     ) -> Array:
-        """With positions and velocities off by so much."""
+        """With positions and velocities changed by the given amounts."""
         target, position, velocity, supply, on = self._given
         q, v = position + off, velocity + faster
         drive = np.empty_like(self.time)
@@ -141,10 +140,10 @@ class AllCommands:
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:
-    """What a controller saw along a log.
+    """The inputs of a controller along a log.
 
     Raises:
-        LogError: the log has no target, or lacks a figure of the controller.
+        LogError: the log has no target, or lacks a number of the controller.
     """
     if log.target is None:
         raise LogError(f"{log.name}: no target for the controller to follow, add target_rad")
@@ -165,22 +164,22 @@ def commands(log: JointLog, controller: Controller) -> Commands:
 
 
 def drive_kind(controller: Controller) -> Literal["torque", "voltage", "current"]:
-    """What the output is to a fit: a torque up to a gain is to it what a current is."""
+    """Kind of the output for a fit: a torque of unknown gain is treated like a current."""
     if controller.output != "torque_nm":
         return "voltage"
     return "current" if controller.kp == UNKNOWN else "torque"
 
 
 def measures_drive(log: JointLog) -> bool:
-    """Whether a log holds what its motor was given."""
+    """Whether a log contains the drive of its motor."""
     return any(x is not None for x in (log.torque, log.voltage, log.current))
 
 
 def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
-    """The log with its drive: as measured, or as the controller made it.
+    """The log with its drive, measured or computed from the controller.
 
     Raises:
-        LogError: neither a drive nor a controller is known.
+        LogError: neither the drive nor the controller is known.
     """
     if measures_drive(log):
         return log
@@ -196,9 +195,9 @@ def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
 
 
 def difference(log: JointLog, controller: Controller) -> float | None:
-    """Median difference of the measured drive from the controller's, over the latter's rms.
+    """Median difference of the measured drive from the controller's, relative to its rms.
 
-    None where the log holds no drive of the controller's kind, or its size is not known.
+    None if the log has no drive of the controller's kind, or its scale is not known.
     """
     kind = drive_kind(controller)
     measured = getattr(log, kind)
@@ -211,10 +210,10 @@ def difference(log: JointLog, controller: Controller) -> float | None:
 
 
 def check_drive(log: JointLog, controller: Controller) -> tuple[str, ...]:
-    """A note on how the measured drive compares with the controller's.
+    """A note that compares the measured drive with the controller's.
 
     Raises:
-        LogError: they are not the same.
+        LogError: they differ.
     """
     apart = difference(log, controller)
     if apart is None:

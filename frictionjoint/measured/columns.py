@@ -44,10 +44,10 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
         ours_last = ours.rpartition(".")[2]
         if ours_last not in _OURS:
             near = difflib.get_close_matches(ours_last, _OURS, 1)
-            mend = f"{near[0]!r}?" if near else f"ours are {_list(_OURS)}"
+            fix = f"did you mean {near[0]!r}?" if near else f"known are {_list(_OURS)}"
             if theirs.rpartition(".")[2] in _OURS and ours in names:
-                mend = f"ours comes first, {theirs}={ours}"
-            raise LogError(f"{source}: --column {ours}={theirs}: {ours!r} is not ours: {mend}")
+                fix = f"the standard name comes first, {theirs}={ours}"
+            raise LogError(f"{source}: --column {ours}={theirs}: unknown name {ours!r}: {fix}")
         if theirs not in names:
             raise LogError(f"{source}: no column {theirs!r}, it has {_list(names)}")
     return {name: name for name in names} | mapping

@@ -153,7 +153,7 @@ def _layout(path: Path) -> _Layout:
         with path.open(encoding="utf-8-sig") as file:
             return _layout_of(path.name, iter(lambda: file.readline(_LONGEST_HEADER), ""))
     except UnicodeDecodeError:
-        raise LogError(f"{path.name}: not text in UTF-8, save it as such") from None
+        raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8") from None
     except OSError as error:
         raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
 
