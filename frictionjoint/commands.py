@@ -35,6 +35,7 @@ def close_loop(
     fixed: "Mapping[str, Pose] | None" = ...,
     controller: "GivenController | None" = ...,
     refine: bool = ...,
+    jobs: int | None = ...,
 ) -> "Report": ...
 
 
@@ -50,6 +51,7 @@ def close_loop(
     fixed: "Mapping[str, Pose] | None" = ...,
     controller: "GivenController | None" = ...,
     refine: bool = ...,
+    jobs: int | None = ...,
 ) -> "RobotReport": ...
 
 
@@ -64,6 +66,7 @@ def close_loop(
     fixed: "Mapping[str, Pose] | None" = None,
     controller: "GivenController | None" = None,
     refine: bool = False,
+    jobs: int | None = 1,
 ) -> "Report | RobotReport":
     """Identify friction from logs and find what the model lacks.
 
@@ -82,6 +85,8 @@ def close_loop(
         controller: what drove the joints to their targets: a `Controller`, its file, the name of a
             preset, one per joint by name, or "mjcf" for the model's own position servos.
         refine: fit all numbers of the result to simulated motion in the end; for one joint.
+        jobs: processes for the joints of a robot; None: one per core. With more than one, a script
+            needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:
         the report of one joint, or of a robot. Both have ``summary()``, ``plot()``, ``to_dict()``.
     Raises:
@@ -108,7 +113,7 @@ def close_loop(
     names = list(joint) if joint is not None else None
     kept_files = held_out if isinstance(held_out, float | int) else files[len(logs) :]
     read = read_robot(files[: len(logs)], model, kept_files, names)
-    return close_loop_robot(read, model, seed, say, law, fixed, controller=controller)
+    return close_loop_robot(read, model, seed, say, law, fixed, jobs, controller=controller)
 
 
 def identify(

@@ -230,7 +230,7 @@ def test_an_effect_of_several_shapes_is_one_rival():
         distinguishing=lambda i, other: None,
     )
     (text,) = computed_proposals(planner, [(0, other) for other in terms], None, {})
-    assert "torque-gain from load-dependent" in text
+    assert "wrong motor constant from friction that grows with load" in text
 
 
 def test_standard_errors_that_mean_nothing_are_not_stated():

@@ -295,7 +295,7 @@ def test_advice_names_what_these_logs_leave_open():
     tie, unexplained, velocity, presliding_motion, held = what_to_record(
         [(effect, "gravity-error")], [], [("load", 0.3)], law, held_out=False
     )
-    assert "spring from gravity-error" in tie
+    assert "spring, cable or balancer from payload or wrong mass" in tie
     assert effect.separating_motion in tie
     assert "load: one motion with two payloads" in unexplained
     assert velocity.startswith("To determine Vs:")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
+from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
 
@@ -42,11 +43,11 @@ def what_to_record(
         held_out: whether a log was kept from fit and choice.
     """
     found = [
-        f"To distinguish {effect.name} from {other}: {effect.separating_motion}."
+        f"To distinguish {title(effect.name)} from {title(other)}: {effect.separating_motion}."
         for effect, other in ties
     ]
     found += [
-        f"To know which form of {own.name} acts, '{own.form}' or '{other.form}', "
+        f"To know which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
         f"which explain as much: {own.separating_motion}."
         for own, other in forms
     ]

@@ -34,6 +34,7 @@ from frictionjoint.diagnose.separation import (
     separation,
     with_further,
 )
+from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -274,7 +275,7 @@ def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
     found = planner.distinguishing(i, other)
     if found is not None and found.nested:
         return None
-    names = f"{term.name} from {other.name}"
+    names = f"{title(term.name)} from {title(other.name)}"
     if found is None or not found.distinguishes:
         said = "" if found is None else f": at best they differ by {_strength(found.expected)}"
         words = [t.effect.separating_motion for t in (term, other) if isinstance(t, EffectTerm)]

@@ -83,6 +83,17 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
     gain_error.EFFECT,
 )
 
+
+def title(name: str) -> str:
+    """Common name of an effect, from its canonical name; a place after " of " stays.
+
+    An effect of one's own, and one without a title, is called by its name, dashes as spaces.
+    """
+    own, of, place = name.partition(" of ")
+    plain = next((e.title for e in _ALL if e.name == own and e.title), "")
+    return (plain or own.replace("-", " ")) + of + place
+
+
 _ALL = (*SIMULATED, *DRIVE_EFFECTS)
 
 

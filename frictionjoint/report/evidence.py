@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.numbers import effect_estimates, size_is_determined, size_of
-from frictionjoint.report.wording import listed, three, title
+from frictionjoint.report.wording import listed, three
 
 Content = Mapping[str, Any]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from frictionjoint.describe import meaning
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
 
@@ -23,6 +23,8 @@ LOOSE = 0.5
 _BEYOND = 2.0
 # what a factor is where there is no effect; of any other number it is 0
 _NULL = {"factor": 1.0}
+# names of numbers that are formulas
+_PLAIN = {"kt2_over_R": "kt²/R"}
 # an exact copy in two files
 _SAME = 1e-9
 _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
@@ -134,7 +136,9 @@ def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
         if all(key in left for key in keys):
             sine, cosine, count = (left.pop(key) for key in keys)
             found.append(_wave(sine, cosine, count, slide))
-    found += [f"{name.replace('_', ' ')} {with_unit(x)}" for name, x in left.items()]
+    found += [
+        f"{_PLAIN.get(name, name.replace('_', ' '))} {with_unit(x)}" for name, x in left.items()
+    ]
     return tuple(found)
 
 
@@ -197,7 +201,7 @@ def carried(content: Content) -> tuple[Number, ...]:
     inside = [table["effect"] for table in model.get("effects", [])]
     for added in content["added"]:
         own = effect_estimates(content, added)
-        name = wording.title(added["effect"])
+        name = title(added["effect"])
         where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
         rows += [
             Number(name, text + where, text, "determined")

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise
-from frictionjoint.report.wording import listed, percentage, three, title
+from frictionjoint.report.wording import listed, percentage, three
 
 Content = Mapping[str, Any]
 
@@ -169,6 +170,9 @@ def _row(content: Content, name: str, s: Summary, role: str) -> JointRow:
     if s.laws[0] != s.laws[1]:
         names.append(f"law {s.laws[1]}")
     torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
+    position = [
+        e for e in s.errors if e.quantity.startswith("position") and e.quantity[-3:] != "rms"
+    ]
     worse = content["joints"][name].get("worse") or ()
     kinds = {"torque_rms": "torque", "replay_rms": "position"}
     verdict = s.verdict.replace("-", " ")
@@ -179,7 +183,7 @@ def _row(content: Content, name: str, s: Summary, role: str) -> JointRow:
         joint=name,
         effects=", ".join(names) or "none",
         torque=_change([e.fractions.get(role) or e.text(role) for e in torque]),
-        position=_change([e.text(role) for e in s.errors if e.quantity == "position"]),
+        position=_change([e.text(role) for e in position]),
         verdict=verdict,
         friction=tuple(_cell(by_symbol, symbol) for symbol in _FRICTION),
     )

@@ -129,7 +129,7 @@ def summarise(content: Content) -> Summary:
     if position_first:
         closed = [e for e in errors if e.quantity.endswith("closed loop")]
         others = [e for e in errors if e not in closed]
-        errors = (*closed, *sorted(others, key=lambda e: e.quantity != "position"))
+        errors = (*closed, *sorted(others, key=lambda e: not e.quantity.startswith("position")))
     if not changed:
         errors = tuple(e for e in errors if e.stage == "after")
     noise, noise_level = noise_of(content, units[0])

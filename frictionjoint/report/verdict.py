@@ -60,13 +60,23 @@ def _missing(s: Summary) -> str:
             f"not confirmed: fitted logs suggest {listed(sure or unsure)}, held-out logs {held} it."
             + rest
         )
-    text = listed(sure) if sure else "nothing for certain"
-    if unsure:
+    text = listed(sure)
+    if not sure and change == "falls" and all("size" in e.doubt for e in s.effects):
+        names = [e.title for e in s.effects]
+        one = "one or more of " if len(names) > 1 else ""
+        text = f"{one}{listed(names)}, but these logs do not determine {_doubts(s)}"
+    elif unsure:
+        text = text or "nothing for certain"
         text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if s.laws[0] != s.laws[1]:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
     partly = s.verdict == "partly-explained" or rest
     return text + "." + (rest or (times if partly else ""))
+
+
+def _doubts(s: Summary) -> str:
+    """What stays open of effects that lower the error without being certain themselves."""
+    return "which of them, or how large each is" if len(s.effects) > 1 else "its size"
 
 
 def _drive_name(s: Summary) -> str:
@@ -77,7 +87,8 @@ def _error_line(s: Summary) -> str:
     """The errors before and after in one sentence."""
     parts = []
     where = "held-out" if s.role == "held_out" else "fitted"
-    for name in dict.fromkeys(e.quantity for e in s.errors):
+    shown = [e.quantity for e in s.errors if not e.quantity.endswith(", rms")]
+    for name in dict.fromkeys(shown):
         before, after = s.error(name, "before"), s.error(name, "after")
         if after is None or after.values[s.role] is None:
             continue

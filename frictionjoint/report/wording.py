@@ -4,20 +4,13 @@ import math
 from collections.abc import Sequence
 
 from frictionjoint.diagnose.advice import quantity
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 
 # beyond them a number is written with an exponent
 _MOST_DECIMALS = 6
 # decimals of a value without a standard error
 _ROUNDING = 15
-
-
-def title(effect: str) -> str:
-    """Common name of an effect, from its canonical name; a place after " of " stays."""
-    name, of, place = effect.partition(" of ")
-    plain = next((e.title for e in CATALOGUE if e.name == name and e.title), "")
-    return (plain or name.replace("-", " ")) + of + place
 
 
 def known_as(effect: str) -> str:
