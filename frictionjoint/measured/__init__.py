@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from frictionjoint.measured.readers import read_log
     from frictionjoint.measured.registry import DataSet, get_data, list_data
 
-# A simulation needs the effects, and they a log's type: readers and filters load on first use.
+# Simulations import the effects, which import the log's type: readers and filters load on use.
 _HOMES = {
     "DataSet": "registry",
     "Derivatives": "derivatives",

@@ -1,4 +1,4 @@
-"""Types of arguments, checked where a user hands them in."""
+"""Checks of argument types."""
 
 from typing import Any
 
@@ -6,17 +6,17 @@ from frictionjoint.errors import ParameterError
 
 
 def expect(value: Any, kinds: type | tuple[type, ...], name: str, mend: str) -> None:
-    """See that an argument is of one of some kinds.
+    """Require an argument to be of one of some types.
 
     Raises:
-        TypeError: it is not; one line with its name, its type and what to give.
+        TypeError: it is not; one line with its name, its type and the expected type.
     """
     if not isinstance(value, kinds):
         raise TypeError(f"{name} is of type {type(value).__name__}: {mend}")
 
 
 def require_seed(seed: Any) -> None:
-    """See that a seed is a whole number from 0.
+    """Require a seed to be an integer of at least 0.
 
     Raises:
         TypeError, ParameterError: it is not.

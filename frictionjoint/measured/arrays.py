@@ -1,6 +1,6 @@
 """Named arrays from npz and MATLAB files, as real columns of float64 or an error.
 
-Of a matrix with one row a sample, or one column, the parts are named as in Python: ``q[0]``.
+Rows or columns of a matrix are named as in Python: ``q[0]``.
 """
 
 import re
@@ -29,18 +29,18 @@ def corrupt(path: Path, error: Exception) -> LogError:
 
 
 def whole(name: str) -> str:
-    """Name of the array that ``q[0]`` is a part of; any other name is its own."""
+    """Name of the array in ``q[0]``; other names are returned unchanged."""
     part = _PART.fullmatch(name)
     return part[1] if part else name
 
 
 def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
-    """A column of real numbers, shape (n,); a 1 x n or n x 1 matrix is one too.
+    """A column of real numbers, shape (n,); 1 x n and n x 1 matrices are accepted.
 
     Args:
-        source: name of the array where `name` is a part of it.
+        source: name of the array if `name` is a part of it.
     Raises:
-        LogError: text, complex numbers, objects, or a matrix where no part of it is named.
+        LogError: text, complex numbers, objects, or a matrix without a named part.
     """
     array = np.asarray(x)
     if array.dtype.kind not in "fiub":
@@ -54,7 +54,7 @@ def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
 
 
 def _part(where: str, source: str, number: int | None, array: Array) -> Array:
-    """A row or a column of a matrix, whichever is the longer."""
+    """A row or a column of a matrix, along the longer dimension."""
     size = " x ".join(str(k) for k in array.shape)
     if array.ndim != 2 or array.shape[0] == array.shape[1]:
         raise LogError(f"{where}: {size} numbers, give one column a quantity")
@@ -70,12 +70,12 @@ def npz_names(path: Path) -> list[str]:
     try:
         with np.load(path, allow_pickle=False) as archive:
             return list(mujoco_sysid.signals(archive) or archive.files)
-    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a corrupt file
+    except Exception as error:  # zip, zlib and numpy raise different errors on a corrupt file
         raise corrupt(path, error) from None
 
 
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Columns of an .npz file; only those asked for are read. 8 bytes a number."""
+    """Requested columns of an .npz file; 8 bytes per number."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             if recorded := mujoco_sysid.signals(archive):
@@ -105,14 +105,14 @@ def mat_names(path: Path) -> list[str]:
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Columns of a .mat file; only those asked for are read. 8 bytes a number."""
+    """Requested columns of a .mat file; 8 bytes per number."""
     wanted = list(names)
     content = _load_mat(path, sorted({*map(whole, wanted)}))
     return {name: column(path, name, content[whole(name)], whole(name)) for name in wanted}
 
 
 def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> dict[str, float]:
-    """Single numbers of a .mat file; the optional ones only where they are there."""
+    """Single numbers of a .mat file; optional ones only if they exist."""
     present = mat_names(path)
     wanted = [*names, *(name for name in optional if name in present)]
     content = _load_mat(path, wanted)

@@ -1,26 +1,26 @@
-"""The velocity with which a log begins.
+"""The velocity at the first sample of a log.
 
-A filter of the whole motion has nothing before the first sample and makes something up: of a joint
-that stands and is sent off, a velocity of several rad/s the other way. A simulation that begins
-with it is elsewhere for a while. So it is read from the first samples alone.
+A filter of the whole motion has no data before the first sample. For a joint that starts from rest
+it can return several rad/s in the wrong direction, and a simulation that starts with this velocity
+is wrong for a while. So the velocity is estimated from the first samples only.
 """
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 
-# s: samples of the least stretch, and of the longest one, which is at rest or nearly so
+# shortest and longest interval; the longest applies to a joint that is almost at rest
 _LEAST, _LONGEST = 0.02, 0.2
 
 
 def first_velocity(time: Array, position: Array, count: float) -> float:
-    """rad/s (m/s) at the first sample: none where the joint stands, else of a parabola.
+    """Velocity at the first sample, rad/s (m/s): 0 at rest, otherwise from a parabola.
 
-    Through as many samples as it follows to within half a count: rounding makes a velocity
-    uncertain by about a count over the length of the stretch.
+    The parabola spans as many samples as it fits to within half a count, because rounding makes a
+    velocity uncertain by about one count per duration.
 
     Args:
-        count: step of the position, rad (m); 0: the least stretch is taken.
+        count: encoder step, rad (m); 0: the shortest interval is used.
     """
     t, q = time - time[0], position - position[0]
     least = max(3, int(np.searchsorted(t, _LEAST, side="right")))

@@ -1,10 +1,10 @@
-"""Logs of a servo swinging a pendulum, as recorded for BAM (Duclusaud et al. 2024) and by K-Scale.
+"""Logs of a servo with a pendulum, as recorded for BAM (Duclusaud et al. 2024) and by K-Scale.
 
-JSON: figures of the log (``mass`` kg, ``length`` m, ``kp`` in the firmware's unit, ``vin`` V), the
+JSON: numbers of the log (``mass`` kg, ``length`` m, ``kp`` in the firmware's unit, ``vin`` V), the
 name of its motion, ``trajectory``, and ``entries`` with ``timestamp`` s, ``position`` rad,
 ``speed`` rad/s, ``input_volts`` V, ``temp`` deg C, ``goal_position`` rad, ``torque_enable``; of a
-Dynamixel XL330 also ``load``, the signed duty in an unsigned 16-bit register, 885 = full. Other
-servos tell no duty: their controller does.
+Dynamixel XL330 also ``load``, the signed duty in an unsigned 16-bit register, 885 = full. For
+other servos the duty is computed from the controller.
 """
 
 import json
@@ -24,19 +24,19 @@ FULL_DUTY = 885.0
 _SIGNED, _REGISTER = 1 << 15, 1 << 16
 _ENTRY = {"time_s": "timestamp", "position_rad": "position", "target_rad": "goal_position"}
 _MAY_LACK = {"velocity_rad_s": "speed", "temperature_c": "temp", "supply_v": "input_volts"}
-# whose register of the load is known to hold the duty; the first logs of it name no motor
+# motors whose load register contains the duty; their first logs name no motor
 _DUTY_IN_LOAD = (None, "xl330")
 
 
 def read_bam_json(path: Path, joint: str | None = None) -> JointLog:
-    """Read one JSON log; where the duty is recorded, the drive is the voltage at the motor.
+    """Read one JSON log; if the duty is recorded, the drive is the motor voltage.
 
     Rows in messages are entries, counted from 1.
 
     Args:
-        joint: what to call it; a log is of one.
+        joint: name of the log's only joint.
     Raises:
-        LogError: not such a file, or see `validate`.
+        LogError: not a file of this format, or see `validate`.
     """
     content = _content(path)
     entries = content["entries"]
@@ -48,7 +48,7 @@ def read_bam_json(path: Path, joint: str | None = None) -> JointLog:
     if content.get("motor") in _DUTY_IN_LOAD and "load" in there:
         load = _column(path, entries, "load")
         duty = np.where(load >= _SIGNED, load - _REGISTER, load) / FULL_DUTY
-        # the arm let go: the motor's leads are open, no voltage is applied
+        # motor switched off: its leads are open, no voltage is applied
         columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
     figures = {key: _figure(path, key, x) for key, x in content.items() if _is_number(x)}
     motion = content.get("trajectory")

@@ -1,8 +1,8 @@
-"""Logs too long to fit in reasonable time and memory, made shorter; never without saying so.
+"""Shortening of logs that are too long for a fit, always with a warning.
 
-First neighbouring samples are averaged, as far as ten samples remain in the shortest period of the
-motion: time, position and torque alike, so that the balance of torques is filtered on both sides.
-What is still too long is cut after its first part.
+First, neighbouring samples are averaged while ten samples remain per shortest period of the
+motion. Time, position and torque are averaged alike, so the torque balance is preserved. A log
+that is still too long is cut at its end.
 """
 
 import warnings
@@ -17,24 +17,24 @@ from frictionjoint.measured.derivatives import motion_band, uniform_motion
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 
-# Rows of all logs of a fit together: a fit holds some 8 kB a row meanwhile, and its time grows in
-# proportion. Above this many, half a minute and 1 GB.
+# Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a #
+# minute and 1 GB.
 MOST_ROWS = 100_000
 _SAMPLES_A_PERIOD = 10.0
 _FEWEST = 1000
 
 
 class LongLogWarning(UserWarning):
-    """Not every sample of a log is used as it was measured."""
+    """A log was averaged or cut."""
 
 
 def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
-    """The logs, split at their gaps and together within `MOST_ROWS`; names say what was done.
+    """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how.
 
     Raises:
         LogError: see `split_at_gaps`.
     Warns:
-        LongLogWarning: one line for each log that is made shorter.
+        LongLogWarning: one line per shortened log.
     """
     logs = [part for log in logs for part in split_at_gaps(log)]
     total = sum(len(log.time) for log in logs)
@@ -64,7 +64,7 @@ def _shorter(log: JointLog, most: int) -> JointLog:
 
 
 def _most_averaged(log: JointLog) -> int:
-    """How many neighbours may be averaged without touching the motion."""
+    """Number of neighbours that can be averaged without affecting the motion."""
     n = min(len(log.time), MOST_ROWS)
     time = log.time[:n]
     dt = float(time[-1] - time[0]) / (n - 1)

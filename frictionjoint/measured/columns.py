@@ -3,8 +3,8 @@
 ``time_s``, ``position_rad``, ``velocity_rad_s``, ``torque_nm`` or ``voltage_v``, ``temperature_c``,
 ``target_rad``, ``supply_v`` (of a servo); ``<joint>.position_rad`` and so on for several joints;
 slides ``position_m``, ``velocity_m_s``, ``force_n``, ``target_m``. ``current_a`` is a motor's
-current: a torque up to an unknown gain. A target without any of these needs a controller, whose
-``kp``, ``kd``, ``ki`` and supply ``vin`` may stand in columns of these names.
+current: a torque up to an unknown gain. A target without a drive needs a controller, whose ``kp``,
+``kd``, ``ki`` and supply ``vin`` may be columns.
 """
 
 import difflib
@@ -18,10 +18,10 @@ _SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
 _BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a", "target_rad", "target_m")
 KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
-# what a controller may be told by each log
+# controller values that a log may contain
 _FIGURES = ("kp", "kd", "ki", "vin")
 _OURS = ("time_s", *KNOWN, *_FIGURES)
-# of another joint, for the inverse dynamics of the whole arm
+# columns of other joints, for the inverse dynamics of the arm
 _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
 
 
@@ -29,8 +29,7 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     """Our column name -> the file's, for all columns of a file.
 
     Raises:
-        LogError: there is no header, a column appears twice, or the mapping names a column that is
-            not there.
+        LogError: there is no header, a column appears twice, or a mapped column does not exist.
     """
     if all(_is_number(name) for name in names):
         raise LogError(
@@ -54,13 +53,13 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
 
 
 def joints_in(table: dict[str, str]) -> list[str]:
-    """Joints named in front of columns."""
+    """Joints that prefix column names."""
     parts = (name.rpartition(".") for name in table)
     return sorted({joint for joint, dot, unit in parts if dot and joint and unit in KNOWN})
 
 
 def driven_joints(table: dict[str, str]) -> list[str]:
-    """Joints whose position and drive both have a column."""
+    """Joints with columns for position and drive."""
     positions = ("position_rad", "position_m")
     return [
         joint
@@ -70,10 +69,10 @@ def driven_joints(table: dict[str, str]) -> list[str]:
 
 
 def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
-    """The joint to read: the one asked for, or the only one.
+    """The joint to read: the requested one, or the only one.
 
     Raises:
-        LogError: it is not in the log, or the log has several and none was asked for.
+        LogError: it is not in the log, or the log has several and none was requested.
     """
     joints = joints_in(table)
     if not joints:
@@ -90,12 +89,12 @@ def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
 def choose_signals(
     source: str, table: dict[str, str], joint: str, signals: Iterable[str], used: Iterable[str]
 ) -> dict[str, str]:
-    """Name of a signal -> the file's column; one of the joint goes before one of all joints.
+    """Name of a signal -> the file's column; a column of the joint takes precedence.
 
     Args:
-        used: columns of the file that have a meaning of their own.
+        used: columns of the file with another meaning.
     Raises:
-        LogError: no such column, or one that is used.
+        LogError: no such column, or it has another meaning.
     """
     chosen = {}
     for name in signals:
@@ -110,13 +109,13 @@ def choose_signals(
 
 
 def choose_figures(table: dict[str, str], joint: str) -> dict[str, str]:
-    """Name of a figure of the controller -> the file's column; the joint's goes before all's."""
+    """Name of a controller value -> the file's column; a column of the joint takes precedence."""
     found = {name: _column(table, joint, name) for name in _FIGURES}
     return {name: column for name, column in found.items() if column is not None}
 
 
 def _column(table: dict[str, str], joint: str, name: str) -> str | None:
-    """The file's column of a quantity: the joint's goes before one of all joints."""
+    """The file's column of a quantity; a column of the joint takes precedence."""
     return table.get(f"{joint}.{name}", table.get(name))
 
 
@@ -131,7 +130,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
-    # what is measured once serves all joints; motion and drive of no joint's name belong to none
+    # quantities without a joint name apply to all joints, except motion and drive
     for shared in ("temperature_c", "supply_v"):
         if shared in table:
             chosen.setdefault(shared, table[shared])
@@ -163,7 +162,7 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
 
 
 def _mend(ours: str) -> str:
-    """How to say which column is meant."""
+    """Hint how to name the column."""
     return f"name it with --column {ours}=NAME"
 
 
@@ -176,7 +175,7 @@ def _is_number(name: str) -> bool:
 
 
 def _list(names: Iterable[object]) -> str:
-    """Names for a message; a file of a thousand columns still makes one readable line."""
+    """Names for a message, shortened to one readable line."""
     listed = [str(name) for name in names]
     text = ", ".join(" ".join(name.split()) for name in listed[:30])
     return text[:600] + (" ..." if len(listed) > 30 or len(text) > 600 else "")

@@ -1,8 +1,8 @@
 """Smooth motion of a measured position: a uniform grid, its bandwidth, its derivatives.
 
-A jittered log is first laid on a uniform grid (`uniform_motion`). The filter is flat over the band
-in which torques are balanced, so that the balance, which passes a filter of its own (`LowPass`),
-sees the same motion on both sides.
+A log with jitter is first interpolated to a uniform grid (`uniform_motion`). The filter is flat
+over the band in which torques are balanced, so that the balance, which passes a filter of its own
+(`LowPass`), sees the same motion on both sides.
 """
 
 from dataclasses import dataclass
@@ -48,11 +48,11 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class MotionBand:
-    """Where a motion lies in the spectrum, Hz.
+    """Frequency bands of a motion, Hz.
 
     Attributes:
-        main: up to here is 99% of the velocity's power.
-        whole: up to here the position holds more than noise; no less than 5 Hz.
+        main: 99% of the velocity's power is below.
+        whole: the position exceeds the noise below this frequency; at least 5 Hz.
     """
 
     main: float
@@ -65,7 +65,7 @@ def uniform(time: Array, x: Array, grid: Array) -> Array:
 
 
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
-    """A measured position on a uniform grid, smooth between the samples where they show a bend.
+    """A measured position on a uniform grid, smooth between samples where they are curved.
 
     A straight line between two samples cuts the bend of the motion, by another amount wherever
     the clock jitters: differentiated twice, that is noise. Modified Akima pieces are local, so
@@ -82,7 +82,7 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
 
 
 def motion_band(position: Array, dt: float) -> MotionBand:
-    """Of a motion, from its own spectrum.
+    """Frequency bands of a motion, from its spectrum.
 
     Differentiated twice, the motion falls off towards high frequencies and the position's noise
     rises. The whole of the motion ends at twice the frequency of the valley between the two.
@@ -125,7 +125,7 @@ def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivativ
 
 
 def followed(log: JointLog) -> Derivatives:
-    """Smooth motion that a simulation starts from, in the band that predicts positions best.
+    """Smooth motion for initial states of simulations, in the band that predicts positions best.
 
     By generalised cross-validation (Craven and Wahba 1979): the squares that the filter leaves over
     the square of the part of the spectrum that it takes away are least where it takes away no

@@ -15,7 +15,7 @@ _COLUMNS = ["t", "qm", "qg", "vir"]
 
 
 def is_emps(names: list[str]) -> bool:
-    """Whether the names in a .mat file are those of the benchmark."""
+    """Whether a .mat file has the variable names of the benchmark."""
     return {*_COLUMNS, "gtau"} <= set(names)
 
 

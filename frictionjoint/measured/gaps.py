@@ -1,4 +1,4 @@
-"""Gaps in a log: what was measured before and after is two logs."""
+"""Gaps in a log: the parts before and after become two logs."""
 
 import itertools
 from dataclasses import replace
@@ -10,10 +10,10 @@ from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP, JointLog
 
 
 def split_at_gaps(log: JointLog) -> list[JointLog]:
-    """The stretches of a log between its gaps, each with a note on it; the log itself without.
+    """The parts of a log between gaps, each with a note; the log itself if it has no gap.
 
     Raises:
-        LogError: no stretch is long enough.
+        LogError: no part is long enough.
     """
     step = np.diff(log.time)
     at = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1

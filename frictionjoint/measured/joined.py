@@ -1,8 +1,8 @@
-"""A log of several files, one signal each, as oscilloscopes and data loggers write them.
+"""A log of several files with one signal each, as written by oscilloscopes and data loggers.
 
-Each file has a column of times and one or more of values. A value is called as its column, or as
-its file where the columns of several files have one name. The times of the position are those of
-the log: other signals are interpolated to them, and a target holds until the next one.
+Each file has a column of times and one or more columns of values. A value has the name of its
+column, or of its file if columns of several files have the same name. The log uses the times of
+the position; other signals are interpolated to them, and a target is held until the next one.
 """
 
 import re
@@ -32,7 +32,7 @@ def read_joined(
     wrap: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> JointLog:
-    """Read one joint of files that hold one signal each.
+    """Read one joint from files with one signal each.
 
     Args:
         files: two or more tables. columns: our column name -> the signal's.
@@ -84,7 +84,7 @@ def read_joined(
 
 
 def _is_plain(name: str) -> bool:
-    """Whether the header of a column says nothing of what it holds."""
+    """Whether the header of a column says nothing about its content."""
     return name.strip().lower() in ("value", "values", "data", "y", "signal", "")
 
 

@@ -1,10 +1,10 @@
 """LeRobot data sets (github.com/huggingface/lerobot, formats 2 and 3): positions and commands.
 
 A folder with ``meta/info.json``, which names the joints of ``observation.state`` (position) and of
-``action`` (target), and Parquet files below ``data`` with a row a frame: one episode a file
-(format 2) or several (format 3). One episode is ``FOLDER#3``, several are ``FOLDER#0-7``. The unit
-is nowhere in a data set: it is asked for. ``observation.velocity`` and ``observation.effort``
-(torque, N m) are read where a data set has them.
+``action`` (target), and Parquet files below ``data`` with one row per frame: one episode per file
+(format 2) or several (format 3). One episode is ``FOLDER#3``, several are ``FOLDER#0-7``. A data
+set does not contain the unit, so it must be given. ``observation.velocity`` and
+``observation.effort`` (torque, N m) are read if they exist.
 """
 
 import json
@@ -30,7 +30,7 @@ _MORE = {"observation.velocity": "velocity_rad_s", "observation.effort": "torque
 
 
 def is_lerobot(path: Path) -> bool:
-    """Whether a folder is such a data set, or ``FOLDER#3`` an episode of it."""
+    """Whether a folder is such a data set, or ``FOLDER#3`` one of its episodes."""
     return (path / _INFO).is_file() or episode_of(path)[1] is not None
 
 
@@ -48,7 +48,7 @@ def read_lerobot(
             names none; ``{"unit": "deg"}`` is short for ``units={"position": "deg"}``.
         units: see `units`; that of the position must be given.
     Raises:
-        LogError: not such a data set, no such episode or joint, no unit, or see `validate`.
+        LogError: not a data set, no such episode or joint, no unit, or see `validate`.
     """
     folder, numbered = episode_of(path)
     mapping, units = dict(columns or {}), dict(units or {})
@@ -101,7 +101,7 @@ def episodes_of(path: Path) -> list[int]:
     """Indices of all episodes of a data set, or of those that ``FOLDER#0-3,8`` names.
 
     Raises:
-        LogError: not such a data set, or not such a list.
+        LogError: not a data set, or not a list of episodes.
     """
     folder, asked = episode_of(path)
     total = int(_info(folder).get("total_episodes") or 0)
@@ -120,10 +120,10 @@ def episodes_of(path: Path) -> list[int]:
 
 
 def joints_of_lerobot(path: Path) -> list[str]:
-    """Names of the joints whose position and target a data set holds.
+    """Names of the joints with position and target in a data set.
 
     Raises:
-        LogError: not such a data set.
+        LogError: not a data set.
     """
     path, _ = episode_of(path)
     info = _info(path)
@@ -163,7 +163,7 @@ def _joints(path: Path, info: dict[str, Any], feature: str) -> list[str]:
 
 
 def _width(info: dict[str, Any], feature: str) -> int | None:
-    """How many numbers a feature has; None where it says nothing of that."""
+    """Number of values of a feature; None if it is not stated."""
     found = info["features"].get(feature)
     shape = found.get("shape") if isinstance(found, dict) else None
     return shape[0] if isinstance(shape, list) and shape else None
@@ -208,7 +208,7 @@ def _episode(
 
 
 def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
-    """Where an episode's frames may be."""
+    """Files that may contain an episode's frames."""
     pattern = info.get("data_path")
     if isinstance(pattern, str) and "{episode_index" in pattern:
         size = info.get("chunks_size")

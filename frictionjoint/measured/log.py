@@ -11,37 +11,37 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arguments import expect
 
-# Samples that a log must have.
+# Fewest samples of a log.
 FEWEST_ROWS = 50
-# In median sampling intervals: over less the motion is interpolated, over more a log is two.
+# In median sampling intervals: shorter gaps are interpolated, longer ones split the log.
 LARGEST_GAP = 10.0
-# More held out leaves a fit a handful of motion.
+# A larger fraction leaves too little motion to fit.
 MOST_HELD_OUT = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointLog:
-    """A joint's motion and drive, one row a sample, all arrays of shape (n,).
+    """Motion and drive of a joint, one row per sample, all arrays of shape (n,).
 
     Attributes:
-        name: of the log, as the report shows it. joint: of the joint.
+        name: of the log, as shown in the report. joint: name of the joint.
         time: s, increasing. position: rad (m for a slide).
         velocity: rad/s, or None. torque: N m (N), or None. voltage: V at the motor, or None.
-        current: of the motor, or None: a torque up to an unknown gain, in whatever unit.
+        current: of the motor in any unit, or None: a torque of unknown gain.
         temperature: deg C, or None. target: commanded position, or None.
-        supply: V that a servo is fed with, or None.
+        supply: supply voltage of a servo, V, or None.
         motor_position: second encoder, rad at the motor, or None.
-        torque_enabled: False where the drive is off, or None where it is always on.
+        torque_enabled: False while the drive is off; None if it is always on.
         slide: True for a slide joint.
         other_positions: positions of other joints by name, rad (m).
         other_velocities: measured velocities of other joints by name, rad/s (m/s).
-        signals: further measured quantities by name, in whatever unit: candidates for what friction
-            depends on (a normal load, a bus voltage).
-        metadata: figures that came with the log (gains, masses), by name.
-        motion: what was commanded, by the name that its recorder gave it.
-        notes: what a reader of a result must know of the log: what was mended in it.
-        before: the same log up to the first sample, without a gap: what the joint did until then
-            says how warm it is and what its friction holds. None where nothing is known of it.
+        signals: other measured quantities by name, in any unit, on which friction may depend (a
+            normal load, a bus voltage).
+        metadata: numbers in the log (gains, masses), by name.
+        motion: name of the commanded motion.
+        notes: repairs of the log that a reader of a result must know.
+        before: the part of the log directly before the first sample, which determines the
+            temperature and the friction state of the joint. None if there is none.
     """
 
     name: str
@@ -84,7 +84,7 @@ class JointLog:
             raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")
 
     def columns(self) -> dict[str, Array]:
-        """This joint's arrays that are there, by field name."""
+        """The existing arrays of this joint, by field name."""
         drives = ("torque", "voltage", "current")
         more = ("temperature", "target", "supply", "motor_position", "torque_enabled")
         names = ("time", "position", "velocity", *drives, *more)
@@ -92,13 +92,13 @@ class JointLog:
         return {name: x for name, x in found.items() if x is not None}
 
     def arrays(self) -> dict[str, Array]:
-        """All arrays, the other joints' and further signals among them."""
+        """All arrays, including other joints and signals."""
         positions = {f"position of {name}": x for name, x in self.other_positions.items()}
         velocities = {f"velocity of {name}": x for name, x in self.other_velocities.items()}
         return self.columns() | positions | velocities | self.signals
 
     def part(self, samples: slice, suffix: str) -> "JointLog":
-        """A stretch of the log under a new name."""
+        """A part of the log under a new name."""
         own: dict[str, Any] = {name: x[samples] for name, x in self.columns().items()}
         return replace(
             self,
@@ -111,7 +111,7 @@ class JointLog:
         )
 
     def with_before(self) -> "JointLog":
-        """The log with what came before it, all as one."""
+        """The log joined with its `before`."""
         if self.before is None:
             return self
         first: dict[str, Any] = self.before.columns()
@@ -130,14 +130,15 @@ class JointLog:
         )
 
     def with_gain(self, gain: float) -> "JointLog":
-        """The log with the torque that a known motor constant makes of its current or voltage.
+        """The log with the torque that follows from current or voltage with a known motor
+           constant.
 
-        Of a motor driven by voltage what is viscous holds the back-EMF too.
+        For a voltage-driven motor the identified viscous friction includes the back-EMF.
 
         Args:
             gain: N m per A or per V (N for a slide).
         Raises:
-            LogError: the gain is not positive, or there is neither a current nor a voltage.
+            LogError: the gain is not positive, or the log has neither current nor voltage.
         """
         if not (np.isfinite(gain) and gain > 0.0):
             raise LogError(f"gain is {gain:g}: give N m per A or per V, above 0")
@@ -148,12 +149,13 @@ class JointLog:
 
     @property
     def duration(self) -> float:
-        """s from the first sample to the last."""
+        """Time from the first to the last sample, s."""
         return float(self.time[-1] - self.time[0])
 
 
 def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
-    """The first part of a log, and its last `fraction` to hold out, which knows what was before.
+    """The first part of a log, and its last `fraction` to hold out, with the first part as
+       `before`.
 
     Raises:
         LogError: the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part too

@@ -3,9 +3,8 @@
 The response is applied to the discrete spectrum, so that a filtered derivative is the derivative of
 the filtered signal to rounding: whatever is balanced passes the same operator.
 
-Beyond its ends a log is not known, and what a filter makes of its continuation spoils what is near
-them. How near is a matter of the response: one that is cut off, by itself or by the coarser grid of
-what it gives back, rings for the whole log.
+A log is unknown beyond its ends, and the assumed continuation affects samples near the ends. The
+range depends on the response: one that is cut off abruptly rings through the whole log.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,7 +42,7 @@ _CONTINUED = 3.0
 
 
 def steep(ratio: Array) -> Array:
-    """Flat up to half of the corner, where 99.6% passes; at its double 0.4% does."""
+    """Flat up to half of the corner (99.6% passes); 0.4% passes at twice the corner."""
     return np.asarray(1.0 / (1.0 + ratio**8))
 
 
@@ -58,10 +57,11 @@ def gentle(ratio: Array) -> Array:
 
 @dataclass(frozen=True)
 class LowPass:
-    """A filter without phase.
+    """A zero-phase filter.
 
     Attributes:
-        n: samples of the signals. dt: s between them. corner_hz: half of the amplitude passes.
+        n: samples of the signals. dt: sampling interval, s. corner_hz: half of the amplitude
+        passes.
         response: amplitude, `gentle` or `steep`.
         step: one in `step` samples is given back. up: so many are given back for each, and then
             one in `step` of those.
@@ -148,7 +148,7 @@ class LowPass:
 
 
 class LowPasses:
-    """Filters of several logs, whose signals lie one behind the other."""
+    """Filters of several logs with concatenated signals."""
 
     def __init__(self, filters: Sequence[LowPass]) -> None:
         alike: dict[tuple[int, int, int], list[list[int]]] = {}
@@ -195,7 +195,7 @@ class LowPasses:
 
 
 class _Alike:
-    """Filters whose transforms are equally long: all signals of their logs pass in one.
+    """Filters with transforms of equal length, computed together.
 
     Args:
         begin, back: places of the logs among the samples that come in and those given back.

@@ -1,9 +1,9 @@
 """MATLAB 5 files: the names of all variables, and numeric arrays.
 
-Read here because scipy's reader takes the process down on some corrupt files (a data type without a
-number in its table). Level 5 of the MAT-File Format (MathWorks): elements of a tag (type, bytes)
-and data, padded to 8 bytes; a variable is a matrix element of array flags, dimensions, name and
-data, each an element itself, and may be compressed as a whole.
+scipy's reader crashes the process on some corrupt files (a data type that its table lacks). Level 5
+of the MAT-File Format (MathWorks): elements of a tag (type, bytes) and data, padded to 8 bytes; a
+variable is a matrix element of array flags, dimensions, name and data, each an element itself, and
+may be compressed as a whole.
 """
 
 import math
@@ -35,7 +35,7 @@ class MatlabError(Exception):
 
 
 class NotNumbersError(MatlabError):
-    """A variable is whole, but no array of real numbers."""
+    """A variable is intact, but not an array of real numbers."""
 
 
 def is_level_5(path: Path) -> bool:
@@ -56,7 +56,7 @@ def variable_names(path: Path) -> list[str]:
 
 
 def arrays(path: Path, wanted: Collection[str]) -> dict[str, Array]:
-    """Those of the wanted variables that are there, of their own shape.
+    """The requested variables that exist, in their own shape.
 
     Raises:
         MatlabError: the file is corrupt, or a wanted variable is no array of real numbers.

@@ -1,6 +1,6 @@
-"""What can be mended in a log without a guess, and is said.
+"""Repairs of a log that need no guess, each with a note.
 
-Readings that stand alone, wrapped positions, repeated rows.
+Isolated wrong readings, wrapped positions, repeated rows.
 """
 
 import itertools
@@ -38,8 +38,8 @@ def without_lone_readings(
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The columns with corrupt readings of position and temperature interpolated.
 
-    A bus that loses a byte returns a position far away for one sample; no joint goes there and
-    comes back.
+    A bus that loses a byte returns a distant position for one sample; no joint moves there and
+    back.
 
     Returns:
         all columns, and a note on each that was changed.
@@ -69,7 +69,7 @@ def without_lone_readings(
 
 
 def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, int]]:
-    """First sample and the one after the last of stretches in which a joint moves without a drive.
+    """Start and end of each interval in which a joint moves without a drive.
 
     Args:
         time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
@@ -84,7 +84,7 @@ def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, i
 
 
 def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
-    """A note on each drive that is exactly zero for long while the joint moves.
+    """Notes on drives that are exactly zero for long while the joint moves.
 
     Args:
         columns: of the joint, shape (n,) each; with ``time_s`` and a position.
@@ -107,14 +107,14 @@ def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
 def unwrapped(
     source: str, columns: Mapping[str, Array], wrap: float | None = None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with positions that go on where they leapt by their range.
+    """The columns with unwrapped positions.
 
     Args:
-        wrap: range that positions are known to wrap at, rad (m); without it, the usual ones.
+        wrap: range at which positions wrap, rad (m); None: the usual ranges.
     Returns:
         all columns, and a note on each that was changed.
     Raises:
-        LogError: a position leaps by another range; or the range is not positive.
+        LogError: a position jumps by another range, or the range is not positive.
     """
     if wrap is not None and not (np.isfinite(wrap) and wrap > 0.0):
         raise LogError(f"--wrap {wrap:g}: give the range that the position wraps at, above 0")
@@ -139,7 +139,7 @@ def unwrapped(
 
 
 def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
-    """Range that a position leaps by; None where it does not leap."""
+    """Range by which a position jumps; None if it does not jump."""
     step, tick = np.diff(x), np.diff(time)
     size = np.abs(step)
     leap = (size > _LEAP * float(np.ptp(x))) & (tick <= LARGEST_GAP * float(np.median(tick)))
@@ -167,10 +167,10 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
 def without_repeats(
     columns: Mapping[str, Array],
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """One row of each run where every measurement stands in several rows in turn.
+    """One row per measurement if the recorder repeated rows.
 
-    A recorder that writes faster than it measures repeats its rows. Kept, they would make stairs of
-    the motion, and a tenth of the samples would pass for all.
+    A recorder that writes faster than it measures repeats rows. Kept, they would turn the motion
+    into steps and pretend more samples than there are.
     """
     names = [name for name in columns if name in _HELD]
     n = len(columns["time_s"])
