@@ -14,7 +14,7 @@ from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.state import State
 from frictionjoint.effects import drive_limit, duty_drop
@@ -135,7 +135,7 @@ def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
     output = DriveTerm(duty_drop.OF_OUTPUT, (0.5, 0.4))
     law = INTEGRATED[0].grid(5.0, 2.0)[2]
     wrong = refit(prepared, (EMF_TERM, output, spring), law, ROUGH)
-    laws = Laws(prepared, wrong, asked=True, progress=lambda text: None)
+    laws = OtherLaws(prepared, wrong)
     row = next(r for r in driven.look.rows if r.name == output.name)
     finding = Finding(output, driven.look, row, 0.5, (), (), wrong)
     state = State(prepared, wrong, [finding], driven.look, laws, law_errs=False)

@@ -10,9 +10,9 @@ from frictionjoint.control.reconstruct import Commands
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.library import without_columns
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.state import State
 from frictionjoint.effects import back_emf, duty_drop, measurement_delay
 from frictionjoint.identify.prepare import prepare
@@ -38,7 +38,7 @@ def state_with(prepared, *terms):
         Finding(t, seen, row, 0.5, (), (), fitted)
         for t, row in zip(fitted.effects, rows, strict=True)
     ]
-    laws = Laws(prepared, fitted, asked=True, progress=lambda text: None)
+    laws = OtherLaws(prepared, fitted)
     return State(prepared, fitted, findings, seen, laws, law_errs=False)
 
 

@@ -1,8 +1,12 @@
-"""A held-out log in which the joint hardly slides: what its errors are a part of."""
+"""Held-out logs in which the joint hardly slides or nothing drives it."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import frictionjoint as fj
+from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog
 
 N, DT, STIFFNESS, LEVEL = 3000, 4e-3, 100.0, 0.5
@@ -30,3 +34,16 @@ def test_the_error_of_a_log_at_rest_is_a_part_of_what_was_measured_there() -> No
     whole = np.sqrt(np.mean(np.concatenate([c.measured for c in held]) ** 2))
     assert report.drive_rms("after").held_out == whole
     assert "nan" not in report.summary()
+
+
+def test_a_part_that_is_held_out_with_its_drive_off_is_refused() -> None:
+    whole = log(0.5, "ends")
+    torque = np.where(whole.time < 0.6 * whole.time[-1], whole.torque, 0.0)
+    with pytest.raises(LogError, match=r"ends.*held out: the drive is exactly 0"):
+        fj.close_loop([replace(whole, torque=torque)], JOINT, "j", 0.3)
+
+
+def test_a_log_that_is_held_out_without_motion_is_refused() -> None:
+    still = replace(log(0.5, "still"), position=np.full(N, 0.1))
+    with pytest.raises(LogError, match=r"still, held out.*stands still"):
+        fj.close_loop([log(0.5, "slides")], JOINT, "j", [still])

@@ -8,8 +8,8 @@ import pytest
 from frictionjoint.diagnose import restated as restating
 from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.moves import Look, look
+from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.state import State
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -32,8 +32,8 @@ def state(tmp_path_factory):
     torque = INERTIA * A + friction + STIFFNESS * Q + rng.normal(0.0, 0.05, len(T))
     prepared = logged(tmp_path_factory.mktemp("model"), torque)
     base = fit(prepared)
-    laws = Laws(prepared, base, asked=True, progress=lambda text: None)
-    prepared, base = laws.better(prepared, base)
+    laws = OtherLaws(prepared, base)
+    prepared, base = laws.follow(prepared, base)
     state = State(prepared, base, [], Look((), np.zeros(0), 0.0), laws)
     seen, _ = look(base, state.blocks, state.candidates, rng)
     rows = {r.name: r for r in seen.rows}

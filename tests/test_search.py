@@ -63,8 +63,7 @@ def test_what_is_there_is_found_alone_with_its_size(name, tmp_path):
 def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     found = traced(tmp_path, friction=replace(PLANT.friction, law=friction))
     assert found.findings == ()
-    if found.final.shape.variables == found.base.shape.variables:
-        assert found.final is found.base  # nothing changed: no error before and another after
+    assert found.final is found.base  # nothing changed: no error before and another after
     assert found.unexplained == ()
     (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final), True)
                if "smallest effect" in n)  # fmt: skip
@@ -126,11 +125,15 @@ def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
     assert found.final.term_coefficients(0)[0] == pytest.approx(5.0, rel=0.1)
 
 
-def test_a_law_asked_for_stays_and_is_compared_with_no_other(tmp_path):
+@pytest.mark.parametrize("law", [None, "static"])
+def test_the_law_is_the_integrated_one_unless_another_is_asked_for(tmp_path, law):
+    """Whatever law the joint has; the others are compared with it."""
     friction = replace(PLANT.friction, law="gms")
-    asked = traced(tmp_path, law="integrated", friction=friction)
-    assert law_parameters(asked.base).law == law_parameters(asked.final).law == "integrated"
-    assert asked.other is None
+    found = traced(tmp_path, law=law, friction=friction)
+    own = law or "integrated"
+    assert law_parameters(found.base).law == law_parameters(found.final).law == own
+    assert own not in dict(found.other_laws)
+    assert "lugre" in dict(found.other_laws)
 
 
 def test_no_such_law():

@@ -10,6 +10,7 @@ from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.trace import _chosen, _Tried
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import EffectTerm
 
 BLOCKS = 48
@@ -21,7 +22,10 @@ WITHOUT = RNG.uniform(0.5, 1.5, BLOCKS)
 def tried(name, left):
     """An effect that leaves a part of the squares, hardly alike in the blocks."""
     effect = next(e for e in CATALOGUE if e.name == name)
-    term = EffectTerm(effect, tuple(1.0 for _ in effect.shape))
+    return of_term(EffectTerm(effect, tuple(1.0 for _ in effect.shape)), left)
+
+
+def of_term(term, left):
     candidate = Candidate(term, RNG.normal(size=(100, len(term.coefficients))))
     score = Scored(FIT, left * WITHOUT * RNG.uniform(0.5, 1.5, BLOCKS))
     return _Tried(Move((term,), (candidate,), score.squares), None, score)
@@ -41,3 +45,14 @@ def test_fewer_numbers_are_taken_where_they_leave_hardly_more():
     choice = _chosen(Scored(FIT, WITHOUT), [rich, simple])
     assert choice.taken is simple
     assert choice.ties == ("position-periodic",)
+
+
+def test_what_has_no_name_does_not_take_the_place_of_an_effect_that_explains_hardly_less():
+    """It leaves a fifth of what the effect leaves, of hardly anything."""
+    named = tried("load-dependent", 0.01)
+    curve = of_term(SplineTerm("load", -1.0, 1.0), 0.002)
+    assert _chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
+    # what explains but a part of it is named beside it, if at all
+    part = tried("load-dependent", 0.4)
+    assert _chosen(Scored(FIT, WITHOUT), [curve, part]).taken is curve
+    assert _chosen(Scored(FIT, WITHOUT), [curve]).taken is curve

@@ -7,9 +7,9 @@ import pytest
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import look
+from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
@@ -62,7 +62,7 @@ def test_what_explains_more_where_nothing_has_bent_the_law_is_tried_from_everywh
     seen, _ = look(alone, blocks, candidates, np.random.default_rng(0))
     # as if the law had bent so that the offset does not show
     unseen = seen._replace(rows=tuple(r._replace(p_value=1.0) for r in seen.rows))
-    laws = Laws(prepared, alone, asked=True)
+    laws = OtherLaws(prepared, alone)
     tried = worth_unbending(scored(alone, blocks), unseen, prepared, laws)
     names = [move.added[0].term.name for move, _ in tried]
     assert ("torque-bias" in names) == bool(hidden)

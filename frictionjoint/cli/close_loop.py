@@ -57,7 +57,7 @@ Law = Annotated[
     str | None,
     typer.Option(
         "--law",
-        help=f"{LAW_TO_FIT} Default: {LAWS[0]}, in the result another where clearly better.",
+        help=f"{LAW_TO_FIT} Default: {LAWS[0]}.",
     ),
 ]
 Seed = Annotated[

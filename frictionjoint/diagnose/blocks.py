@@ -60,7 +60,8 @@ class Blocks:
         halves: first and second half of each log, for what acts in one fold alone, shape (B,).
         log: shape (B,). noise: variance of white noise of the torque instrument's density, N m^2.
         floor: square that the instruments' noise leaves of a sample of each log, N m^2, shape (k,).
-        law_errors: directions in which the law may be wrong, see `Laws.errors`, N m, shape (n, m).
+        law_errors: directions in which the law may be wrong, N m, shape (n, m), see
+            `OtherLaws.errors`.
     """
 
     of_sample: Index

@@ -105,8 +105,7 @@ def close_loop(
         held_out: logs used for neither, or the fraction to cut off every log's end.
         seed: equal seeds give equal reports.
         progress: called with what is being done.
-        law: name of the friction law, see `law.names.LAWS`; None for the integrated law, or another
-            in the result where that is clearly better.
+        law: name of the friction law, see `law.names.LAWS`; None for the integrated law.
         fixed: poses of joints that the logs do not hold, by name, rad (m).
         controller: what drove the joint to its target, its file, or the name of a preset; or one
             for each joint by its name; or "mjcf", the model's own position servo. Logs without
@@ -173,7 +172,7 @@ def explain(
         whole = simulated_whole(fitted, body.armature, in_closed_loop=True)
         return window_squares(loops.fit, fitted) if whole else None
 
-    found = trace(fitted_on, seed, progress, law, replayed, law_by_motion=loops is not None)
+    found = trace(fitted_on, seed, progress, law, replayed, by_motion=loops is not None)
     kept_as_fitted = found.as_fitted(kept_back) if kept_back else None
     shows = load_shows(found.final)
     if shows and not load_shows(found.base):

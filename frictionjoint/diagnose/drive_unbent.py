@@ -10,8 +10,8 @@ import numpy as np
 
 from frictionjoint.diagnose.decisions import SMALLEST_GAIN
 from frictionjoint.diagnose.drive import COARSE, Driven, Ranked, judged
-from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import drive_terms
+from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.unbent import unbent
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit

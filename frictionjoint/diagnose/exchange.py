@@ -11,7 +11,6 @@ from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.laws import forms_like
 from frictionjoint.diagnose.library import (
     Candidate,
     comes_first,
@@ -20,6 +19,7 @@ from frictionjoint.diagnose.library import (
     without_columns,
 )
 from frictionjoint.diagnose.moves import Look, look
+from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
@@ -147,7 +147,7 @@ def exchange_bent(state: State) -> bool:
             return False
         others = [c for c in _no_richer(state, term) if bends(c.term)]
         best: dict[tuple[str, str], Candidate] = {}
-        for candidate in _most_first(state, blocks, i, others):
+        for candidate in most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
         for candidate in list(best.values())[:_MOST]:
             terms = in_place(own, i, candidate.term)
@@ -291,12 +291,12 @@ def _in_place_of(
     state: State, blocks: Blocks, i: int, others: list[Candidate]
 ) -> tuple[Candidate, Fit]:
     """The candidate that promises most in place of the i-th effect, and the model with it."""
-    best = _most_first(state, blocks, i, others)[0]
+    best = most_first(state, blocks, i, others)[0]
     terms = in_place(state.fit.effects, i, best.term)
     return best, compared(state.prepared, terms, state.fit.shape)
 
 
-def _most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
+def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
     """Candidates for the place of the i-th effect, those that promise most first."""
     seen = screen(state.fit, blocks, others)
     rest = [at for k, at in enumerate(seen.terms) if k != i]

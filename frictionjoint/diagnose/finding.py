@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.diagnose.blocks import correlation_time
-from frictionjoint.diagnose.decisions import APART
+from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
@@ -27,6 +27,8 @@ class Finding:
             its shape numbers chosen without that motion too.
         ties: effects that the logs cannot distinguish from it. rivals: effects nearly as good.
         fit: the model right after it joined. forms: its other forms that leave as much.
+        against: the best other effect that was fitted in its place on the final model, and by how
+            much more this one takes away, as a fraction; None: see `look`.
     """
 
     term: Term
@@ -37,18 +39,26 @@ class Finding:
     rivals: tuple[Term, ...]
     fit: Fit = field(repr=False)
     forms: tuple[Effect, ...] = ()
+    against: tuple[str, float] | None = None
 
     @property
-    def runner_up(self) -> Looked | None:
-        """The next best effect of its look."""
-        rows = (r for r in self.look.rows if not r.candidate.unnamed and r.name != self.term.name)
-        return next(rows, None)
+    def runner_up(self) -> str | None:
+        """Name of the next best effect."""
+        runner = self._next_of_look
+        return self.against[0] if self.against else runner and runner.name
 
     @property
     def margin(self) -> float:
         """Gain beyond the runner-up's."""
-        runner = self.runner_up
+        if self.against:
+            return self.against[1]
+        runner = self._next_of_look
         return self.look.gain(self.row) - (self.look.gain(runner) if runner else 0.0)
+
+    @property
+    def _next_of_look(self) -> Looked | None:
+        rows = (r for r in self.look.rows if not r.candidate.unnamed and r.name != self.term.name)
+        return next(rows, None)
 
     def tied_with(self, term: Term) -> Self:
         """The same with an effect that explains as much; another wave of it is no other."""
@@ -76,7 +86,7 @@ def with_changed(
 
 @dataclass(frozen=True)
 class Sight:
-    """The smallest effect that the logs could have shown.
+    """The smallest effect that the logs would have shown.
 
     Attributes:
         torque: rms, N m. duration: s of the logs; needed: s of such motion that would show an
@@ -103,7 +113,7 @@ class Trace:
         unexplained: quantities without a named effect, with the fraction of squares they explain.
         hints: what those suggest, a sentence each.
         last_look: candidates against the final residual.
-        other: the same additions to the law of the base fit, where the final law is another.
+        other_laws: what each leaves in motion with the same additions, N m, least first.
         sight: what could have been seen.
         not_given: torque that the logs hold and that did not act.
     """
@@ -115,7 +125,7 @@ class Trace:
     unexplained: tuple[tuple[str, float], ...]
     hints: tuple[str, ...]
     last_look: Look
-    other: Fit | None
+    other_laws: tuple[tuple[str, float], ...]
     sight: Sight
     not_given: tuple[NotGiven, ...] = ()
 
@@ -132,7 +142,7 @@ class Trace:
             base=without_scale(self.base),
             findings=tuple(replace(f, fit=without_scale(f.fit)) for f in self.findings),
             final=without_scale(self.final),
-            other=self.other and without_scale(self.other),
+            other_laws=tuple((law, x / self.final.gain) for law, x in self.other_laws),
             sight=replace(self.sight, torque=self.sight.torque / self.final.gain),
         )
 
@@ -148,11 +158,15 @@ def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
     longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))
     blocks = max(2.0, len(e) / (2.0 * longest))
     needed = float(chdtri(1, np.exp(-look.chance))) if look.chance > 0.0 else 0.0
-    fraction = needed / (needed + blocks)
+    # of all that is asked of an effect what asks most: more than chance, a part of what is left,
+    # and more than a law errs by
+    fraction = max(needed / (needed + blocks), SMALLEST_GAIN)
+    left = fitted.drive_rms * fitted.error_unit
+    friction = float(np.sqrt(np.mean((fitted.friction * fitted.weight) ** 2)))
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
     enough = needed * (1.0 - APART) / APART
     return Sight(
-        float(np.sqrt(fraction)) * fitted.drive_rms * fitted.error_unit,
+        max(float(np.sqrt(fraction / (1.0 - fraction))) * left, DISCREPANCY * friction),
         duration,
         duration * enough / blocks,
     )

@@ -13,6 +13,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Band, Prepared, Segment
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.validate import require_motion
 
 # samples behind the balance's filter
 _FEWEST = 20
@@ -32,8 +33,11 @@ def prepare_kept_back(
     Args:
         body, band, controller: see `prepare`; the band is of the logs that were fitted.
     Raises:
-        LogError: so few samples are left that an error of them says nothing.
+        LogError: the joint stands still in one, its drive is off all along, or so few samples are
+            left that an error of them says nothing.
     """
+    for log in logs:
+        _require_drive_and_motion(log)
     warm = [log.with_before() if measures_drive(log) else log for log in logs]
     prepared = prepare(warm, body, band, controller)
     since = [own.time[0] - log.time[0] for own, log in zip(logs, warm, strict=True)]
@@ -47,6 +51,18 @@ def prepare_kept_back(
             f"{band.balance:.3g} Hz: hold out a longer part or log"
         )
     return kept
+
+
+def _require_drive_and_motion(log: JointLog) -> None:
+    """What is held out must be moved by its drive: an error beside nothing says nothing."""
+    source = f"{log.name}, held out"
+    require_motion(source, log.position)
+    drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)
+    if drive is not None and not np.any(drive):
+        raise LogError(
+            f"{source}: the drive is exactly 0 all along while the joint moves, so no friction "
+            "model can be judged there: hold out a part or a log in which the drive acts"
+        )
 
 
 def _from(segment: Segment, since: float) -> Segment:

@@ -50,10 +50,10 @@ def nearer(errors: Array, now: Array) -> bool:
 
 
 def moving_nearest(state: State, replayed: Replayed) -> bool:
-    """Another law, or the same from another valley, where the simulated motion is nearer.
+    """The law from another valley, where the simulated motion is nearer.
 
-    What else is wrong with a drive that a controller reconstructs bends the law: several leave as
-    much of the torque, and move quite differently.
+    What else is wrong with a drive that a controller reconstructs bends the law: several valleys
+    leave as much of the torque, and move quite differently.
 
     Returns:
         whether one was taken.

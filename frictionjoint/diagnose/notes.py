@@ -15,6 +15,8 @@ from frictionjoint.identify.timing import Timing
 
 # standard errors, or rms errors, beyond which something is more than chance
 _BEYOND = 2.0
+# part of the samples that is worth naming
+_SOME = 0.01
 DIVERGES = (
     "The simulation diverges: restarted from the log and driven as it says, it leaves the logged "
     "motion by more than all its travel, so no position error is stated. Check masses, gravity and "
@@ -50,7 +52,8 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_hold_note(found),
         *timing_note(found.final, cov),
         *found.hints,
-        *_law_note(found),
+        *stiffness_note(found.final, found.prepared.slide),
+        *_laws_note(found),
         *_constraint_note(found.final),
         *_sight_note(found),
     )
@@ -94,20 +97,26 @@ def _hold_note(found: Trace) -> tuple[str, ...]:
     return ("The torque is held from one sample to the next. The fit accounts for it.",)
 
 
-def _law_note(found: Trace) -> tuple[str, ...]:
-    """Which friction law fits better, where it is not the one of the base fit."""
-    if not found.other:
+def _laws_note(found: Trace) -> tuple[str, ...]:
+    """What the other laws leave with the same effects: a comparison, no choice."""
+    unit, _ = units_of(found.final, found.prepared.slide)
+    own, mine = law_parameters(found.final).law, found.final.rms_in_motion
+    return tuple(
+        f"With the law {law} and the same effects {left:.3g} {unit} would be left in motion on "
+        f"fitted logs, {own} leaves {mine:.3g} {unit}."
+        for law, left in found.other_laws
+    )
+
+
+def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
+    """That a stiffness is assumed."""
+    if not fitted.shape.assumed:
         return ()
-    own, final, other = (law_parameters(f).law for f in (found.base, found.final, found.other))
-    if own != final:
-        less = 1.0 - found.final.rms_in_motion / found.other.rms_in_motion
-        return (
-            f"The friction law {final} was used instead of {own}: with the same effects its error "
-            f"on fitted logs is {less:.0%} smaller. --law {own} uses {own}.",
-        )
+    unit, of_position = units_of(fitted, slide)
     return (
-        f"The effects were found with the law {other} and then added to {final}. --law {other} "
-        "reports and simulates that law.",
+        f"The stiffness before sliding, {law_parameters(fitted).stiffness:.3g} "
+        f"{unit}/{of_position}, is assumed: these logs do not determine it. It is as high as the "
+        "encoder's resolution and the time step suggest, so that the joint sticks.",
     )
 
 
@@ -169,8 +178,15 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
     sight = found.sight
     unit, _ = units_of(found.final, found.prepared.slide)
     size = f"{sight.torque:.2g} {unit} rms"
+    rest = 1.0 - float(np.mean(found.final.in_motion))
     if not sight.too_short:
-        return (f"The smallest effect that these logs would have shown is {size}.",)
+        where = (
+            f" in the other samples; in the {rest:.0%} in which the joint sticks or reverses "
+            "none was looked for"
+            if rest >= _SOME
+            else ""
+        )
+        return (f"The smallest effect that these logs would have shown is {size}{where}.",)
     return (
         f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
         f"shown is {size}. About {sight.needed:.2g} s of such motion are needed.",

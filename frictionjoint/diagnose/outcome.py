@@ -1,13 +1,11 @@
 """What a search says in the end."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Trace, sight
-from frictionjoint.diagnose.laws import forms_like
+from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -18,6 +16,8 @@ from frictionjoint.diagnose.nearest import (
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
+from frictionjoint.diagnose.unnamed import quantities_alike
+from frictionjoint.identify.base_fit import with_assumed_stiffness
 from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
@@ -27,15 +27,21 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.starts import fit
 from frictionjoint.identify.weights import reweighed
-from frictionjoint.threads import side_by_side
 
 
 def told(
-    state: State, base: Fit, replayed: Replayed, law_by_motion: bool, rng: np.random.Generator
+    state: State,
+    alone: tuple[Prepared, Fit],
+    replayed: Replayed,
+    by_motion: bool,
+    rng: np.random.Generator,
 ) -> Trace:
-    """What was found, without the dependences that have no name: those are only reported."""
+    """What was found, without the dependences that have no name: those are only reported.
+
+    Args:
+        alone: the law alone, and the logs as that weighs them.
+    """
     unexplained: dict[str, float] = {}
     hints: list[str] = []
     blocks = state.blocks
@@ -44,6 +50,10 @@ def told(
         if isinstance(term, SmoothTerm):
             gain = whole.gain(scored(without(state, term), blocks))
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
+            alike = quantities_alike(state, blocks, i)
+            for name, its in alike.items():
+                unexplained[name] = max(its, unexplained.get(name, 0.0))
+            hints += [_alike_hint(term.name, name) for name in alike]
             if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
@@ -54,26 +64,23 @@ def told(
         hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    state.prepared, state.fit = state.laws.first(state.prepared, state.fit)
     found = with_damping(state.prepared, state.fit)
     if found is not state.fit:
         state.fit = found
         drop_idle(state)
-    if law_by_motion and moving_nearest(state, replayed):
+    if by_motion and moving_nearest(state, replayed):
         drop_idle(state)
     drop_what_moves_worse(state, replayed)
     # beside another law, or fewer effects, others may explain as much now
     weigh_others(state)
     settle_ties(state)
     findings = restated(state, rng)
-    if not findings and sight(state.prepared, state.fit, state.look).too_short:
-        state.prepared, state.fit = state.laws.first(state.prepared, state.fit, too_short=True)
-    other = state.laws.unchosen(state.prepared, state.fit, base)
-    if not state.fit.effects and state.fit.shape.variables == base.shape.variables:
-        base = state.fit
+    prepared, base = alone
+    base = _finished(prepared, base)
+    if findings or not_given:
+        state.fit = with_assumed_stiffness(state.prepared, state.fit, stated_covariance)
     else:
-        # under the weights of the last model the law alone may fit best elsewhere
-        base = _law_alone(state.prepared, base)
+        state.prepared, state.fit = prepared, base
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -83,26 +90,19 @@ def told(
         hints=tuple(filter(None, hints)),
         not_given=not_given,
         last_look=state.look,
-        other=other,
+        other_laws=state.laws.compared(state.prepared, state.fit),
         sight=sight(state.prepared, state.fit, state.look),
     )
 
 
-def _law_alone(prepared: Prepared, before: Fit) -> Fit:
-    """The law of a fit without effects, from where it was and from everywhere."""
+def _alike_hint(one: str, other: str) -> str:
+    first, second = (name.removesuffix("_c") for name in (one, other))
+    return f"These logs do not tell whether it is {first} or {second}: each explains as much."
 
-    def near() -> Fit:
-        return refit(prepared, (), before.shape)
 
-    def anew() -> Fit:
-        return fit(prepared, forms=forms_like(before.shape))
-
-    def damped(make: Callable[[], Fit]) -> Fit:
-        return with_damping(prepared, make())
-
-    with side_by_side() as each:
-        fits: list[Fit] = list(each(damped, (near, anew)))
-    return best_of(fits, lambda f: f.drive_rms)
+def _finished(prepared: Prepared, fitted: Fit) -> Fit:
+    """The law alone with what is decided last."""
+    return with_assumed_stiffness(prepared, with_damping(prepared, fitted), stated_covariance)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

@@ -31,6 +31,8 @@ from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor
 
 WINDOW_S = 0.5
+# name of the text of a model that tells what of a joint's friction is assumed
+ASSUMED = "frictionjoint-assumed:"
 # Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
 _LONGEST_STEP = 1e-3
 
@@ -133,6 +135,17 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     if motor and not fitted.over_kp:
         add_motor(spec, joint, motor)
     install(spec, {joint: law_parameters(fitted)}, {joint: simulated_effects(fitted)})
+    _say_what_is_assumed(spec, joint, fitted)
+
+
+def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
+    """A text in the model, in the place of that of an earlier fit."""
+    name = f"{ASSUMED}{joint}"
+    for text in [text for text in spec.texts if text.name == name]:
+        spec.delete(text)
+    if fitted.shape.assumed:
+        text = spec.add_text()
+        text.name, text.data = name, "the stiffness before sliding is assumed"
 
 
 def replayed_whole(

@@ -107,12 +107,11 @@ def added(
 
 
 def _evidence(step: Finding) -> Evidence:
-    runner = step.runner_up
     return Evidence(
         step.gain,
         step.row.p_value,
         step.row.frequency,
-        runner.name if runner else None,
+        step.runner_up,
         step.margin,
         step.ties,
     )
@@ -204,7 +203,7 @@ def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[Simulated
 def rankings(found: Trace) -> tuple[Looked, ...]:
     """Candidates of each addition, or of the only look where nothing was added."""
     looks: list[tuple[str | None, str | None, Look]] = [
-        (f.term.name, f.runner_up.name if f.runner_up else None, f.look) for f in found.findings
+        (f.term.name, f.runner_up, f.look) for f in found.findings
     ]
     return tuple(
         Looked(

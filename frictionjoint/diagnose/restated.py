@@ -5,8 +5,9 @@ at as if it alone were missing, with all candidates beside it and the law as it 
 that is fitted without the effect has bent for want of it. The best candidates are fitted in its
 place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
 half of the halves of the data choose before these and before nothing, goes; a candidate that
-explains as much as the effect is a tie. The p-value is only stated: beside a law that has bent for
-want of a slow effect it may be high.
+explains as much as the effect, or less by no more than the error of that, is a tie. So goes, before
+all, what has a size within two standard errors of none. The p-value stays that by which the effect
+came in: beside a law that has bent for want of a slow effect that of the final model says little.
 """
 
 import itertools
@@ -15,11 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.diagnose.blocks import halves
-from frictionjoint.diagnose.decisions import MOSTLY
+from frictionjoint.diagnose.decisions import MOSTLY, TIE
+from frictionjoint.diagnose.determined import least_determined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
-from frictionjoint.diagnose.moves import Look, look
+from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, numbers_of, with_fewer, without
 from frictionjoint.identify.fit import Fit
@@ -33,6 +35,10 @@ _MOST_RIVALS = 2
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
     """What the model has, each effect with its evidence; what that does not bear out is dropped."""
     while True:
+        unsure = least_determined(state.prepared, state.fit)
+        if unsure is not None:
+            _leave_out(state, unsure)
+            continue
         found = _of_terms(state)
         seen = [_seen_alone(state, f, rng) for f in found]
         # what keeps its evidence is not judged by it
@@ -40,9 +46,13 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         if not weak:
             return tuple(seen)
         least = min(weak, key=lambda f: f.row.frequency).term
-        state.prepared, state.fit = reweighed(state.prepared, without(state, least))
-        drop_idle(state)
-        state.forget_dropped()
+        _leave_out(state, least)
+
+
+def _leave_out(state: State, term: Term) -> None:
+    state.prepared, state.fit = reweighed(state.prepared, without(state, term))
+    drop_idle(state)
+    state.forget_dropped()
 
 
 def _of_terms(state: State) -> list[Finding]:
@@ -71,19 +81,27 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
-    rivals = _rivals(seen, finding)
+    rivals = _rivals(seen, finding, row)
     instead = [with_fewer(rest, (*rest.fit.effects, t)) for t in rivals]
     now, bare, *others = (scored(f, rest.blocks) for f in (state.fit, rest.fit, *instead))
-    alike = [as_much(now, other) and as_much(other, now) for other in others]
+    close = _within_error(seen, row)
+    alike = [
+        term.name in close or (as_much(now, other) and as_much(other, now))
+        for term, other in zip(rivals, others, strict=True)
+    ]
     for term in itertools.compress(rivals, alike):
         finding = finding.tied_with(term)
+    least = min(others, key=lambda other: other.total, default=None)
+    if least is not None:
+        name = rivals[others.index(least)].name
+        finding = replace(finding, against=(name, now.gain(bare) - least.gain(bare)))
     others = [other for other, same in zip(others, alike, strict=True) if not same]
     half = halves(rest.blocks.count, rng)
     ahead = [half @ now.squares < half @ other.squares for other in (bare, *others)]
     chosen = float(np.mean(np.all(ahead, axis=0)))
     # shapes were chosen on all of the data for the one gain, without each fold for the other
     gain = min(now.gain(bare), seen.gain(row))
-    row = row._replace(frequency=chosen)
+    row = row._replace(frequency=chosen, p_value=finding.row.p_value)
     return replace(finding, look=seen, row=row, gain=gain)
 
 
@@ -96,10 +114,22 @@ def _as_it_is(state: State, term: Term) -> Fit:
     return as_it_is.result(as_it_is.start)
 
 
-def _rivals(seen: Look, finding: Finding) -> list[Term]:
+def _within_error(seen: Look, row: Looked) -> set[str]:
+    """Names of effects of which a look has about as much left, within the error of that."""
+    gain = seen.gain(row)
+    found = set()
+    for other in seen.rows:
+        more = other.left - row.left
+        error = float(np.std(more)) * np.sqrt(len(more))
+        if seen.gain(other) >= (1.0 - TIE) * gain and abs(float(more.sum())) <= error:
+            found.add(other.name)
+    return found
+
+
+def _rivals(seen: Look, finding: Finding, row: Looked) -> list[Term]:
     """The best other effects of no more numbers, without its ties."""
     terms = [r.candidate.term for r in seen.rows if not r.candidate.unnamed]
-    own = {finding.term.name, *finding.ties}
+    own = {row.name, *finding.ties}
     most = numbers_of(finding.term)
     return [t for t in terms if t.name not in own and numbers_of(t) <= most][:_MOST_RIVALS]
 

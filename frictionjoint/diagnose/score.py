@@ -11,8 +11,6 @@ from frictionjoint.diagnose.possible import impossible
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.reach import unreached
 from frictionjoint.identify.rounding import EQUAL
-from frictionjoint.identify.search import ROUGH, refit
-from frictionjoint.identify.segment import Prepared
 
 
 @dataclass(frozen=True)
@@ -76,17 +74,3 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     beyond = impossible(fitted, blocks)
     unit = fitted.error_unit**2
     return Scored(fitted, squares / unit, noise / unit, beyond)
-
-
-def left_elsewhere(prepared: Prepared, fitted: Fit, blocks: Blocks) -> float:
-    """Squares of all folds, each left by the law and effects fitted to the others alone.
-
-    Each in units of its own `Fit.error_unit`. A score takes the law as it is, this does not.
-    """
-    fold = blocks.folds.place[blocks.of_sample]
-    total = 0.0
-    for k in range(len(blocks.folds.inside)):
-        own = fold == k
-        rest = refit(prepared.without_samples(own), fitted.effects, fitted.shape, ROUGH)
-        total += float(np.sum((rest.residual * fitted.weight)[own] ** 2)) / rest.error_unit**2
-    return total

@@ -12,9 +12,9 @@ from frictionjoint.diagnose.decisions import (
     TIE,
 )
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.laws import Laws
 from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, nearer, refit
@@ -50,17 +50,17 @@ class State:
 
     Attributes:
         prepared: the logs as they are weighted now. fit: the model. findings: what was found.
-        look: what was looked at last. laws: that it may have.
-        law_errs: whether the score leaves out where the law may be wrong, see `Laws.errors`. What
-            is found so is no error of the law; what only another law would explain as well, an
-            effect may be after all, and is looked for afterwards.
+        look: what was looked at last. laws: other ones beside its own.
+        law_errs: whether the score leaves out where the law may be wrong, see
+            `OtherLaws.errors`. What is found so is no error of the law; what only another law would
+            explain as well, an effect may be after all, and is looked for afterwards.
     """
 
     prepared: Prepared
     fit: Fit
     findings: list[Finding]
     look: Look
-    laws: Laws
+    laws: OtherLaws
     law_errs: bool = True
     _known: _Model | None = field(default=None, repr=False)
 

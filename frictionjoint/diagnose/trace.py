@@ -28,10 +28,10 @@ from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
+from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.outcome import told
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
@@ -43,13 +43,13 @@ from frictionjoint.diagnose.state import (
     numbers_of,
 )
 from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
+from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
-from frictionjoint.identify.starts import fit, law_alone
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.swing import swings
 from frictionjoint.identify.terms import EffectTerm, Term, leaps
 from frictionjoint.identify.weights import reweighed
@@ -80,27 +80,27 @@ def trace(
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     replayed: Replayed = lambda prepared, fitted: None,
-    law_by_motion: bool = False,
+    by_motion: bool = False,
 ) -> Trace:
     """Run the search on prepared logs; uses these logs only, split into folds.
 
     Args:
         seed: of flips and resampling; equal seeds give equal results.
         progress: called with what is being done.
-        law: name of the friction law; None for the integrated law, or in the result another one
-            where that is clearly better.
+        law: name of the friction law; None for the integrated one.
         replayed: mean square error of each run of such logs simulated with a fit to them, rad^2
             (m^2), shape (k,), or None. What makes it worse is dropped.
-        law_by_motion: of the laws that leave about as much torque, take the one that moves nearest.
+        by_motion: of valleys of the law that leave about as much torque, take the one that moves
+            nearest.
     Raises:
         ParameterError: no law has this name.
     """
     rng = np.random.default_rng(seed)
     progress("fitting the friction law")
-    prepared, base = law_alone(prepared, forms_of(law or INTEGRATED_LAW), progress)
-    laws = Laws(prepared, base, asked=law is not None, progress=progress)
-    prepared, current = laws.better(prepared, base)
-    state = State(prepared, current, [], Look((), np.zeros(0), 0.0), laws)
+    prepared, alone = base_fit(prepared, law or INTEGRATED_LAW, progress)
+    laws = OtherLaws(prepared, alone, progress)
+    state = State(prepared, alone, [], Look((), np.zeros(0), 0.0), laws)
+    _follow(state)
     bent = False
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"looking for missing effect {change}")
@@ -114,7 +114,7 @@ def trace(
         if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
-        if _other_law(state) or taken or exchange_bent(state) or exchange_drive(state, rng):
+        if _follow(state) or taken or exchange_bent(state) or exchange_drive(state, rng):
             continue
         if exchange_for_drive(state, rng):
             continue
@@ -122,7 +122,7 @@ def trace(
         state.law_errs = False
         if not (_of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)):
             break
-    return told(state, base, replayed, law_by_motion, rng)
+    return told(state, (prepared, alone), replayed, by_motion, rng)
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
@@ -349,8 +349,9 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
     if pair and (not best or _clearly(pair, best)):
         best = pair
     unnamed = _least([t for t in good if t.move.unnamed])
-    # a curve, which bends with the data, takes an effect's place as it would come in beside it
-    if unnamed and (not best or needed(unnamed.score, best.score)):
+    # a curve, which bends with the data, does not take the place of an effect that explains hardly
+    # less: it may come in beside that
+    if unnamed and (not best or _much_before(unnamed, best, now)):
         return _Choice(unnamed)
     if not best:
         return None
@@ -386,6 +387,12 @@ def _clearly(one: _Tried, other: _Tried) -> bool:
     return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
 
 
+def _much_before(unnamed: _Tried, best: _Tried, now: Scored) -> bool:
+    """Whether what has no name explains so much that the best effect is but a part of it."""
+    enough = (1.0 - TIE) * unnamed.score.gain(now)
+    return needed(unnamed.score, best.score) and best.score.gain(now) < enough
+
+
 def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:
     """Other effects that explain nearly as much."""
     least = (1.0 - TIE) * taken.score.gain(now)
@@ -397,12 +404,15 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
     )
 
 
-def _other_law(state: State) -> bool:
-    """Take another law where that is clearly better together with the effects found.
+def _follow(state: State) -> bool:
+    """Fit all laws with the effects found; take another form of the own one where that is better.
 
-    What an effect stood in for may have been the former law's error: what is idle now goes.
+    What an effect stood in for may have been the former form's error: what is idle now goes.
+
+    Returns:
+        whether another form was taken.
     """
-    prepared, found = state.laws.better(state.prepared, state.fit)
+    prepared, found = state.laws.follow(state.prepared, state.fit)
     if found is state.fit:
         return False
     state.prepared, state.fit = prepared, found

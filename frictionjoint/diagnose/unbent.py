@@ -12,8 +12,8 @@ speed, and with those that explain much more at such a start than the law alone 
 from collections.abc import Sequence
 
 from frictionjoint.diagnose.decisions import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
-from frictionjoint.diagnose.laws import Laws, forms_like
 from frictionjoint.diagnose.moves import Look, Looked, Move
+from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.clearly import CLEARLY
@@ -53,13 +53,13 @@ def bends(term: Term) -> bool:
 
 
 def worth_unbending(
-    now: Scored, seen: Look, prepared: Prepared, laws: Laws
+    now: Scored, seen: Look, prepared: Prepared, laws: OtherLaws
 ) -> list[tuple[Move, list[Sequence[Shape]]]]:
     """Effects for want of which a law alone may have bent, each with the laws to fit beside it.
 
-    With every law those that any is apt to bend for, unless the law as it is denies them; with the
-    law as it is those that leave less at one of its starts, where nothing has bent it yet, than it
-    does alone at its best.
+    With every form of the law those that any is apt to bend for, unless the law as it is denies
+    them; with the law as it is those that leave less at one of its starts, where nothing has bent
+    it yet, than it does alone at its best.
 
     Args:
         now: the present model. seen: the candidates beside it.
@@ -81,5 +81,5 @@ def worth_unbending(
         left = list(each(at_a_start, rest))
     most = (1.0 - SMALLEST_GAIN) * alone
     hidden = [rest[k] for k in in_order(range(len(rest)), lambda k: left[k]) if left[k] <= most]
-    tried = [*((r, laws.forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
+    tried = [*((r, laws.own_forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
     return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]

@@ -76,6 +76,7 @@ class Effect:
             to block and delay of the actual one. Such an effect has no kernel and no coefficients.
         controller: for an effect of the drive, the fields of a `Controller` that it changes.
         drive_shapes: grid of shape numbers to search, from the commands of each log.
+        none: shape numbers at which it changes nothing; empty: all 0, or infinite.
         separating_motion: what to record to distinguish it from similar effects.
     """
 
@@ -118,6 +119,7 @@ class Effect:
     drive: Callable[[Array, float, Shape], tuple[Array, float]] | None = None
     controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
     drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
+    none: Shape = ()
 
     def __repr__(self) -> str:
         return f"Effect({self.name!r}, {self.form!r})"

@@ -49,4 +49,5 @@ EFFECT = Effect(
     drive=changed,
     controller=figures,
     drive_shapes=_factors,
+    none=(1.0,),
 )

@@ -1,4 +1,4 @@
-"""The static law as MuJoCo's own `frictionloss` has it, to read the logs of a simulation.
+"""The law as MuJoCo's own `frictionloss` has it, to read the logs of a simulation.
 
 That friction is a constraint: the solver drives velocity and acceleration to zero together, as
 v + a/b, with all the level allows (documentation of MuJoCo, chapter Computation, reference
@@ -7,7 +7,7 @@ joint does; a law without that lead leaves more of such a log than many an effec
 half a step of the simulation is lost, for the acceleration is that of the step to come.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -16,27 +16,32 @@ from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.law.motion import edges_of
-from frictionjoint.parameters import Friction
+from frictionjoint.parameters import FrictionParameters
 
 # s, 1/b = dmax timeconst / 2 of the default solimp and solref, and what steps of up to 5 ms leave
 # of it: a lead of any size would take up much in the logs of robots
 LEAD = 0.5 * 0.95 * 0.02
 _LEADS = (0.7 * LEAD, 1.05 * LEAD)
+# rad, until the logs say what they resolve
+_REACH = 1e-6
 
 
 @dataclass(frozen=True)
 class ConstraintShape:
-    """S(|v|) sat((v + lead a) / V0), with the numbers of a static law and the lead in s.
+    """S(|v|) sat((v + lead a) / V0), with the numbers of a static law.
 
-    A simulation with these parameters has the static law, without the lead.
+    Attributes:
+        lead: s. reach: displacement at a reversal, rad: no log of such friction determines it.
     """
 
     static: RivalShape
     lead: float = LEAD
+    reach: float = _REACH
 
     variables = ("excess", "log Vs", "delta", "log V0 of v + lead a over Vs", "log lead")
     damped = False
     steps = True
+    assumed = True
 
     def vector(self) -> Array:
         """See `Shape`."""
@@ -44,7 +49,7 @@ class ConstraintShape:
 
     def moved(self, x: Array) -> Self:
         """See `Shape`."""
-        return type(self)(self.static.moved(x[:-1]), float(np.exp(x[-1])))
+        return replace(self, static=self.static.moved(x[:-1]), lead=float(np.exp(x[-1])))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
@@ -53,7 +58,7 @@ class ConstraintShape:
 
     def grid(self, vmax: float, span: float) -> list[Self]:
         """See `Shape`."""
-        return [type(self)(shape, self.lead) for shape in self.static.grid(vmax, span)]
+        return [replace(self, static=shape) for shape in self.static.grid(vmax, span)]
 
     def last_choices(self) -> list[Self]:
         """See `Shape`."""
@@ -63,9 +68,22 @@ class ConstraintShape:
         """See `Shape`."""
         return None
 
-    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
-        """The law at a Coulomb level."""
-        return self.static.parameters(Fc, sigma2, sigma1)
+    def with_assumed_stiffness(self) -> Self:
+        """See `Shape`."""
+        return self
+
+    def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
+        """The integrated law at a Coulomb level: it sticks where this constraint creeps."""
+        excess, log_Vs, delta, _ = self.static.vector()
+        Fs = Fc * (1.0 + float(excess))
+        return FrictionParameters.symmetric(
+            Fs=Fs,
+            Fc=Fc,
+            Vs=float(np.exp(log_Vs)),
+            delta=float(delta),
+            sigma2=sigma2,
+            knots=((2.0 * self.reach, 2.0 * Fs),),
+        )
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
         """See `Shape`."""

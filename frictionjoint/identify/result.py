@@ -123,7 +123,8 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
             continue
         on = list(gradients[name])
         by_column = {at[i]: gradients[name][i] * scale[i] for i in on}
-        unknown = not on or (flat and symbol in ("Vs", "delta"))
+        assumed = symbol == "stiffness" and fitted.shape.assumed
+        unknown = not on or assumed or (flat and symbol in ("Vs", "delta"))
         if "T" in UNITS[symbol]:
             by_column |= _of_gain(fitted, value)
         error = None if unknown else _error(cov, by_column)

@@ -64,11 +64,13 @@ class RivalShape:
     Attributes:
         law: the class of its parameters. numbers: in the order of `variables`.
         least_rate: of the attraction to the sliding level, C over Fc, in 1/s.
+        assumed: see `Shape`.
     """
 
     law: Any
     numbers: tuple[float, ...]
     least_rate: float = 0.1
+    assumed: bool = False
 
     steps = False
 
@@ -129,6 +131,10 @@ class RivalShape:
     def with_damping(self) -> Self | None:
         """See `Shape`."""
         return None
+
+    def with_assumed_stiffness(self) -> Self:
+        """See `Shape`."""
+        return replace(self, assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law at a Coulomb level."""

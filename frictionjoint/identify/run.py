@@ -10,8 +10,9 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.describe import meaning
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.notes import inertia_note
+from frictionjoint.diagnose.notes import inertia_note, stiffness_note
 from frictionjoint.files import toml_text, toml_text_without_scale
+from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import without_scale
@@ -27,8 +28,6 @@ from frictionjoint.identify.result import (
     units_of,
 )
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.starts import fit
-from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameters import Friction
@@ -100,7 +99,7 @@ def identify_law(
     progress: Callable[[str], None],
 ) -> Identified:
     """Fit a friction law; see `frictionjoint.identify`."""
-    forms = forms_of(law)
+    forms_of(law)
     bodies = Bodies(model, joint, fixed)
     driven_by = controller_of(controller, joint, bodies.models)
     read = bounded(list(logs))
@@ -111,9 +110,9 @@ def identify_law(
         said += unknown_notes(driven_by)
     prepared = prepare(read, bodies.of(read), controller=driven_by)
     check_balance(prepared)
-    found = fit(prepared, forms=forms, progress=progress)
-    prepared, fitted = reweighed(prepared, found)
+    prepared, fitted = base_fit(prepared, law, progress)
     fitted = with_damping(prepared, fitted)
+    fitted = with_assumed_stiffness(prepared, fitted, stated_covariance)
     check_fit(prepared, fitted)
     if not scale_is_determined(prepared, fitted):
         fitted = without_scale(fitted)
@@ -125,5 +124,10 @@ def identify_law(
         unit=unit,
         torque_rms=fitted.rms,
         drive_rms=fitted.target_rms,
-        notes=(*said, *scale_note(fitted, body.slide), *inertia_note(prepared, fitted)),
+        notes=(
+            *said,
+            *scale_note(fitted, body.slide),
+            *inertia_note(prepared, fitted),
+            *stiffness_note(fitted, body.slide),
+        ),
     )

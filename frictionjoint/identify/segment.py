@@ -332,21 +332,6 @@ class Prepared:
             band=replace(self.band, sensor_saturates=True),
         )
 
-    def without_samples(self, gone: NDArray[np.bool_]) -> "Prepared":
-        """The logs with some of the kept samples counting for nothing.
-
-        Args:
-            gone: of the kept samples of all logs in turn.
-        """
-        ends = np.cumsum([int(s.kept.sum()) for s in self.segments])[:-1]
-        weights = []
-        for s, own in zip(self.segments, np.split(gone, ends), strict=True):
-            weight = np.ones(len(s.drive)) if s.weight is None else s.weight.copy()
-            places = s.step * np.flatnonzero(s.kept)
-            weight[places[own]] = 0.0
-            weights.append(weight)
-        return self.weighed(weights)
-
     def subset(self, indices: list[int]) -> "Prepared":
         """Some of the logs."""
         return replace(self, segments=tuple(self.segments[i] for i in indices))

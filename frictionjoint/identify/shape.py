@@ -35,8 +35,15 @@ class Shape(Protocol):
     def steps(self) -> bool:
         """Whether it is a simulation's own, whose steps its logs show."""
 
+    @property
+    def assumed(self) -> bool:
+        """Whether its stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
+
     def with_damping(self) -> Self | None:
         """This shape damped, None where it is already or never is."""
+
+    def with_assumed_stiffness(self) -> Self:
+        """This shape marked as of an assumed stiffness."""
 
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
@@ -131,7 +138,7 @@ class IntegratedShape:
         bend: slope of the second segment over the first, and of the third over the second, each
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
-        damped: see `Shape`.
+        damped, assumed: see `Shape`.
     """
 
     excess: float
@@ -141,6 +148,7 @@ class IntegratedShape:
     bend: tuple[float, float]
     form: Form
     damped: bool = False
+    assumed: bool = False
 
     variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
     steps = False
@@ -184,6 +192,10 @@ class IntegratedShape:
     def with_damping(self) -> Self | None:
         """See `Shape`."""
         return None if self.damped else replace(self, damped=True)
+
+    def with_assumed_stiffness(self) -> Self:
+        """See `Shape`."""
+        return replace(self, assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""

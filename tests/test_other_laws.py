@@ -1,4 +1,4 @@
-"""Several friction laws beside one model: which is taken, and where one of them may be wrong."""
+"""Other friction laws beside the one that is asked for: a comparison, and where it may be wrong."""
 
 from dataclasses import replace
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.laws import Laws
+from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.identify.basis import without
+from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
@@ -21,11 +22,10 @@ def prepared(tmp_path_factory):
     return prepared_logs(replace(PENDULUM, motions=motions), tmp_path_factory.mktemp("logs"))
 
 
-@pytest.mark.parametrize("asked", [False, True])
-def test_a_law_is_wrong_towards_the_laws_between_which_the_true_one_lies(prepared, asked):
+def test_a_law_is_wrong_towards_the_laws_between_which_the_true_one_lies(prepared):
     base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
-    laws = Laws(prepared, base, asked=asked)
-    _, own = laws.better(prepared, base)
+    laws = OtherLaws(prepared, base)
+    _, own = laws.follow(prepared, base)
     others = [
         refit(prepared, (), shape, ROUGH)
         for names, shape in laws.shapes.items()
@@ -42,29 +42,22 @@ def test_a_law_is_wrong_towards_the_laws_between_which_the_true_one_lies(prepare
 
 def test_a_law_starts_as_no_effect_had_bent_it_too(prepared):
     base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
-    laws = Laws(prepared, base, asked=False)
+    laws = OtherLaws(prepared, base)
     bent = base.shape.moved(base.shape.vector() + 0.1)
-    laws.better(prepared, replace(base, shape=bent))
+    laws.follow(prepared, replace(base, shape=bent))
     assert laws.starts(bent) == (bent, base.shape)
 
 
-def test_a_law_that_is_asked_for_is_kept(prepared):
-    base = fit(prepared, forms=forms_of("static"))
-    _, chosen = Laws(prepared, base, asked=True).better(prepared, base)
-    assert chosen.shape.variables == base.shape.variables
-
-
-def test_a_law_that_is_no_longer_clearly_better_gives_way_to_the_first(prepared):
-    base = fit(prepared, forms=forms_of(INTEGRATED_LAW))
-    laws = Laws(prepared, base, asked=False)
-    rival = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
-    nearer = replace(rival, residual=0.5 * rival.residual)
-    assert laws.first(prepared, nearer) == (prepared, nearer)
-    # of logs too short to tell of an effect, none is clearly better
-    _, kept = laws.first(prepared, nearer, too_short=True)
-    assert kept.shape.variables == base.shape.variables
-    further = replace(rival, residual=1.5 * rival.residual)
-    _, found = laws.first(prepared, further)
-    assert found.shape.variables == base.shape.variables
-    assert found.drive_rms < further.drive_rms
-    assert laws.first(prepared, base) == (prepared, base)
+@pytest.mark.parametrize("law", [INTEGRATED_LAW, "static"])
+def test_a_law_that_is_asked_for_is_kept_and_the_others_are_compared(prepared, law):
+    base = fit(prepared, forms=forms_of(law))
+    laws = OtherLaws(prepared, base)
+    # however much it leaves, no other law takes its place
+    worse = replace(base, residual=5.0 * base.residual)
+    _, chosen = laws.follow(prepared, worse)
+    assert law_parameters(chosen).law == law
+    compared = dict(laws.compared(prepared, base))
+    assert law not in compared
+    assert {"lugre", "maxwell_slip"} <= set(compared)
+    lugre = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
+    assert compared["lugre"] == pytest.approx(lugre.rms_in_motion)

@@ -1,0 +1,57 @@
+"""Whether logs determine that an effect is there at all: its size, by its own standard errors."""
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.diagnose.decisions import SURELY
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.library import comes_first, is_unnamed
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+
+
+def least_determined(prepared: Prepared, fitted: Fit) -> Term | None:
+    """Of the effects whose sizes are within two standard errors of none the one that is most so.
+
+    What comes first is known to be there: only its size is not.
+
+    Returns:
+        None where all sizes are known better.
+    """
+    asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or comes_first(t))]
+    if not asked:
+        return None
+    cov = stated_covariance(prepared, fitted)
+    sure = {i: standard_errors(fitted, cov, i) for i in asked}
+    least = min(asked, key=lambda i: sure[i])
+    return fitted.effects[least] if sure[least] < SURELY else None
+
+
+def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
+    """How many standard errors the i-th effect is from having no size.
+
+    The size is its coefficients, the surest of them; of an effect without any it is its shape
+    numbers, of which each has a value that changes nothing, see `Effect.none`: 0 (or infinity,
+    which is as far), or 1 of a factor.
+
+    Args:
+        cov: of all parameters of the fit, in the order of its jacobian.
+    """
+    term, layout = fitted.terms[i], fitted.layout
+    at = layout.coefficients(i)
+    without_size = isinstance(term, EffectTerm) and term.effect.of_load
+    if at.stop > at.start and not without_size:
+        x, places = np.asarray(fitted.beta[at]), np.arange(at.start, at.stop)
+    else:
+        x, numbers = np.array(term.free_shape), layout.numbers(i)
+        places = np.arange(numbers.start, numbers.stop)
+        if isinstance(term, EffectTerm | DriveTerm) and term.effect.none:
+            x = x - np.array(term.effect.none)
+    if not len(x):
+        return np.inf
+    variance = np.diag(cov)[places]
+    errors = np.sqrt(np.where(np.isfinite(variance), np.maximum(variance, 0.0), np.inf))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sure = np.abs(x) / errors
+    return float(np.max(np.where(np.isnan(sure), np.inf, sure)))

@@ -1,0 +1,148 @@
+"""Other friction laws beside the one that is asked for.
+
+They never take its place. They tell in which directions a law may be wrong, since none is exact,
+and what each would leave in the end, for comparison.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.optimize import nnls
+
+from frictionjoint.arrays import Array
+from frictionjoint.identify.base_fit import CONSTRAINT, better_form
+from frictionjoint.identify.basis import without
+from frictionjoint.identify.clearly import CLEARLY
+from frictionjoint.identify.design import lengths
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
+from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.terms import Term
+from frictionjoint.law.names import LAWS
+from frictionjoint.threads import side_by_side
+
+# Maxwell-slip must follow its sliding level promptly: its lag would hide an effect of that name
+_RIVALS = (
+    prompt_maxwell_slip(),
+    forms_of("lugre"),
+    forms_of("elastoplastic"),
+    forms_of("dahl_stribeck"),
+    forms_of("static"),
+    CONSTRAINT,
+)
+# the forms of every law by the names of its numbers
+_FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
+    forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)
+}
+
+
+def forms_like(shape: Shape) -> Sequence[Shape]:
+    """The forms of a shape's law."""
+    return _FORMS[shape.variables]
+
+
+class OtherLaws:
+    """The best shape known of each law, to start from when the model has changed.
+
+    Args:
+        prepared: the logs. base: the law that is asked for, fitted to them.
+    """
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        base: Fit,
+        progress: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        own = base.shape.variables
+        integrated = (INTEGRATED[0].variables, CONSTRAINT[0].variables)
+        self._own = integrated if own in integrated else (own,)
+        self.shapes: dict[tuple[str, ...], Shape] = {own: base.shape}
+        self._rivals = [forms for forms in (*_RIVALS, INTEGRATED) if self._is_rival(forms, own)]
+        self._friction: dict[tuple[str, ...], Array] = {}
+        self._progress = progress
+        self.ripen(prepared, base.effects)
+        self._alone = dict(self.shapes)
+
+    def _is_rival(self, forms: Sequence[Shape], own: tuple[str, ...]) -> bool:
+        names = forms[0].variables
+        return names != own and (forms is not INTEGRATED or names in self._own)
+
+    def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
+        """Fit the rivals' shapes together with some effects, from all starts."""
+        self._progress("fit: other laws")
+
+        def ripest(forms: tuple[Shape, ...]) -> Shape:
+            place = ripened(prepared, effects, forms)[0]
+            return place.search.split(place.x)[0]
+
+        with side_by_side() as each:
+            for shape in each(ripest, self._rivals):
+                self.shapes[shape.variables] = shape
+
+    @property
+    def own_forms(self) -> list[Sequence[Shape]]:
+        """Of the law that is asked for, by the names of their numbers."""
+        return [_FORMS[names] for names in self._own]
+
+    def starts(self, shape: Shape) -> tuple[Shape, ...]:
+        """Where to start with a law when effects go: as it is, and as no effect had bent it."""
+        return tuple(dict.fromkeys((shape, self._alone[shape.variables])))
+
+    def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+        """Fit all laws with the effects of a model.
+
+        Returns:
+            the model with another form of its law where that is clearly better, see `CONSTRAINT`.
+        """
+        own = fitted.shape.variables
+        self.shapes[own] = fitted.shape
+
+        def refitted(shape: Shape) -> Fit:
+            return refit(prepared, fitted.effects, shape, ROUGH)
+
+        with side_by_side() as each:
+            others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
+        self.shapes |= {other.shape.variables: other.shape for other in others}
+        self._friction = {f.shape.variables: f.friction for f in (fitted, *others)}
+        forms = [f for f in others if f.shape.variables in self._own]
+        return better_form(prepared, fitted, forms)
+
+    def errors(self, fitted: Fit) -> Array:
+        """The direction in which the law of a fit is wrong first of all, N m, shape (n, 1).
+
+        Towards the laws, as last fitted, between which the true one lies: the shares of them that
+        leave least. It is one number that is free and not one a law, which together would explain
+        much that is no friction.
+        """
+        w = fitted.weight
+        names = fitted.shape.variables
+        others = [x - fitted.friction for law, x in self._friction.items() if law != names]
+        known = fitted.free_jacobian * w[:, None]
+        known /= lengths(known)
+        towards = np.array(others).T
+        free = without(np.column_stack([towards, fitted.residual]) * w[:, None], known)
+        shares, _ = nnls(free[:, :-1], free[:, -1])
+        return np.asarray(towards @ shares[:, None])
+
+    def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
+        """Every valley of the law that leaves hardly more than a fit, with its effects.
+
+        As a coarse look has them, which is near enough to be simulated.
+        """
+        self._progress("fit: valleys that leave as much")
+        places = [p for forms in self.own_forms for p in ripened(prepared, fitted.effects, forms)]
+        most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
+        return [p.search.result(p.x) for p in places if p.cost <= most]
+
+    def compared(self, prepared: Prepared, fitted: Fit) -> tuple[tuple[str, float], ...]:
+        """What each other law leaves in motion with the effects of a model, N m, least first."""
+        shapes = [s for names, s in self.shapes.items() if names not in self._own]
+        with side_by_side() as each:
+            fits = list(each(lambda s: refit(prepared, fitted.effects, s, ROUGH), shapes))
+        left = {law_parameters(f).law: f.rms_in_motion for f in fits}
+        return tuple(sorted(left.items(), key=lambda pair: pair[1]))

@@ -1,0 +1,46 @@
+"""Quantities that an unnamed dependence may be on: those that explain as much are a tie.
+
+In an arm that moves alone the load is a function of the position, and no log of it tells them
+apart.
+"""
+
+from frictionjoint.diagnose.blocks import Blocks
+from frictionjoint.diagnose.exchange import most_first
+from frictionjoint.diagnose.score import scored
+from frictionjoint.diagnose.state import State, as_much, compared
+from frictionjoint.identify.smooth import SplineTerm
+from frictionjoint.identify.terms import Term, in_place
+
+# other quantities that are fitted in the place of one, those that promise most
+_MOST = 2
+
+
+def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
+    """Quantities that explain as much in the place of that of the i-th effect, a curve.
+
+    Returns:
+        with the fraction that each explains of what is left without any.
+    """
+    own = state.fit.effects
+    term = own[i]
+    if not isinstance(term, SplineTerm):
+        return {}
+    taken = {t.name for t in own}
+    others = [
+        c for c in state.candidates if isinstance(c.term, SplineTerm) and c.term.name not in taken
+    ]
+    if not others:
+        return {}
+    best: dict[str, Term] = {}
+    for candidate in most_first(state, blocks, i, others):
+        best.setdefault(candidate.term.name, candidate.term)
+    now = scored(state.fit, blocks)
+    rest = tuple(t for t in own if t is not term)
+    bare = scored(compared(state.prepared, rest, state.fit.shape), blocks)
+    found = {}
+    for instead in list(best.values())[:_MOST]:
+        terms = in_place(own, i, instead)
+        other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
+        if as_much(other, now):
+            found[instead.name] = other.gain(bare)
+    return found

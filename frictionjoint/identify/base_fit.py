@@ -1,0 +1,102 @@
+"""The law alone: what `identify` writes, and what `close-loop` starts from and compares with."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import A
+from frictionjoint.identify.clearly import CLEARLY
+from frictionjoint.identify.constraint_shape import ConstraintShape
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.rival_shape import forms_of, start_of
+from frictionjoint.identify.rounding import in_order
+from frictionjoint.identify.search import ROUGH, Search, refit
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.starts import law_alone, ripened
+from frictionjoint.identify.weights import reweighed
+from frictionjoint.rivals import StaticParameters
+from frictionjoint.threads import one_thread
+
+# how the integrated law acts in the log of a simulation with MuJoCo's own `frictionloss`
+CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
+# standard error of a stiffness over it, from which on the logs do not determine it
+_UNKNOWN = 0.5
+
+
+@one_thread
+def base_fit(
+    prepared: Prepared, law: str, progress: Callable[[str], None] = lambda text: None
+) -> tuple[Prepared, Fit]:
+    """The law alone, fitted to logs, with the weights that follow from it.
+
+    Without the contact's damping and an assumed stiffness, which are decided last.
+
+    Raises:
+        ParameterError: no law has this name.
+    """
+    forms = forms_of(law)
+    prepared, found = law_alone(prepared, forms, progress)
+    if forms is not INTEGRATED:
+        return prepared, found
+    place = ripened(prepared, (), CONSTRAINT)[0]
+    other = refit(prepared, (), place.search.split(place.x)[0], ROUGH)
+    return better_form(prepared, found, [other])
+
+
+def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[Prepared, Fit]:
+    """A fit, or of other forms of its law the best one where that leaves clearly less."""
+    clear = [f for f in forms if f.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms]
+    if not clear:
+        return prepared, fitted
+    return reweighed(prepared, in_order(clear, lambda f: f.drive_rms)[0])
+
+
+def with_assumed_stiffness(
+    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
+) -> Fit:
+    """The same fit with a stiffness that is assumed, if the logs do not determine it.
+
+    It is as high as the encoder's resolution and the time step suggest (see `shortest`), so that
+    the joint sticks. The logs determine a stiffness if they know it within a half, or if they fit
+    clearly worse with the assumed one.
+
+    Args:
+        covariance: of a fit's parameters.
+    """
+    shape = fitted.shape
+    reach = shortest(prepared)
+    if isinstance(shape, ConstraintShape):
+        return replace(fitted, shape=replace(shape, reach=reach))
+    if "log length" not in shape.variables:
+        return fitted
+    known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
+    if known.stderr is not None and known.stderr < _UNKNOWN * known.value:
+        return fitted
+    x = shape.vector()
+    x[shape.variables.index("log length")] = np.log(reach)
+    search = Search(prepared, fitted.terms, shape.moved(x).with_assumed_stiffness())
+    found = search.result(search.start)
+    if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY):
+        return found
+    # a stiffness beyond what the logs resolve is a guess too, a softer one is not
+    stiffer = known.value > law_parameters(found).stiffness
+    return replace(fitted, shape=shape.with_assumed_stiffness()) if stiffer else fitted
+
+
+def shortest(prepared: Prepared) -> float:
+    """The shortest displacement at a reversal that the logs resolve, rad (m).
+
+    Below the encoder's error nothing is seen, nor what the joint passes within half a sample of a
+    reversal, at its usual acceleration.
+    """
+
+    def of_log(resolution: float, dt: float, a: Array) -> float:
+        return max(resolution, 0.125 * float(np.sqrt(np.mean(a**2))) * dt**2)
+
+    return min(
+        of_log(s.noise.resolution, s.sample, s.signals[s.mask, A]) for s in prepared.segments
+    )

@@ -1,0 +1,72 @@
+"""A stiffness that logs do not determine is assumed and said to be so."""
+
+import numpy as np
+import pytest
+
+from frictionjoint import close_loop
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.identify.base_fit import base_fit, shortest, with_assumed_stiffness
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+
+DT, N, LEVEL, COUNT = 2e-3, 4000, 0.5, 1e-4
+JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 0 1"/>
+<inertial mass="1" pos="0 0 0" diaginertia="0.05 0.05 0.05"/></body></worldbody></mujoco>"""
+
+
+def log(stiffness: float, seed: int = 1) -> JointLog:
+    """A bristle of a stiffness along sines, read by an encoder."""
+    t = DT * np.arange(N)
+    q = 0.5 * np.sin(2.0 * np.pi * 0.3 * t + seed) + 0.2 * np.sin(2.0 * np.pi * 0.8 * t)
+    a = np.gradient(np.gradient(q, DT), DT)
+    held, friction = 0.0, np.empty(N)
+    for k in range(N):
+        held = np.clip(held + stiffness * (q[k] - q[k - 1] if k else 0.0), -LEVEL, LEVEL)
+        friction[k] = held
+    noise = 2e-3 * np.random.default_rng(seed).standard_normal(N)
+    read = COUNT * np.round(q / COUNT)
+    return JointLog(
+        name=f"{seed}", joint="j", time=t, position=read, torque=0.05 * a + friction + noise
+    )
+
+
+def fitted(stiffness: float):
+    body = RigidBody(JOINT, "j")
+    prepared, found = base_fit(prepare([log(stiffness)], body), "integrated")
+    return prepared, with_assumed_stiffness(prepared, found, stated_covariance)
+
+
+def test_a_stiffness_that_the_encoder_does_not_resolve_is_assumed():
+    prepared, found = fitted(5e5)
+    assert found.shape.assumed
+    stiffness = law_estimates(found, stated_covariance(prepared, found), False)["stiffness"]
+    assert stiffness.stderr is None
+    # no softer than what the logs would have shown
+    law = law_parameters(found)
+    assert stiffness.value == pytest.approx(law.stiffness)
+    assert stiffness.value >= 0.99 * law.Fs_pos / shortest(prepared)
+    assert law.Fc_pos == pytest.approx(LEVEL, rel=0.02)
+
+
+def test_a_stiffness_that_the_logs_show_is_estimated():
+    prepared, found = fitted(20.0)
+    assert not found.shape.assumed
+    stiffness = law_estimates(found, stated_covariance(prepared, found), False)["stiffness"]
+    assert stiffness.stderr is not None
+    # that at a reversal, where the curve is steepest
+    assert 20.0 < stiffness.value < 40.0
+
+
+def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes():
+    prepared, base = fitted(5e5)
+    report = close_loop([log(5e5)], JOINT, "j", [log(5e5, seed=2)])
+    assert not report.added
+    (said,) = [n for n in report.notes if "is assumed" in n]
+    assert "stiffness before sliding" in said
+    assert 'name="frictionjoint-assumed:j"' in report.mjcf
+    own = law_estimates(base, stated_covariance(prepared, base), False)
+    assert {k: x.value for k, x in report.base.items()} == pytest.approx(
+        {k: x.value for k, x in own.items()}, rel=1e-6
+    )

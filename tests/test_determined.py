@@ -1,0 +1,58 @@
+"""Effects whose own size the logs do not determine are not named."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from frictionjoint.diagnose.determined import least_determined, standard_errors
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
+from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
+from frictionjoint.identify.search import refit
+from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from tests.three_sines import INERTIA, A, Q, T, V, logged
+
+SPRING, BIAS = (
+    EffectTerm(next(e for e in CATALOGUE if e.name == name)) for name in ("spring", "torque-bias")
+)
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    """A spring of 3 N m/rad and no bias."""
+    rng = np.random.default_rng(5)
+    friction = np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
+    torque = INERTIA * A + friction + 3.0 * Q + rng.normal(0.0, 0.05, len(T))
+    return logged(tmp_path_factory.mktemp("model"), torque)
+
+
+def test_of_several_effects_the_one_with_no_size_is_told(prepared):
+    law = fit(prepared, (SPRING,)).shape
+    both = refit(prepared, (SPRING, BIAS), law)
+    found = least_determined(prepared, both)
+    assert found is not None
+    assert found.name == BIAS.name
+
+
+def test_an_effect_that_is_there_is_determined(prepared):
+    assert least_determined(prepared, fit(prepared, (SPRING,))) is None
+    assert least_determined(prepared, fit(prepared)) is None
+
+
+@pytest.mark.parametrize(
+    ("effect", "value", "error", "expected"),
+    [(COMMAND_DELAY, 84e-6, 4.7e-3, 0.018), (GAIN_ERROR, 1.25, 0.6, 0.417)],
+    ids=["a delay from none", "a factor from one"],
+)
+def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_nothing(
+    effect, value, error, expected
+):
+    term = DriveTerm(effect, (value,))
+    layout = SimpleNamespace(coefficients=lambda i: slice(3, 3), numbers=lambda i: slice(4, 5))
+    fitted = SimpleNamespace(terms=(term,), layout=layout)
+    found = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, error**2]), 0)
+    assert found == pytest.approx(expected, rel=0.01)
+    unknown = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, np.inf]), 0)
+    assert unknown == 0.0
