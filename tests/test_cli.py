@@ -147,6 +147,7 @@ COMMANDS = (
     "compare",
     "inspect",
     "sample",
+    "drift",
     "install",
     "uninstall",
     "check",

@@ -14,6 +14,7 @@ from frictionjoint.cli.close_loop import close_loop_command
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.demo import demo
+from frictionjoint.cli.drift import drift
 from frictionjoint.cli.evaluate import evaluate
 from frictionjoint.cli.export import export
 from frictionjoint.cli.identify import identify
@@ -79,7 +80,7 @@ app.command(cls=PlainCommand)(demo)
 app.command(cls=PlainCommand)(plot)
 app.command("close-loop", cls=PlainCommand)(close_loop_command)
 _COMMANDS = (
-    *(evaluate, identify, compare, inspect, sample),
+    *(evaluate, identify, compare, inspect, sample, drift),
     *(install, uninstall, check, view, export),
 )
 for command in _COMMANDS:

@@ -120,10 +120,17 @@ def close_loop(
     forms_of(law or INTEGRATED_LAW)
     bodies = Bodies(model, joint, fixed)
     known = controller_of(controller, joint, bodies.models)
+    split = isinstance(held_out, float | int)
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
     for log in logs:
         require_motion(f"{log.name}, {joint}", log.position)
-    return explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
+    report = explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
+    if isinstance(model, Mapping):  # of different loads
+        return report
+    from frictionjoint.recordings.in_report import with_recordings  # it compares whole models
+
+    progress("comparing the recordings")
+    return with_recordings(report, [*logs, *([] if split else held_out)], fixed)
 
 
 @one_thread

@@ -172,6 +172,7 @@ class Report:
     controller's unknown kp in rad or m; there is no replay and the model carries no friction.
     `carried` is the friction that model.xml contains; None where the model carries none.
     `positions` are the simulated positions of the logs, empty where nothing was simulated.
+    `recordings` say how much each number differs between three recordings or more.
     """
 
     joint: str
@@ -206,6 +207,7 @@ class Report:
     posterior: Posterior | None = field(default=None, repr=False)
     carried: JointFriction | None = field(default=None, repr=False)
     positions: tuple[SimulatedPosition, ...] = field(default=(), repr=False)
+    recordings: tuple[dict[str, Any], ...] = field(default=(), repr=False)
 
     def __repr__(self) -> str:
         added = ", ".join(x.effect for x in self.added) or "nothing"
@@ -346,6 +348,7 @@ class Report:
             },
             **({"refined": self._refined()} if self.refined else {}),
             **({"posterior": self.posterior.to_dict()} if self.posterior else {}),
+            **({"recordings": list(self.recordings)} if self.recordings else {}),
             **({"model": toml_document(*_both(self.carried)).unwrap()} if self.carried else {}),
             "thresholds": {"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
             "candidates": [look.to_dict() for look in self.rankings],

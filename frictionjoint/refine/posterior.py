@@ -32,7 +32,7 @@ class Posterior:
 
     Attributes:
         content: of the file at the mean. factor: change of each number with each of r independent
-            standard normal numbers, shape (m, r), in the order of `_numbers`.
+            standard normal numbers, shape (m, r), in the order of `numbers_in`.
     """
 
     content: dict[str, Any]
@@ -45,13 +45,13 @@ class Posterior:
         known = np.isfinite(squares) & (squares > 0.0)
         moves = (U[:, known] * np.sqrt(squares[known])).T
         content = _content(made(values))
-        mean = _numbers(content)
+        mean = numbers_in(content)
         size = len(mean)
 
         def reached(x: Array) -> Array | None:
             """The numbers of a friction, None where it is impossible."""
             try:
-                return _numbers(_content(made(x)))
+                return numbers_in(_content(made(x)))
             except ParameterError:
                 return None
 
@@ -74,7 +74,7 @@ class Posterior:
         if n < 1 or seed < 0:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
         rng = np.random.default_rng(seed)
-        mean = _numbers(self.content)
+        mean = numbers_in(self.content)
         positive = _positive(self.content)
         found: list[JointFriction] = []
         for _ in range(_TRIES * n):
@@ -84,7 +84,7 @@ class Posterior:
             relative = np.clip(step / safe, -_FURTHEST * _LARGEST, _FURTHEST * _LARGEST)
             drawn = np.where(positive, mean * np.exp(relative), mean + step)
             try:
-                found.append(joint_friction(_with(self.content, drawn)))
+                found.append(joint_friction(with_numbers(self.content, drawn)))
             except ParameterError:
                 continue
             if len(found) == n:
@@ -108,7 +108,7 @@ class Posterior:
             parameters = dict(content["parameters"])
             factor = np.array(content["factor"], dtype=float)
             joint_friction(parameters)
-            numbers = len(_numbers(parameters))
+            numbers = len(numbers_in(parameters))
         except (KeyError, TypeError, ValueError) as error:
             raise ParameterError(f"its posterior cannot be read: {error}") from None
         if factor.ndim != 2 or len(factor) != numbers:
@@ -121,15 +121,15 @@ def _content(friction: JointFriction) -> dict[str, Any]:
     return content
 
 
-def _numbers(content: Mapping[str, Any]) -> Array:
+def numbers_in(content: Mapping[str, Any]) -> Array:
     """All numbers of a parameter file: levels over Coulomb's, curves by increments."""
     found: list[float] = []
     for key, x in content.items():
         if key == "knots":
             found += list(np.diff(np.array(x), axis=0, prepend=[[0.0, 0.0]]).ravel())
         elif key == "effects":
-            found += [float(v) for table in x for k, v in table.items() if _is_number(k, v)]
-        elif _is_number(key, x):
+            found += [float(v) for table in x for k, v in table.items() if is_number(k, v)]
+        elif is_number(key, x):
             side = key.rpartition("_")[2]
             below = content.get(f"Fc_{side}", 0.0) if key.startswith("Fs_") else 0.0
             found.append(float(x) - float(below))
@@ -143,13 +143,13 @@ def _positive(content: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.bool_]]
         if key == "knots":
             found += [True] * (2 * len(x))
         elif key == "effects":
-            found += [float(v) > 0.0 for table in x for k, v in table.items() if _is_number(k, v)]
-        elif _is_number(key, x):
+            found += [float(v) > 0.0 for table in x for k, v in table.items() if is_number(k, v)]
+        elif is_number(key, x):
             found.append(True)
     return np.array(found, dtype=bool)
 
 
-def _with(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:
+def with_numbers(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:
     """A parameter file with other numbers."""
     left = iter(float(x) for x in numbers)
     found: dict[str, Any] = {}
@@ -158,10 +158,10 @@ def _with(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:
             found[key] = np.cumsum([[next(left), next(left)] for _ in x], axis=0).tolist()
         elif key == "effects":
             found[key] = [
-                {k: next(left) if _is_number(k, v) else v for k, v in table.items()} for table in x
+                {k: next(left) if is_number(k, v) else v for k, v in table.items()} for table in x
             ]
         else:
-            found[key] = next(left) if _is_number(key, x) else x
+            found[key] = next(left) if is_number(key, x) else x
     for side in _PAIRS:
         if f"Fs_{side}" in found:
             found[f"Fs_{side}"] += found[f"Fc_{side}"]
@@ -172,5 +172,5 @@ def _with(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:
     return found
 
 
-def _is_number(key: str, x: Any) -> bool:
+def is_number(key: str, x: Any) -> bool:
     return isinstance(x, float) and key not in ("n", "form")

@@ -1,0 +1,76 @@
+"""The command `drift`: whether a joint is still as its report says."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from frictionjoint.cli.logs import (
+    LOG_FORMATS,
+    Columns,
+    Fixed,
+    Gain,
+    Join,
+    Reading,
+    Units,
+    Wrap,
+    log_paths,
+    poses,
+)
+from frictionjoint.cli.output import Json
+from frictionjoint.cli.terminal import console, progress
+
+DRIFTED = 1
+
+
+def drift(
+    report: Annotated[
+        Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
+    ],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
+    joint: Annotated[
+        str | None, typer.Option("--joint", metavar="NAME", help="Joint, in a robot's report.")
+    ] = None,
+    fixed: Fixed = None,
+    gain: Gain = None,
+    column: Columns = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    as_json: Json = False,
+) -> None:
+    """Say which friction numbers of a report new logs confirm, and which have changed.
+
+    Exit code 1 where one has changed beyond all errors, for maintenance scripts. *Not resolvable*:
+    these logs would not show it if the number had changed by half.
+
+    Example: `frictionjoint drift report today.csv`
+    """
+    from dataclasses import replace
+
+    from frictionjoint.recordings.drift import drift as compared
+    from frictionjoint.recordings.drift import known_of
+
+    with progress() as say:
+        paths = log_paths(logs, [], join)
+        known = replace(known_of(report, joint), fixed=poses(fixed))
+        reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined)
+        say("comparing")
+        rows = compared(known, [reading.read(path) for path in paths.logs])
+    left = [x.name for x in rows if x.state == "left"]
+    if as_json:
+        content = {
+            "joint": known.joint,
+            "drift": bool(left),
+            "numbers": [x.to_dict() for x in rows],
+        }
+        typer.echo(json.dumps(content, indent=2))
+    else:
+        table = Table("number", "report", "now", "standard error", "state")
+        for x in rows:
+            table.add_row(x.name, f"{x.before:.4g}", f"{x.now:.4g}", f"{x.stderr:.2g}", x.state)
+        console().print(table)
+    if left:
+        raise typer.Exit(DRIFTED)

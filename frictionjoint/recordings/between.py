@@ -1,0 +1,95 @@
+"""How much a number differs between recordings, beyond the error of each.
+
+Random-effects meta-analysis: the estimate of recording i is y_i = mu + u_i + e_i, with e_i of known
+standard error and u_i of variance tau^2 between recordings. tau^2 by DerSimonian and Laird (1986),
+the interval of the mean by Hartung and Knapp (2001), the test of tau^2 = 0 by Cochran's Q.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2, t
+
+from frictionjoint.arrays import Array
+
+# probability from which on a difference between recordings counts, and is laid to a cause
+_SURE, _CAUSED = 0.05, 0.01
+# recordings that an attribution needs, and the fraction of the variance that it must explain
+_FEWEST, _EXPLAINED = 6, 0.5
+
+
+@dataclass(frozen=True)
+class Between:
+    """A number over recordings.
+
+    Attributes:
+        mean: over recordings. interval: of the mean, 95%. deviation: standard deviation between
+            recordings beyond their errors. p_value: of as much by the errors alone.
+        cause: quantity that explains most of it, "" for none. slope: of the number by the cause.
+    """
+
+    mean: float
+    interval: tuple[float, float]
+    deviation: float
+    p_value: float
+    cause: str = ""
+    slope: float = 0.0
+
+    @property
+    def differs(self) -> bool:
+        """Whether recordings differ by more than their errors."""
+        return self.p_value < _SURE
+
+
+def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None) -> Between:
+    """A number's mean and variance over recordings.
+
+    Args:
+        value, stderr: of each recording, shape (k,), k >= 2. causes: what recordings differ in,
+            shape (k,) each; those with NaN are left out.
+    """
+    deviation, Q, k = _deviation(value, stderr, np.ones((len(value), 1)))
+    w = 1.0 / (stderr**2 + deviation**2)
+    mean = float(w @ value / w.sum())
+    spread = float(w @ (value - mean) ** 2 / ((k - 1) * w.sum()))
+    half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
+    p_value = float(chi2.sf(Q, k - 1))
+    cause, slope = "", 0.0
+    if p_value < _SURE and k >= _FEWEST:
+        cause, slope = _cause(value, stderr, deviation, causes or {})
+    return Between(mean, (mean - half, mean + half), deviation, p_value, cause, slope)
+
+
+def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int]:
+    """tau by moments of a weighted regression on X, Cochran's Q, and the number of recordings."""
+    k, p = X.shape
+    w = stderr**-2.0
+    XtW = X.T * w
+    inverse = np.linalg.inv(XtW @ X)
+    left = value - X @ (inverse @ (XtW @ value))
+    Q = float(w @ left**2)
+    trace = float(w.sum() - np.trace(inverse @ (XtW * w) @ X))
+    return float(np.sqrt(max(0.0, (Q - (k - p)) / trace))), Q, k
+
+
+def _cause(
+    value: Array, stderr: Array, deviation: float, causes: dict[str, Array]
+) -> tuple[str, float]:
+    """The quantity that explains most of a difference, if one does."""
+    best, found = 1.0 - _EXPLAINED, ("", 0.0)
+    for name, x in causes.items():
+        if not np.isfinite(x).all() or np.ptp(x) == 0.0:
+            continue
+        centred = x - x.mean()
+        X = np.column_stack([np.ones_like(x), centred])
+        left, _, k = _deviation(value, stderr, X)
+        w = 1.0 / (stderr**2 + left**2)
+        inverse = np.linalg.inv((X.T * w) @ X)
+        slope = float((inverse @ ((X.T * w) @ value))[1])
+        fit = value - X @ (inverse @ ((X.T * w) @ value))
+        scale = max(1.0, float(w @ fit**2) / (k - 2))
+        p_value = 2.0 * float(t.sf(abs(slope) / np.sqrt(inverse[1, 1] * scale), k - 2))
+        share = left**2 / deviation**2 if deviation > 0.0 else 1.0
+        if p_value < _CAUSED / len(causes) and share < best:
+            best, found = share, (name, slope)
+    return found

@@ -1,0 +1,116 @@
+"""Whether a joint is still as its report says, from new logs.
+
+For each number of the friction: its change, with the errors of the report, of the new logs and of
+what recordings differ by anyway. It is *within*, has *left*, or is *not resolvable*: a change of a
+half of the number would not be noticed.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from scipy.stats import norm
+
+from frictionjoint.errors import ParameterError
+from frictionjoint.measured.log import JointLog
+from frictionjoint.recordings.between import between
+from frictionjoint.recordings.estimate import Estimates, Known, estimate
+from frictionjoint.refine.posterior import Posterior
+
+State = Literal["within", "left", "not resolvable"]
+# probability of a false alarm over all numbers; change that must be noticed, of the number; part of
+# the knowledge that must come from the new logs
+_ALARM, _NOTICED, _INFORMED = 0.05, 0.5, 0.75
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A number of a report and of new logs.
+
+    Attributes:
+        name: of the number. before, now: of the report and of the new logs. stderr: of the
+            difference. state: see the module.
+    """
+
+    name: str
+    before: float
+    now: float
+    stderr: float
+    state: State
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``drift --json`` prints it."""
+        return {
+            "number": self.name,
+            "before": self.before,
+            "now": self.now,
+            "stderr": self.stderr,
+            "state": self.state,
+        }
+
+
+def known_of(report: Path, joint: str | None = None) -> Known:
+    """The friction of a report: its folder, or report.json in it, beside model.xml.
+
+    Raises:
+        ParameterError: it is no report, or says no friction in N m.
+    """
+    file = report / "report.json" if report.is_dir() else report
+    model = file.with_name("model.xml")
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
+    joints = content.get("joints") or {content.get("joint"): content}
+    if joint is None and len(joints) > 1:
+        raise ParameterError(f"{file}: say which joint with --joint, of {', '.join(joints)}")
+    name = joint or next(iter(joints))
+    if name not in joints:
+        raise ParameterError(f"{file}: no joint {name!r}, it has {', '.join(map(str, joints))}")
+    if "posterior" not in joints[name] or not joints[name]["posterior"]:
+        raise ParameterError(f"{file}: it holds no posterior of joint {name!r}: make it again")
+    if not model.is_file():
+        raise ParameterError(f"{model}: not beside the report: give the whole folder")
+    posterior = Posterior.from_dict(joints[name]["posterior"])
+    return Known(model, name, posterior.content, posterior.factor @ posterior.factor.T)
+
+
+def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
+    """Each number of a known friction in new logs.
+
+    Raises:
+        LogError: see `estimate`.
+    """
+    found = [estimate(known, log) for log in logs]
+    before, error = known.values, known.stderr
+    rows = []
+    for i, number in enumerate(known.numbers):
+        now, own = _together(found, i)
+        sd = float(np.hypot(error[i], own))
+        informed = max(x.informed[i] for x in found)
+        blind = 2.0 * sd > _NOTICED * abs(before[i]) or informed < _INFORMED
+        rows.append((number.name, float(before[i]), now, sd, blind))
+    tested = sum(not row[-1] for row in rows)
+    limit = float(norm.isf(_ALARM / (2.0 * max(1, tested))))
+
+    def state(old: float, now: float, sd: float, blind: bool) -> State:
+        if abs(now - old) > limit * sd and not blind:
+            return "left"
+        return "not resolvable" if blind else "within"
+
+    return [Drift(*row[:4], state=state(*row[1:])) for row in rows]
+
+
+def _together(found: Sequence[Estimates], i: int) -> tuple[float, float]:
+    """A number over new logs, and its standard error, which knows how much these differ."""
+    value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
+    if len(found) == 1:
+        return float(value[0]), float(stderr[0])
+    over = between(value, stderr)
+    w = 1.0 / (stderr**2 + over.deviation**2)
+    return over.mean, float(np.sqrt(1.0 / w.sum()))

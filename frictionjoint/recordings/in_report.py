@@ -1,0 +1,100 @@
+"""What a report says of the differences between its recordings, and what samples make of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from frictionjoint.errors import FrictionJointError
+from frictionjoint.identify.held import Pose
+from frictionjoint.measured.log import JointLog
+from frictionjoint.recordings.between import Between, between
+from frictionjoint.recordings.estimate import Estimates, Known, estimate
+
+if TYPE_CHECKING:
+    from frictionjoint.diagnose.report_data import Report
+
+# recordings from which on they are compared
+FEWEST = 3
+_SURE = 0.05
+# part of the knowledge of a number that must come from each recording
+_INFORMED = 0.5
+
+
+def with_recordings(
+    report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
+) -> "Report":
+    """The report with how much its numbers differ between recordings; samples spread as much more.
+
+    Args:
+        logs: recordings, with measured drives; fewer than three say nothing.
+    Returns:
+        the report itself where there is nothing to compare.
+    """
+    posterior = report.posterior
+    drives = [log for log in logs if log.torque is not None or log.voltage is not None]
+    if posterior is None or len(drives) < FEWEST:
+        return report
+    cov = posterior.factor @ posterior.factor.T
+    known = Known(report.mjcf, report.joint, posterior.content, cov, fixed)
+    try:
+        found = [estimate(known, log) for log in drives]
+    except FrictionJointError as error:
+        note = f"The recordings were not compared with each other: {error}"
+        return replace(report, notes=(*report.notes, note))
+    rows, columns, said = [], [posterior.factor], []
+    for i, number in enumerate(known.numbers):
+        own = [x for x in found if x.informed[i] > _INFORMED]
+        if len(own) < FEWEST:
+            continue
+        over = _over(own, i)
+        rows.append(_row(number.name, over, own, i))
+        # over all numbers, one false alarm in twenty reports
+        if over.p_value < _SURE / len(known.numbers) and over.deviation > 0.0:
+            column = np.zeros((len(cov), 1))
+            column[list(number.indices)] = over.deviation
+            columns.append(column)
+            said.append(_sentence(number.name, over))
+    return replace(
+        report,
+        recordings=tuple(rows),
+        posterior=replace(posterior, factor=np.hstack(columns)),
+        notes=(*report.notes, *said),
+    )
+
+
+def _over(found: Sequence[Estimates], i: int) -> Between:
+    value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
+    causes = {
+        "temperature_c": np.array([x.temperature for x in found]),
+        "order of the recordings": np.arange(len(found), dtype=float),
+        "torque": np.array([x.load for x in found]),
+    }
+    return between(value, stderr, causes)
+
+
+def _row(name: str, over: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:
+    return {
+        "number": name,
+        "mean": over.mean,
+        "interval": list(over.interval),
+        "deviation": over.deviation,
+        "p_value": over.p_value,
+        "cause": over.cause or None,
+        "slope": over.slope if over.cause else None,
+        "recordings": [
+            {"log": x.log, "value": float(x.value[i]), "stderr": float(x.stderr[i])} for x in found
+        ],
+    }
+
+
+def _sentence(name: str, over: Between) -> str:
+    share = f", {over.deviation / abs(over.mean):.0%} of it" if over.mean else ""
+    cause = (
+        f" Most of that goes with {over.cause} ({over.slope:.2g} per unit)." if over.cause else ""
+    )
+    return (
+        f"Between recordings {name} differs by {over.deviation:.2g}{share}, beyond the error of "
+        f"each (p {over.p_value:.2g}).{cause} Samples are spread as much."
+    )

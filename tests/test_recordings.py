@@ -1,0 +1,190 @@
+"""What several recordings of one joint say, and whether a joint is still as its report says.
+
+The joints are MuJoCo's own: friction of its `dcmotor`, with numbers that change between recordings.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from command_line import run
+
+from frictionjoint.errors import LogError
+from frictionjoint.files import toml_document
+from frictionjoint.measured import JointLog
+from frictionjoint.recordings.between import between
+from frictionjoint.recordings.drift import drift, known_of
+from frictionjoint.recordings.estimate import Known, estimate
+from frictionjoint.recordings.in_report import with_recordings
+from frictionjoint.refine.posterior import Posterior, numbers_in
+from frictionjoint.rivals import LuGreParameters
+from frictionjoint.simulate.carrier import install
+
+STEP, EVERY, SECONDS = 5e-4, 8, 12.0
+FC, FS, VS, SIGMA2 = 0.30, 0.36, 0.15, 0.08
+ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>
+<joint name="elbow" axis="0 1 0" {joint}/><inertial pos="0.2 0 0" mass="0.5" diaginertia="1e-3 1e-3
+1e-3"/></body></worldbody>{end}</mujoco>"""
+
+
+def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 0.01) -> JointLog:
+    """A joint of MuJoCo under a random sum of sines, with noise of torque and position."""
+    rng = np.random.default_rng(seed)
+    model = mujoco.MjModel.from_xml_string(
+        ARM.format(
+            joint=f'damping="{sigma2}"',
+            end='<actuator><dcmotor joint="elbow" input="none" motorconst="1e-6" resistance="1" '
+            f'lugre="300 0.5 {Fc} {Fc + FS - FC} {VS}"/></actuator>',
+        )
+    )
+    data = mujoco.MjData(model)
+    time = STEP * np.arange(int(SECONDS / STEP))
+    waves = zip(
+        rng.uniform(2.0, 12.0, 5), rng.uniform(0.2, 0.4, 5), rng.uniform(0, 6, 5), strict=True
+    )
+    torque = sum(a * np.sin(w * time + p) for w, a, p in waves)
+    position = np.empty_like(time)
+    for k in range(len(time)):
+        position[k] = data.qpos[0]
+        torque[k] += data.qfrc_bias[0] - 0.5 * data.qpos[0]
+        data.qfrc_applied[0] = torque[k]
+        mujoco.mj_step(model, data)
+    kept = slice(None, None, EVERY)
+    t, q, tau = time[kept], position[kept], torque[kept]
+    q = q + rng.normal(0.0, 2e-5, len(q))
+    tau = tau + rng.normal(0.0, noise, len(tau))
+    return JointLog(name=f"log{seed}", joint="elbow", time=t, position=q, torque=tau)
+
+
+def known(error: float = 0.01) -> Known:
+    """The friction that the joints have at first, as a report has it."""
+    law = LuGreParameters.symmetric(
+        Fs=FS, Fc=FC, Vs=VS, sigma2=SIGMA2, sigma0=300.0, sigma1=0.5, delta=2.0
+    )
+    spec = mujoco.MjSpec.from_string(ARM.format(joint="", end=""))
+    install(spec, {"elbow": law})
+    spec.compile()
+    content = toml_document(law, ()).unwrap()
+    cov = np.diag((error * np.abs(numbers_in(content))) ** 2)
+    return Known(spec.to_xml(), "elbow", content, cov)
+
+
+def value(found, name):
+    i = [n.name for n in found.numbers].index(name)
+    return found.value[i], found.stderr[i]
+
+
+def test_a_recording_says_what_changed() -> None:
+    before = estimate(known(), recording(1))
+    after = estimate(known(), recording(2, Fc=0.36, sigma2=0.10))
+    assert value(before, "Fc")[0] == pytest.approx(FC, rel=0.03)
+    assert value(before, "sigma2")[0] == pytest.approx(SIGMA2, rel=0.06)
+    assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
+    assert value(after, "sigma2")[0] == pytest.approx(0.10, rel=0.08)
+    assert 0.0 < value(after, "Fc")[1] < 0.01
+
+
+def report(folder: Path) -> Path:
+    """A report of the joint in a folder."""
+    k = known()
+    folder.mkdir()
+    (folder / "model.xml").write_text(str(k.model))
+    factor = np.sqrt(np.diag(k.cov))
+    posterior = {"parameters": dict(k.content), "factor": np.diag(factor).tolist()}
+    (folder / "report.json").write_text(json.dumps({"joint": "elbow", "posterior": posterior}))
+    return folder
+
+
+def save(log: JointLog, path: Path) -> Path:
+    rows = np.column_stack([log.time, log.position, log.torque])
+    header = "time_s,position_rad,torque_nm"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.9g")
+    return path
+
+
+def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Path) -> None:
+    folder = report(tmp_path / "report")
+    save(recording(3), tmp_path / "same.csv")
+    save(recording(4, Fc=0.38), tmp_path / "worn.csv")
+    same = run("drift", folder, "same.csv", "--json", cwd=tmp_path)
+    assert same.returncode == 0, same.stderr
+    states = {x["number"]: x["state"] for x in json.loads(same.stdout)["numbers"]}
+    assert states["Fc"] == states["sigma2"] == "within"
+    worn = run("drift", folder, "worn.csv", cwd=tmp_path)
+    assert worn.returncode == 1
+    assert "Fc" in worn.stdout
+    assert "left" in worn.stdout
+    deaf = drift(known_of(folder), [recording(5, Fc=0.38, noise=5.0)])
+    assert {x.state for x in deaf} == {"not resolvable"}
+    with pytest.raises(LogError, match="too little motion"):
+        drift(known_of(folder), [recording(5).part(slice(0, 60), "")])
+    missing = run("drift", tmp_path / "no", "same.csv", cwd=tmp_path)
+    assert missing.returncode == 2
+
+
+@dataclass(frozen=True)
+class Stated:
+    """The part of a report that recordings are compared by."""
+
+    joint: str
+    mjcf: str
+    posterior: Posterior
+    notes: tuple[str, ...] = ()
+    recordings: tuple[dict, ...] = ()
+
+
+def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
+    k = known()
+    factor = np.diag(np.sqrt(np.diag(k.cov)))
+    stated = Stated("elbow", str(k.model), Posterior(dict(k.content), factor))
+    levels = (0.24, 0.36, 0.28, 0.34)
+    logs = [recording(20 + i, Fc=Fc) for i, Fc in enumerate(levels)]
+    found = with_recordings(stated, logs)
+    rows = {row["number"]: row for row in found.recordings}
+    assert rows["Fc"]["deviation"] == pytest.approx(np.std(levels, ddof=1), rel=0.15)
+    assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
+    assert [x["log"] for x in rows["Fc"]["recordings"]] == [log.name for log in logs]
+    assert any(note.startswith("Between recordings Fc differs by 0.05") for note in found.notes)
+    drawn = [x.parameters.Fc_pos for x in found.posterior.sample(300)]
+    assert np.std(drawn) == pytest.approx(np.std(levels, ddof=1), rel=0.25)
+    assert with_recordings(stated, logs[:2]) is stated
+
+
+def test_a_target_alone_has_no_numbers() -> None:
+    log = recording(6)
+    bare = JointLog(
+        name="a", joint="elbow", time=log.time, position=log.position, target=log.position
+    )
+    with pytest.raises(LogError, match="no measured drive"):
+        estimate(known(), bare)
+
+
+def test_intervals_over_recordings_hold_what_they_say() -> None:
+    """Of 2,100 simulated fleets of six recordings with errors of their own."""
+    rng = np.random.default_rng(0)
+    for tau in (0.0, 0.05, 0.2):
+        inside, alarms = [], []
+        for _ in range(700):
+            stderr = rng.uniform(0.03, 0.1, 6)
+            y = 1.0 + tau * rng.standard_normal(6) + stderr * rng.standard_normal(6)
+            found = between(y, stderr)
+            inside.append(found.interval[0] < 1.0 < found.interval[1])
+            alarms.append(found.differs)
+        assert 0.90 < np.mean(inside) < 0.98
+        assert np.mean(alarms) < 0.08 if tau == 0.0 else np.mean(alarms) > 0.08
+
+
+def test_a_difference_is_laid_to_what_explains_it_and_to_nothing_else() -> None:
+    rng = np.random.default_rng(1)
+    warm = np.linspace(20.0, 45.0, 8)
+    other = rng.standard_normal(8)
+    stderr = np.full(8, 0.01)
+    y = 1.0 - 0.01 * (warm - 30.0) + stderr * rng.standard_normal(8)
+    found = between(y, stderr, {"load": other, "temperature_c": warm})
+    assert found.cause == "temperature_c"
+    assert found.slope == pytest.approx(-0.01, rel=0.1)
+    y = 1.0 + 0.1 * rng.standard_normal(8)
+    assert between(y, stderr, {"load": other, "temperature_c": warm}).cause == ""
