@@ -5,13 +5,22 @@ Over a step of length h that ends with the velocity w the friction torque is
     F = Fh + (h K + D) w
 
 Fh: hysteresis torque where the step begins. K: its secant between there and the expected end.
-D = sigma1 dz/dq + sigma2, both at the expected end.
+D = sigma1 dz/dq + sigma2, both at the expected end. That end is where the joint's own implicit
+step goes under the impulse r that is left while Fh stays as it is:
+
+    J w + h (Fh(q + h w) - Fh(q) + D w) = r
 """
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import INTEGRATED, hysteresis_torque, presliding, trial
+from frictionjoint.law.kernel import (
+    INTEGRATED,
+    header_size,
+    hysteresis_torque,
+    presliding,
+    trial,
+)
 from frictionjoint.law.memory import (
     CAPACITY,
     DIRECTION,
@@ -32,49 +41,86 @@ SMALL = 1e-2
 REST = 1e-6
 # times the largest stiffness: a level that rises with the speed makes a secant steeper than that
 STEEPEST = 2.0
+# of the breakaway torque: by so much the torque at the expected end may miss
+CLOSE = 2e-2
+_TRIALS = 8
+# rad/s: beyond, the law's search for events would not end
+_FASTEST = 1e10
 
 
 @in_line
-def _tangent(P: Vector, p: int, X: Vector, h: int, w: float) -> tuple[float, float]:
-    """dFh/dq, N m/rad, and dz/dq at the header `h` of the integrated law, for motion towards w."""
-    k = p + integrated.KNOTS
-    direction = 1.0 if w > 0.0 else -1.0
-    if X[h + DIRECTION] == -direction:
-        return slope(P, k, 0), 1.0
+def _tangent(
+    P: Vector, p: int, X: Vector, x: int, stiffest: float, way: float
+) -> tuple[float, float]:
+    """dFh/dq, N m/rad, and dz/dq where the evaluated point is left in the direction `way`."""
+    if P[p] != INTEGRATED:
+        h = x + header_size(P, p)
+        if X[h + bristle.DIRECTION] == -way:
+            return stiffest, 1.0
+        return stiffest * X[h + bristle.RATE], X[h + bristle.RATE]
+    h, k = x + HEADER, p + 1 + integrated.KNOTS
+    if X[h + DIRECTION] == -way:
+        return stiffest, 1.0
     first = X[h + VIRGIN] == 1.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0
-    scale = 0.5 if first and P[p + integrated.MASING] == 1.0 else 1.0
-    risen = max(0.0, direction * (X[h + FH] - X[h + FB])) / scale
+    scale = 0.5 if first and P[p + 1 + integrated.MASING] == 1.0 else 1.0
+    risen = max(0.0, way * (X[h + FH] - X[h + FB])) / scale
     rate = X[h + RATE]
     return slope(P, k, segment_of_torque(P, k, risen)) * rate, rate
 
 
 @compiled
-def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[float, float, float]:
-    """Constant part of the torque, N m, K, N m/rad, and D, N m s/rad, after an evaluation.
+def secant(
+    P: Vector, p: int, X: Vector, x: int, h: float, J: float, impulse: float
+) -> tuple[float, float, float, float]:
+    """Constant part of the torque, N m, K, N m/rad, D, N m s/rad, and dz/dq at the expected end.
 
     A torque that falls while the joint moves is no spring and no damper: what is expected of it
     over the step belongs to the constant part.
 
-    Args: h: s, the step. w: rad/s, expected at its end.
+    Args: h: s, the step. J: kg m^2, the joint's inertia. impulse: N m s, r above.
     """
     stiffest, sigma1 = presliding(P, p)
+    way = 1.0 if impulse > 0.0 else -1.0
     first = p + 1 + (integrated.POSITIVE if P[p] == INTEGRATED else bristle.POSITIVE)
-    side = first if w > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
-    sigma2 = P[side + SIGMA2]
+    side = first if impulse > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
+    Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
-    dq = h * w
-    if abs(dq) * stiffest <= REST * P[side + FS]:
-        return now, stiffest, sigma1 + sigma2
-    if P[p] == INTEGRATED:
-        tangent, rate = _tangent(P, p + 1, X, x + HEADER, w)
-        if abs(dq * tangent) <= SMALL * P[side + FS]:
-            now += sigma1 * min(0.0, rate) * w
-            return now, max(0.0, tangent), sigma1 * max(0.0, rate) + sigma2
+    tangent, rate = _tangent(P, p, X, x, stiffest, way)
+    D = sigma1 * max(0.0, rate) + sigma2
+    r = way * impulse
+    w = r / (J + h * (D + h * max(0.0, tangent)))
+    if not h * w * stiffest > REST * Fs:
+        return now, stiffest, sigma1 + sigma2, 1.0
+    if h * w * abs(tangent) <= SMALL * Fs:
+        now += sigma1 * min(0.0, rate) * way * w
+        return now, max(0.0, tangent), D, 1.0
     if P[p] == INTEGRATED and max(X[x + HEADER + N_MIN], X[x + HEADER + N_MAX]) >= CAPACITY:
         # no room for another extremum
-        return now, stiffest, sigma1 + sigma2
-    end, rate = trial(P, p, X, x, dq, h, w)
-    K = (end - now) / dq
-    if rate < 0.0:
-        now += sigma1 * rate * w
-    return now, min(STEEPEST * stiffest, max(0.0, K)), sigma1 * max(0.0, rate) + sigma2
+        return now, stiffest, sigma1 + sigma2, 1.0
+    low, at_low = 0.0, -r
+    high, at_high = 0.0, 0.0
+    K = stiffest
+    for i in range(_TRIALS):
+        if not w <= _FASTEST:
+            break
+        end, rate = trial(P, p, X, x, way * h * w, h, way * w)
+        D = sigma1 * max(0.0, rate) + sigma2
+        K = way * (end - now) / (h * w)
+        miss = (J + h * (D + h * K)) * w - r
+        if abs(miss) <= CLOSE * h * Fs:
+            break
+        if miss > 0.0:
+            high, at_high = w, miss
+        else:
+            low, at_low = w, miss
+        if at_high > 0.0:
+            w = (low * at_high - high * at_low) / (at_high - at_low)
+        elif i == 0:
+            # the curve bends less than it did: the solution that sticks comes first
+            w = r / (J + h * (D + h * max(0.0, K)))
+        elif i == 1:
+            w = r / (J + h * D)
+        else:
+            break
+    now += sigma1 * min(0.0, rate) * way * w
+    return now, min(STEEPEST * stiffest, max(0.0, K)), D, min(1.0, max(0.0, rate))

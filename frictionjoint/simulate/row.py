@@ -44,6 +44,9 @@ ASTRAY = 1e10
 # h^2 K / J at which half of a spring is implicit: a soft one loses less energy explicitly, a stiff
 # one must be implicit
 HALF_IMPLICIT = 0.25
+# the same of what slips within the step: MuJoCo's velocities belong to the middle of a step, its
+# positions to the ends
+SLIPPING = 0.5
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -130,25 +133,22 @@ def over_the_step(
 ) -> float:
     """After `torque_now`: make the torque that of the step of h s that begins; its value at v, N m.
 
-    The end's velocity is expected from what the row knows: the acceleration of the last step tells
-    all other torque on the joint, which is expected to last.
+    The acceleration over the last step tells all other torque on the joint, which is expected to
+    last. Only the row is asked: what else MuJoCo holds differs between repeated evaluations.
 
     Args:
         J: kg m^2, the joint's entry of the mass matrix. weight: inverse of the inertia that it has
             with all others free.
     """
     dt = X[x + T_EVALUATED] - X[x + T_COMMITTED]
-    w = v
-    if dt > 0.0 and J > 0.0:
-        G = X[x + GAIN_COMMITTED]
-        others = J * (v - X[x + V_COMMITTED]) / dt + X[x + TORQUE_COMMITTED] + G * v
-        w = J * v + h * (others - hysteresis_torque(P, p, X, x + FRONT))
-        w /= J + h * G
-    if not abs(w) <= ASTRAY:
-        w = v
-    constant, K, D = secant(P, p, X, x + FRONT, h, w)
+    impulse = J * v
+    if dt > 0.0:
+        others = J * (v - X[x + V_COMMITTED]) / dt
+        others += X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v
+        impulse += h * (others - hysteresis_torque(P, p, X, x + FRONT))
+    constant, K, D, elastic = secant(P, p, X, x + FRONT, h, J, impulse)
     stiff = h * h * K * weight
-    implicit = stiff / (stiff + HALF_IMPLICIT)
+    implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
     X[x + TORQUE] = constant
     X[x + GAIN] = implicit * h * K + D
     return constant + X[x + GAIN] * v
