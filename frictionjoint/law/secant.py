@@ -68,21 +68,54 @@ def _tangent(
     return slope(P, k, segment_of_torque(P, k, risen)) * rate, rate
 
 
+@in_line
+def _side(P: Vector, p: int, way: float) -> int:
+    """Where the levels of motion in that direction begin."""
+    first = p + 1 + (integrated.POSITIVE if P[p] == INTEGRATED else bristle.POSITIVE)
+    return first if way > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
+
+
+@in_line
+def _is_full(P: Vector, p: int, X: Vector, x: int) -> bool:
+    """Whether the stacks have no room for another extremum."""
+    h = x + HEADER
+    return bool(P[p] == INTEGRATED and max(X[h + N_MIN], X[h + N_MAX]) >= CAPACITY)
+
+
 @compiled
-def secant(
-    P: Vector, p: int, X: Vector, x: int, h: float, J: float, impulse: float
-) -> tuple[float, float, float, float]:
-    """Constant part of the torque, N m, K, N m/rad, D, N m s/rad, and dz/dq at the expected end.
+def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[float, float, float]:
+    """Constant part of the torque, N m, K, N m/rad, and D, N m s/rad, for a step that ends with w.
 
     A torque that falls while the joint moves is no spring and no damper: what is expected of it
     over the step belongs to the constant part.
+
+    Args: h: s, the step. w: rad/s, expected at its end.
+    """
+    stiffest, sigma1 = presliding(P, p)
+    side = _side(P, p, w)
+    Fs, sigma2 = P[side + FS], P[side + SIGMA2]
+    now = hysteresis_torque(P, p, X, x)
+    if abs(h * w) * stiffest <= REST * Fs or _is_full(P, p, X, x):
+        return now, stiffest, sigma1 + sigma2
+    K, rate = _tangent(P, p, X, x, stiffest, 1.0 if w > 0.0 else -1.0)
+    if abs(h * w * K) > SMALL * Fs:
+        end, rate = trial(P, p, X, x, h * w, h, w)
+        K = min(STEEPEST * stiffest, (end - now) / (h * w))
+    now += sigma1 * min(0.0, rate) * w
+    return now, max(0.0, K), sigma1 * max(0.0, rate) + sigma2
+
+
+@compiled
+def implicit_step(
+    P: Vector, p: int, X: Vector, x: int, h: float, J: float, impulse: float
+) -> tuple[float, float, float, float]:
+    """`secant` for a step that ends where the impulse takes it; last, dz/dq there.
 
     Args: h: s, the step. J: kg m^2, the joint's inertia. impulse: N m s, r above.
     """
     stiffest, sigma1 = presliding(P, p)
     way = 1.0 if impulse > 0.0 else -1.0
-    first = p + 1 + (integrated.POSITIVE if P[p] == INTEGRATED else bristle.POSITIVE)
-    side = first if impulse > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
+    side = _side(P, p, impulse)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
     tangent, rate = _tangent(P, p, X, x, stiffest, way)
@@ -94,8 +127,7 @@ def secant(
     if h * w * abs(tangent) <= SMALL * Fs:
         now += sigma1 * min(0.0, rate) * way * w
         return now, max(0.0, tangent), D, 1.0
-    if P[p] == INTEGRATED and max(X[x + HEADER + N_MIN], X[x + HEADER + N_MAX]) >= CAPACITY:
-        # no room for another extremum
+    if _is_full(P, p, X, x):
         return now, stiffest, sigma1 + sigma2, 1.0
     low, at_low = 0.0, -r
     high, at_high = 0.0, 0.0

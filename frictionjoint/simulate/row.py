@@ -30,7 +30,7 @@ from frictionjoint.compiled import compiled, in_line
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.law.kernel import commit, hold_row, hysteresis_torque, start_row
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.law.secant import secant
+from frictionjoint.law.secant import implicit_step
 
 STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
     range(8)
@@ -146,7 +146,7 @@ def over_the_step(
         others = J * (v - X[x + V_COMMITTED]) / dt
         others += X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v
         impulse += h * (others - hysteresis_torque(P, p, X, x + FRONT))
-    constant, K, D, elastic = secant(P, p, X, x + FRONT, h, J, impulse)
+    constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, J, impulse)
     stiff = h * h * K * weight
     implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
     X[x + TORQUE] = constant
