@@ -17,7 +17,7 @@ from frictionjoint.measured.derivatives import motion_band, uniform_motion
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 
-# Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a #
+# Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a
 # minute and 1 GB.
 MOST_ROWS = 100_000
 _SAMPLES_A_PERIOD = 10.0
