@@ -176,8 +176,8 @@ class FrictionBatch:
         """Friction over the step that begins now; one call per step.
 
         Args:
-            q, v: position and velocity where the step begins, rad and rad/s (m, m/s), of `shape`,
-                single or double precision. h: s, length of the step.
+            q: position at the start of the step, rad (m), of `shape`, single or double precision.
+            v: velocity there, rad/s (m/s), of `shape`. h: length of the step, s.
         Returns:
             torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, of the kind and precision
             of q. Doubles on the CPU are neither copied on the way in nor on the way out; single

@@ -130,7 +130,7 @@ def identify(
     Args:
         logs: at least one; logs or their files. joint: its name in the model and in the logs.
         law: name of the friction law, one of ``frictionjoint.law.names.LAWS``.
-        model, fixed, controller, progress: see `close_loop`.
+        model: see `close_loop`, also for fixed, controller and progress.
     Returns:
         parameters with standard errors; ``identified.parameters`` is what `install` takes.
     Raises:
