@@ -39,7 +39,8 @@ def main():
         knots = tuple((z, F * 1.25) for z, F in base.knots)
         for row, level in zip(numbers, Fs, strict=True):
             drawn = {"Fs_pos": level, "Fs_neg": level, "knots": knots}
-            write_parameters(row, blocks(model)[JOINT], base.from_dict(base.to_dict() | drawn))
+            law = base.from_dict(base.to_dict() | drawn)
+            write_parameters(row, blocks(model)[JOINT], law, JOINT)
         target, velocity = batch.bind("ctrl"), batch.bind("qvel")
         stuck = np.zeros(arguments.joints)
         steps = round(arguments.seconds / model.opt.timestep / 10)

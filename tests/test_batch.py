@@ -47,7 +47,7 @@ def test_a_thousand_joints_equal_loops_of_their_own(threads):
         batch = Batch(m, MANY, threads)
         rows = batch.expand("numeric_data")
         for row, Fs in zip(rows, levels, strict=True):
-            write_parameters(row, blocks(m)["a"], friction(Fs))
+            write_parameters(row, blocks(m)["a"], friction(Fs), "a")
         control, position = batch.bind("ctrl"), batch.bind("qpos")
         for k in range(STEPS):
             control[:] = push(k)
@@ -67,7 +67,7 @@ def test_a_written_law_survives_the_next_attach():
     m = model()
     with fj.attach(m):
         pass
-    write_parameters(m.numeric_data, blocks(m)["a"], friction(1.7))
+    write_parameters(m.numeric_data, blocks(m)["a"], friction(1.7), "a")
     with fj.attach(m):
         assert read_friction(m)["a"].parameters == friction(1.7)
 
@@ -77,5 +77,5 @@ def test_another_number_of_knots_needs_compiling():
     before = m.numeric_data.copy()
     fewer = fj.FrictionParameters.symmetric(Fs=1.0, Fc=0.7, Vs=0.01, knots=KNOTS[:2])
     with pytest.raises(ModelError, match="install and compile"):
-        write_parameters(m.numeric_data, blocks(m)["a"], fewer)
+        write_parameters(m.numeric_data, blocks(m)["a"], fewer, "a")
     np.testing.assert_array_equal(m.numeric_data, before)

@@ -139,10 +139,10 @@ def test_coupled_stiff_joints_move_as_natively(held):
 
 def test_one_world_of_an_arm_forgets(held):
     here, there = held
-    # what it had held lets go, and moves it further than its equal that remembers
+    # what held it lets go, until the bristles hold again: some 0.04 mrad
     apart = np.abs(there[350:, 3] - there[350:, 2])[:, :8].max()
-    assert apart > 1e-3
-    assert np.abs(here[350:, 3] - here[350:, 2])[:, :8].max() == pytest.approx(apart, rel=1e-3)
+    assert apart > 2e-5
+    assert np.abs(here[350:, 3] - here[350:, 2])[:, :8].max() == pytest.approx(apart, rel=0.05)
     np.testing.assert_array_equal(here[:350, 3], here[:350, 2])
 
 
@@ -204,9 +204,9 @@ def test_parameters_drawn_from_a_posterior_serve_a_world_each():
             d.ctrl.assign(np.tile(ctrl(k), (3, 1)))
             mjw.step(m, d)
         here = d.qpos.numpy()
-        with pytest.raises(ModelError, match="joint 'a' carries other effects than none"):
+        with pytest.raises(ModelError, match="joint 'a' carries the effects spring, not none"):
             friction.set_parameters("a", JointFriction(LAW))
-        with pytest.raises(ModelError, match="joint 'b' carries other effects than spring"):
+        with pytest.raises(ModelError, match="joint 'b' carries the effects none, not spring"):
             friction.set_parameters("b", samples)
     there = [natively(two(one), 300)[-1, :2] for one in samples]
     assert np.ptp(there, axis=0)[0] > 1e-3

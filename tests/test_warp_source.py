@@ -8,12 +8,11 @@ import pytest
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.law.names import LAWS
-from frictionjoint.simulate.row import evaluate, torque_now
-from frictionjoint.simulate.together import is_stiff, settle
+from frictionjoint.simulate.row import evaluate, over_the_step, torque_now
 from frictionjoint.simulate.warp_source import source
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 
-KERNELS = [evaluate, torque_now, is_stiff, settle, effects_torque, unit_gravity, coupled_load]
+KERNELS = [evaluate, torque_now, over_the_step, effects_torque, unit_gravity, coupled_load]
 
 
 def functions(text: str) -> dict[str, ast.FunctionDef]:

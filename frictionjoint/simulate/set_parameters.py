@@ -52,10 +52,12 @@ def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | Joi
     law = parameters.parameters if isinstance(parameters, JointFriction) else parameters
     require_parameters(law, "set_parameters")
     found = resolve(model)
-    write_parameters(model.numeric_data, found[_one_of(found, joint)], parameters)
+    write_parameters(model.numeric_data, found[_one_of(found, joint)], parameters, joint)
 
 
-def write_parameters(numeric_data: Array, block: int, parameters: Friction | JointFriction) -> int:
+def write_parameters(
+    numeric_data: Array, block: int, parameters: Friction | JointFriction, joint: str
+) -> int:
     """Change a joint's friction in a model's numbers, or in those of one simulation of a batch.
 
     Args:
@@ -63,6 +65,7 @@ def write_parameters(numeric_data: Array, block: int, parameters: Friction | Joi
             changed in place, only if all fits.
         block: where the joint's block begins, from `carrier.blocks`.
         parameters: as `set_parameters` takes them.
+        joint: its name, for messages.
     Returns:
         where in ``numeric_data`` the numbers end that were written from block + HEAD on.
     Raises:
@@ -74,16 +77,18 @@ def write_parameters(numeric_data: Array, block: int, parameters: Friction | Joi
     room = int(numeric_data[block + EFFECTS]) - HEAD
     if len(numbers) != room or numbers[0] != numeric_data[first]:
         raise ModelError(
-            f"the new law takes {len(numbers)} numbers, the model's {room}: keep law and number of "
-            "knots, or install and compile"
+            f"joint {joint!r}: the new law takes {len(numbers)} numbers, the model's {room}: keep "
+            "law and number of knots, or install and compile"
         )
     if isinstance(parameters, JointFriction):
         given = heating_first(friction.effects)
-        there = read_effects(numeric_data[first + room : first + count], "the model's friction")
+        there = read_effects(
+            numeric_data[first + room : first + count], f"friction of joint {joint!r}"
+        )
         if [e.effect for e in given] != [e.effect for e in there]:
             raise ModelError(
-                f"the joint carries the effects {_names(there)}, not {_names(given)}: give those "
-                "that were installed, in their order, or install and compile"
+                f"joint {joint!r} carries the effects {_names(there)}, not {_names(given)}: give "
+                "those that were installed, in their order, or install and compile"
             )
         numbers = np.concatenate([numbers, [len(given)], *(e.pack() for e in given)])
     end = first + len(numbers)

@@ -63,48 +63,32 @@ class WarpFriction:
     def __init__(self, m: Any, d: Any, mjm: mujoco.MjModel) -> None:
         mjw, wp = _load()
         found = _fitting(mjw, m, d, mjm)
-        from frictionjoint.simulate import warp_kernel, warp_stiff
+        from frictionjoint.simulate import warp_kernel
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
         self._layout = made = layout(mjm, found, warp_kernel.FRONT)
         motor = m.actuator_gainprm.dtype
-        self._friction, self._reset = warp_kernel.build(made.has_effects, motor)
-        self._hold = warp_stiff.build()
+        kernels = warp_kernel.build(made.has_effects, motor, made.header)
+        self._take_back, self._friction, self._acted, self._reset = kernels
         self.joints = made.joints
         self.joint_rows = dict(zip(made.joints, made.rows.tolist(), strict=True))
-        n, nworld, trees = len(made.joints), d.nworld, len(made.tree_dof)
-        most = made.most_in_a_tree
-
-        def room(rows: int, numbers: int) -> Any:
-            # worlds side by side: neighbouring threads then read neighbouring numbers
-            return wp.zeros((numbers, rows), dtype=wp.float64).transpose()
-
+        n, nworld = len(made.joints), d.nworld
         with wp.ScopedDevice(d.qpos.device):
             self.parameters = wp.array(made.numbers[None, made.read], dtype=wp.float64)
             self._blocks = wp.array(made.blocks, dtype=int)
             self._rows = wp.array(made.rows, dtype=int)
             self._loads = wp.array(made.loads, dtype=int)
-            self._trees = wp.array(made.trees, dtype=int)
             self._motor_first = wp.array(made.motor_first, dtype=int)
             self._motors = wp.array(made.motors, dtype=int)
-            self._tree_first = wp.array(made.tree_first, dtype=int)
-            self._members = wp.array(made.members, dtype=int)
-            self._tree_dof = wp.array(made.tree_dof, dtype=int)
             self._no_motor = wp.zeros(n + 1, dtype=int)
-            self.state, self._total = room(nworld, made.room), room(nworld, n)
+            # worlds side by side: neighbouring threads then read neighbouring numbers
+            self.state = wp.zeros((made.room, nworld), dtype=wp.float64).transpose()
             self._moved = wp.zeros((nworld, m.nv), dtype=float)
             self._torque = wp.zeros((nworld, n), dtype=float)
-            self._stiff = wp.zeros((trees, nworld), dtype=int)
+            self._of_effects = wp.zeros((nworld, n), dtype=float)
             self._every_world = wp.ones(nworld, dtype=wp.bool)
-            self._room = [
-                room(nworld * trees, most),
-                room(nworld, d.M.shape[1]),
-                room(nworld, m.nv),
-                room(nworld * trees, most * most),
-                room(nworld * trees, 3 * most + made.longest),
-            ]
             # a graph capture must not meet a module that is still to be loaded
-            for kernel in (self._friction, self._hold, self._reset):
+            for kernel in kernels:
                 block_dim = 1 if d.qpos.device.is_cpu else _BLOCK
                 wp.load_module(kernel.module, d.qpos.device, block_dim=block_dim)
         self._previous: Callable[[Any, Any], None] | None = m.callback.passive
@@ -121,6 +105,15 @@ class WarpFriction:
                 "this friction remembers the worlds of another mujoco_warp Data: attach_warp with "
                 "the one that is stepped"
             )
+        # before anything reads M: no friction in it
+        self._wp.launch(
+            self._take_back,
+            dim=(len(self.joints), d.nworld),
+            inputs=[self.parameters, self._blocks, self._rows, m.M_rowadr, m.M_rownnz],
+            outputs=[self.state, d.M],
+            device=d.qpos.device,
+            block_dim=_BLOCK,
+        )
         if self._layout.has_loads:
             # the load of a gear: this step's bias forces, which come after passive ones, and what
             # the step before has left, accelerations and constraint forces
@@ -136,7 +129,6 @@ class WarpFriction:
                 self._blocks,
                 self._rows,
                 self._loads,
-                self._trees,
                 m.opt.timestep,
                 m.dof_invweight0,
                 m.M_rowadr,
@@ -148,7 +140,6 @@ class WarpFriction:
                 d.time,
                 d.qpos,
                 d.qvel,
-                d.M,
                 d.qfrc_bias,
                 self._moved,
                 d.qacc,
@@ -166,34 +157,11 @@ class WarpFriction:
                 m.actuator_biasprm,
                 self.state,
             ],
-            outputs=[self._total, self._stiff, self._torque, d.qfrc_passive],
+            outputs=[d.M, self._of_effects, d.qfrc_passive],
             device=d.qpos.device,
             block_dim=_BLOCK,
         )
-        self._wp.launch(
-            self._hold,
-            dim=(len(self._layout.tree_dof), d.nworld),
-            inputs=[
-                self.parameters,
-                self._blocks,
-                self._tree_first,
-                self._members,
-                self._tree_dof,
-                m.opt.timestep,
-                m.dof_invweight0,
-                m.M_rowadr,
-                m.M_rownnz,
-                m.M_colind,
-                d.M,
-                self.state,
-                self._total,
-                self._stiff,
-                *self._room,
-            ],
-            outputs=[self._torque, d.qfrc_passive],
-            device=d.qpos.device,
-            block_dim=_BLOCK,
-        )
+        self._mjw.factor_m(m, d)
 
     def set_parameters(
         self, joint: str, parameters: Friction | JointFriction | Sequence[Friction | JointFriction]
@@ -231,11 +199,31 @@ class WarpFriction:
         self.parameters = turned.transpose()
 
     def torque(self) -> Any:
-        """The friction torques of the last evaluation, opposing positive motion.
+        """The friction torques that acted over the last step, opposing positive motion.
+
+        After ``mujoco_warp.forward`` those that a step from here has.
 
         Returns: warp array of floats on the model's device, shape (nworld, number of `joints`),
-        N m (N for a slide joint); overwritten by the next step.
+        N m (N for a slide joint); overwritten by the next call.
         """
+        d = self._data
+        self._wp.launch(
+            self._acted,
+            dim=(len(self.joints), d.nworld),
+            inputs=[
+                self.parameters,
+                self._blocks,
+                self._rows,
+                self._model.opt.timestep,
+                d.time,
+                d.qvel,
+                d.qacc,
+                self._of_effects,
+            ],
+            outputs=[self.state, self._torque],
+            device=d.qpos.device,
+            block_dim=_BLOCK,
+        )
         return self._torque
 
     def reset(self, world_mask: Any = None) -> None:

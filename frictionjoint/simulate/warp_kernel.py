@@ -1,9 +1,10 @@
 """The kernel that evaluates friction in every world at once: a thread a joint and world.
 
 It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
-the same source, on rows of state that live in a warp array instead of ``mjData.userdata``. A stiff
-joint is left to `warp_stiff`, which is told in which trees there is one. The law is computed in
-doubles; mujoco_warp hands it position, velocity, inertia and time as single floats.
+the same source, on rows of state that live in a warp array instead of ``mjData.userdata``: friction
+is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.mass`), which is
+factored again afterwards. The law is computed in doubles; mujoco_warp hands it position, velocity,
+inertia and time as single floats.
 
 Time and position need care. A float clock that counts milliseconds is off by several percent of a
 step after some minutes, and the law divides by the step. A float position of a radian is off by
@@ -23,8 +24,17 @@ from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.row import ASTRAY, STARTED, T_EVALUATED, torque_now
-from frictionjoint.simulate.together import is_stiff
+from frictionjoint.simulate.row import (
+    ASTRAY,
+    BASE,
+    GAIN,
+    STARTED,
+    T_EVALUATED,
+    TORQUE,
+    WRITTEN,
+    over_the_step,
+    torque_now,
+)
 from frictionjoint.simulate.warp_source import translate
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 
@@ -38,21 +48,23 @@ PULL = 0.01
 
 
 @functools.lru_cache(maxsize=8)
-def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
-    """The kernels of friction and of the reset.
+def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, Any]:
+    """The kernels that take friction out of M, evaluate it, read its torque, and reset it.
 
     Args:
         with_effects: whether any joint carries effects.
+        header: numbers of the longest header of a law.
         motor: warp's type of an actuator's gains and biases.
     """
     import warp as wp
 
-    functions = [torque_now, is_stiff]
+    functions = [torque_now, over_the_step]
     if with_effects:
         functions += [effects_torque, unit_gravity, coupled_load]
-    made = translate(functions, N_SIGNALS, f"frictionjoint_warp_{int(with_effects)}")
+    room = max(header, N_SIGNALS) if with_effects else header
+    made = translate(functions, room, f"frictionjoint_warp_{int(with_effects)}_{room}")
     joint_torque = made["simulate_row_torque_now"]
-    stiff_now = made["simulate_together_is_stiff"]
+    implicit_torque = made["simulate_row_over_the_step"]
     effect_torque = made.get("simulate_with_effects_effects_torque")
     gravity_arms = made.get("simulate_with_effects_unit_gravity")
     load_of_others = made.get("simulate_with_effects_coupled_load")
@@ -118,12 +130,30 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         return total
 
     @wp.kernel(enable_backward=False, module="unique")
+    def take_back(
+        numbers: doubles,
+        blocks: wp.array(dtype=int),
+        rows: wp.array(dtype=int),
+        rowadr: wp.array(dtype=int),
+        rownnz: wp.array(dtype=int),
+        state: doubles,
+        mass: wp.array2d(dtype=float),
+    ):
+        """`simulate.mass.take_back`, with a mass matrix of single floats."""
+        k, world = wp.tid()
+        x = rows[k] + FRONT
+        dof = int(numbers[world % numbers.shape[0], blocks[k] + DOF])
+        entry = rowadr[dof] + rownnz[dof] - 1
+        if double(mass[world, entry]) == state[world, x + WRITTEN]:
+            mass[world, entry] = float(state[world, x + BASE])
+        state[world, x + BASE] = double(mass[world, entry])
+
+    @wp.kernel(enable_backward=False, module="unique")
     def friction(
         numbers: doubles,
         blocks: wp.array(dtype=int),
         rows: wp.array(dtype=int),
         loads: wp.array(dtype=int),
-        trees: wp.array(dtype=int),
         timestep: floats,
         weight: wp.array2d(dtype=float),
         rowadr: wp.array(dtype=int),
@@ -135,7 +165,6 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         time: floats,
         qpos: wp.array2d(dtype=float),
         qvel: wp.array2d(dtype=float),
-        mass: wp.array2d(dtype=float),
         bias: wp.array2d(dtype=float),
         moved: wp.array2d(dtype=float),
         qacc: wp.array2d(dtype=float),
@@ -152,9 +181,8 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         gains: motors,
         biases: motors,
         state: doubles,
-        total: doubles,
-        stiff: wp.array2d(dtype=int),
-        torque: wp.array2d(dtype=float),
+        mass: wp.array2d(dtype=float),
+        of_effects: wp.array2d(dtype=float),
         passive: wp.array2d(dtype=float),
     ):
         k, world = wp.tid()
@@ -172,11 +200,18 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
             follow(X, x, double(time[world]), q, v, h)
             place = X[x + PLACE]
         t = X[x + CLOCK]
-        J = double(mass[world, rowadr[dof] + rownnz[dof] - 1])
+        J = X[x + FRONT + BASE]
         law = block + HEAD
         effects = block + int(P[block + EFFECTS])
         later = X[x + FRONT + T_EVALUATED] != t
         F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h)
+        if F == F:
+            free = double(1.0) / double(weight[world % weight.shape[0], dof])
+            F = implicit_torque(P, law, X, x + FRONT, h, v, J, free)
+            entry = rowadr[dof] + rownnz[dof] - 1
+            mass[world, entry] = float(J + h * X[x + FRONT + GAIN])
+            X[x + FRONT + WRITTEN] = double(mass[world, entry])
+        others_torque = double(0.0)
         if wp.static(with_effects):  # noqa: SIM102 - one test is for the compiler
             if P[effects] > double(0.0):
                 joint = int(P[block + JOINT])
@@ -223,16 +258,37 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
                     gains,
                     biases,
                 )
-                F = F + effect_torque(
+                others_torque = effect_torque(
                     P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
-        total[world, k] = F
-        w = double(weight[world % weight.shape[0], dof])
-        if stiff_now(P, law, X, x + FRONT, h, w):
-            wp.atomic_add(stiff, trees[k], world, 1)
-        else:
-            torque[world, k] = float(F)
-            passive[world, dof] = passive[world, dof] - float(F)
+        of_effects[world, k] = float(others_torque)
+        passive[world, dof] = passive[world, dof] - float(F + others_torque)
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def acted(
+        numbers: doubles,
+        blocks: wp.array(dtype=int),
+        rows: wp.array(dtype=int),
+        timestep: floats,
+        time: floats,
+        qvel: wp.array2d(dtype=float),
+        qacc: wp.array2d(dtype=float),
+        of_effects: wp.array2d(dtype=float),
+        state: doubles,
+        torque: wp.array2d(dtype=float),
+    ):
+        """c + G w and the torque of effects, with w the velocity at the end of the step."""
+        k, world = wp.tid()
+        x = rows[k] + FRONT
+        dof = int(numbers[world % numbers.shape[0], blocks[k] + DOF])
+        w = double(qvel[world, dof])
+        if double(time[world]) == state[world, rows[k] + TIME_SHOWN]:
+            # evaluated, and the step is still to come
+            a = double(qacc[world, dof])
+            if a == a:  # not left by a state gone astray that was set right
+                w = w + double(timestep[world % timestep.shape[0]]) * a
+        law = state[world, x + TORQUE] + state[world, x + GAIN] * w
+        torque[world, k] = float(law) + of_effects[world, k]
 
     @wp.kernel(enable_backward=False, module="unique")
     def reset(mask: wp.array(dtype=wp.bool), rows: wp.array(dtype=int), state: doubles):
@@ -240,4 +296,4 @@ def build(with_effects: bool, motor: Any) -> tuple[Any, Any]:
         if mask[world]:
             state[world, rows[k] + FRONT + STARTED] = double(0.0)
 
-    return friction, reset
+    return take_back, friction, acted, reset

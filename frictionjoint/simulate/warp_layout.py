@@ -1,4 +1,4 @@
-"""Where the joints, trees and motors of a model with friction lie in the arrays of its kernels."""
+"""Where the joints and motors of a model with friction lie in the arrays of its kernels."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.law.kernel import header_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import (
     COUNT,
-    DOF,
     EFFECTS,
     HEAD,
     JOINT,
@@ -29,7 +29,7 @@ Whole = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Layout:
-    """Of n joints with friction in t kinematic trees.
+    """Of n joints with friction.
 
     Attributes:
         joints: names, shape (n,), in the order of everything here.
@@ -38,14 +38,11 @@ class Layout:
         addresses: of the blocks in `numbers`, shape (n,).
         read: indices of the numbers that the kernels read, each block without the pieces that
             follow it. blocks: where each begins in those, shape (n,).
-        rows: where each joint's numbers begin in a world's state, shape (n,). room: of all rows,
-            longest: the longest one.
+        rows: where each joint's numbers begin in a world's state, shape (n,). room: of all rows.
+            header: numbers of the longest header of a law.
         loads: number of the first effect that looks at the load, or -1, shape (n,).
         motor_first, motors: actuators of joints that saturate, those of the i-th joint from
             motor_first[i] to motor_first[i + 1].
-        trees: number of each joint's tree, shape (n,). tree_first, members: joints by tree, in the
-            same way. tree_dof: first degree of freedom of each of those trees and one past its
-            last, shape (t, 2).
         has_effects, has_loads: whether any joint has.
     """
 
@@ -56,23 +53,15 @@ class Layout:
     blocks: Whole
     rows: Whole
     room: int
-    longest: int
+    header: int
     loads: Whole
     motor_first: Whole
     motors: Whole
-    trees: Whole
-    tree_first: Whole
-    members: Whole
-    tree_dof: Whole
     has_effects: bool
 
     @property
     def has_loads(self) -> bool:
         return bool(self.loads.max() >= 0)
-
-    @property
-    def most_in_a_tree(self) -> int:
-        return int(np.diff(self.tree_first).max())
 
 
 def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layout:
@@ -93,9 +82,6 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
         motors_of(model, int(joint)) if gives_less(numbers, int(at)) else []
         for joint, at in zip(joints, effects, strict=True)
     ]
-    trees = model.dof_treeid[_whole(numbers[addresses + DOF])]
-    present = np.unique(trees)
-    ends = np.searchsorted(model.dof_treeid, [present, present + 1])
     return Layout(
         joints=tuple(found),
         numbers=numbers,
@@ -106,14 +92,10 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
         blocks=_starts(lengths)[:-1],
         rows=rows[:-1],
         room=int(rows[-1]),
-        longest=max(sizes),
+        header=max(int(header_size(numbers, at + HEAD)) for at in addresses.tolist()),
         loads=_whole(asks_for_load(numbers, int(at)) for at in effects),
         motor_first=_starts([len(own) for own in motors]),
         motors=_whole(i for own in motors for i in own),
-        tree_first=_starts([int(np.count_nonzero(trees == tree)) for tree in present]),
-        trees=_whole(np.searchsorted(present, trees)),
-        members=_whole(np.argsort(trees, kind="stable")),
-        tree_dof=_whole(ends.T),
         has_effects=bool(np.any(numbers[effects] > 0.0)),
     )
 
@@ -125,7 +107,7 @@ def block_with(made: Layout, number: int, friction: Friction | JointFriction) ->
         ModelError: another law, another number of knots, or other effects than the joint has.
     """
     numbers, at = made.numbers.copy(), int(made.addresses[number])
-    return numbers[at : write_parameters(numbers, at, friction)]
+    return numbers[at : write_parameters(numbers, at, friction, made.joints[number])]
 
 
 def _whole(numbers: Iterable[Any]) -> Whole:
