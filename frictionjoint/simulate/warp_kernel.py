@@ -206,8 +206,8 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         later = X[x + FRONT + T_EVALUATED] != t
         F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h)
         if F == F:
-            free = double(1.0) / double(weight[world % weight.shape[0], dof])
-            F = implicit_torque(P, law, X, x + FRONT, h, v, J, free)
+            inverse = double(weight[world % weight.shape[0], dof])
+            F = implicit_torque(P, law, X, x + FRONT, h, v, J, inverse)
             entry = rowadr[dof] + rownnz[dof] - 1
             mass[world, entry] = float(J + h * X[x + FRONT + GAIN])
             X[x + FRONT + WRITTEN] = double(mass[world, entry])
