@@ -17,16 +17,13 @@ from frictionjoint.simulate.carrier import (
     RESOLVED,
     ROW,
 )
-from frictionjoint.simulate.first_sight import (
-    make_ready,
-    warn_of_no_room,
-)
+from frictionjoint.simulate.first_sight import make_ready
 from frictionjoint.simulate.mass import put_in, take_back
 from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.native import PGS, RK4
 from frictionjoint.simulate.row import BASE, T_EVALUATED, over_the_step, torque_now
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
-from frictionjoint.simulate.userdata_room import lacks_room
+from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
     coupled_load,

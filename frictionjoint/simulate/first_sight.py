@@ -18,13 +18,12 @@ from frictionjoint.simulate.carrier import MAGIC, REFUSED, RESOLVED, blocks, res
 from frictionjoint.simulate.model_view import ModelView
 from frictionjoint.simulate.pointers import Address
 from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
+from frictionjoint.simulate.userdata_room import warn_of_no_room
 
 # simulations of one model may run side by side
 _one_at_a_time = threading.Lock()
 # functions that compiled code calls
 _kept: list[Any] = []
-# addresses of models that were warned of
-_without_room: set[int] = set()
 
 
 def make_ready(model: Any) -> None:
@@ -48,19 +47,6 @@ def make_ready(model: Any) -> None:
             warnings.warn(
                 f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2
             )
-
-
-def warn_of_no_room(address: int) -> None:
-    """Warn, once per model, of data that were made before their model got room for friction."""
-    if address in _without_room:
-        return
-    _without_room.add(address)
-    warnings.warn(
-        "friction does not act in data that were made before their model got room for it: make "
-        "them anew, mujoco.MjData(model), after frictionjoint.attach or load_model",
-        RuntimeWarning,
-        stacklevel=2,
-    )
 
 
 @external

@@ -6,12 +6,16 @@ its ``nuserdata``. So a compiled model that lacks room gets it: MuJoCo lays out 
 callback leaves them alone (`lacks_room`); MuJoCo itself refuses to copy between the two.
 """
 
+import warnings
+
 import mujoco
 
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.layout import data_structure, model_structure
 
 _BYTES = 8
+# models whose data were found to lack room, by address
+_warned: set[int] = set()
 
 
 def make_room(model: mujoco.MjModel, need: int) -> None:
@@ -31,8 +35,22 @@ def make_room(model: mujoco.MjModel, need: int) -> None:
             "in the MJCF, or set nuserdata of the spec"
         )
     model_structure().from_address(model._address).nuserdata = own + need
+    _warned.discard(model._address)
 
 
 def lacks_room(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
     """Whether data were made before their model got room for friction."""
     return len(data.userdata) < int(model.nuserdata)
+
+
+def warn_of_no_room(address: int) -> None:
+    """Warn, once per model, of data that were made before their model got room for friction."""
+    if address in _warned:
+        return
+    _warned.add(address)
+    warnings.warn(
+        "friction does not act in data that were made before their model got room for it: make "
+        "them anew, mujoco.MjData(model), after frictionjoint.attach or load_model",
+        RuntimeWarning,
+        stacklevel=2,
+    )
