@@ -2,6 +2,9 @@
 
 import subprocess
 import sys
+from pathlib import Path
+
+import pytest
 
 from frictionjoint.law.names import LAWS
 from frictionjoint.laws import parameters_from_dict
@@ -21,8 +24,19 @@ def test_a_simulation_loads_no_readers_no_plots_and_no_command_line():
     loaded = modules(
         f"import frictionjoint as fj; m = fj.load_model({str(kuka_model())!r}); fj.attach(m)"
     )
-    unwanted = {"pyarrow", "sklearn", "matplotlib", "pandas", "jinja2", "pooch", "typer", "rich"}
+    unwanted = {"scipy", "pyarrow", "matplotlib", "pandas", "jinja2", "pooch", "typer", "rich"}
     assert not loaded & unwanted
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="memory is read from /proc")
+def test_a_loaded_model_takes_at_most_120_megabytes():
+    script = (
+        f"import frictionjoint as fj; fj.load_model({str(kuka_model())!r}); "
+        "print(open('/proc/self/status').read())"
+    )
+    run = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True)
+    kilobytes = next(line for line in run.stdout.splitlines() if line.startswith("VmRSS"))
+    assert int(kilobytes.split()[1]) < 120_000
 
 
 def test_the_help_loads_neither_numpy_nor_mujoco():
