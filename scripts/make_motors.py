@@ -36,26 +36,27 @@ frictionjoint motors get ur10_j1 --out j1.toml
 frictionjoint install ur10.xml --joint shoulder_pan=j1.toml --out ur10_with_friction.xml
 ```
 
-What is left on data held out from the fit, from the law alone to the law with the effects found:
+Errors on held-out data, with the law alone and with the effects that were found:
 
-* **torque**: of the drive, rms;
-* **replay**: free runs of half a second, rms position error;
-* **loop**: whole logs simulated from their target, mean absolute position error.
+* **torque**: rms error of the drive;
+* **replay**: rms position error of free runs of half a second;
+* **loop**: mean absolute position error of whole logs simulated from their target.
 
-Of a robot the second number is of the MJCF whose bodies are corrected as the remarks say.
-`frictionjoint motors list --json` has also each motor's command, commit, digest of the logs,
-standard errors, and the numbers of effects that are the drive's or the load's.
+For a robot the second number belongs to the MJCF with corrected bodies; see the remarks.
+`frictionjoint motors list --json` also prints the command, the commit, the digest of the logs, the
+standard errors, and the numbers of effects of the drive and the load. A number is not determined if
+its standard error is more than half of its value.
 
 """
 TAIL = (
     "## How they were made",
     "",
-    "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. Where",
-    "the controller is known, `--refine` is given; without it the loop's error is 0.0296 rad for",
-    "the STS3215 and 0.0398 rad for the XL330, and that of EMPS is the same.",
+    "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. If the",
+    "controller is known, the numbers are refined by simulation (`--refine`). Without it the loop",
+    "error is 0.0296 rad for the STS3215, 0.0398 rad for the XL330, and the same for EMPS.",
     "",
 )
-# a number whose standard error is more than this part of it is called loose
+# a number whose standard error is more than this part of it counts as not determined
 LOOSE = 0.5
 
 
@@ -249,17 +250,17 @@ def remarks(
     acts = {effect.effect.name for effect in friction.effects}
     rest = [x["effect"] for x in report["added"] if x["effect"] not in acts]
     if rest:
-        said.append(f"Found besides, of the drive, the load or the log: {', '.join(rest)}.")
+        said.append(f"Other effects found (drive, load or log): {', '.join(rest)}.")
     causes = []
     for cause in whole.get("shared", []):
         place = " and ".join(cause[k] for k in ("body", "joint", "other_joint") if k in cause)
         causes.append(f"{cause['cause']}{f' of {place}' if place else ''}")
     if causes:
-        said.append(f"The MJCF was corrected besides, for all joints: {', '.join(causes)}.")
+        said.append(f"The MJCF was also corrected: {', '.join(causes)}.")
     if report.get("refined", {"taken": False})["taken"]:
         said.append(
-            "Refined by simulated motion: the errors in closed loop are of these numbers, those of "
-            "torque and replay of the fit before."
+            "Refined by simulation: the loop error is that of the refined numbers, torque and "
+            "replay errors are those of the fit before."
         )
     numbers = parameters(report).items()
     loose = [
@@ -270,9 +271,9 @@ def remarks(
     kept = errors(report)
     worse = [key for key in kept if f"{key}_before" in kept and kept[key] > kept[f"{key}_before"]]
     if worse:
-        said.append(f"Worse after than before: {', '.join(worse)}.")
+        said.append(f"Worse than the law alone: {', '.join(worse)}.")
     if loose:
-        said.append(f"Hardly determined by these logs: {', '.join(loose)}.")
+        said.append(f"Not determined by these logs: {', '.join(loose)}.")
     return " ".join(said)
 
 

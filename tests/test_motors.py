@@ -184,7 +184,7 @@ def test_what_is_left_before_and_after_is_stated_and_a_worse_end_is_said(motor):
     assert {"torque_held_out", "torque_held_out_before"} <= set(motor.fit)
     for key, after in motor.fit.items():
         if motor.fit.get(f"{key}_before", np.inf) < after:
-            assert key in motor.remark.partition("Worse after than before:")[2]
+            assert key in motor.remark.partition("Worse than the law alone:")[2]
     effects = {x.effect.name for x in motor.friction.effects}
     for effect in set(motor.found) - effects - {"motor"}:
         assert effect in motor.remark
