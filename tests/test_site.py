@@ -1,0 +1,57 @@
+"""The README and the site: few pages, few words, plain ones, and pictures that are small."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+README = (ROOT / "README.md").read_text()
+PAGES = sorted(DOCS.glob("*.md"))
+GENERATED = {"effects.md", "commands.md"}
+# words with a meaning of their own here, which a new reader does not know
+PRIVATE = re.compile(
+    r"\b(told|borne out|beside|plants?|(second|third) hand|ripe|mend|hardly|swings?|thereof"
+    r"|bent law|the squares|never looked at|let go)\b"
+)
+
+
+def navigation() -> list[str]:
+    """Pages that the site's navigation lists."""
+    return re.findall(r":\s+(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
+
+
+def test_every_page_is_listed_once_and_there_are_few():
+    listed = navigation()
+    assert len(listed) == len(set(listed)) <= 14
+    assert {page.name for page in PAGES} | GENERATED == set(listed)
+
+
+def test_the_pages_have_few_words():
+    assert sum(len(page.read_text().split()) for page in PAGES) < 15_000
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda page: page.stem)
+def test_a_page_uses_the_fields_words(page):
+    prose = re.sub(r"```.*?```|`[^`]*`|\]\([^)]*\)", " ", page.read_text(), flags=re.DOTALL)
+    assert [found.group() for found in PRIVATE.finditer(prose)] == []
+
+
+@pytest.mark.parametrize(
+    "command", ["pip install . && frictionjoint demo", "pip install '.[test]' && pytest"]
+)
+def test_the_readme_has_its_two_commands(command):
+    assert command in README.splitlines()
+
+
+def test_the_readme_shows_a_moving_picture_below_a_megabyte():
+    (name,) = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
+    content = (ROOT / name).read_bytes()
+    assert len(content) < 1_000_000
+    assert content.count(b"ANMF") > 50, "frames of an animated WebP"
+
+
+def test_files_that_the_readme_links_exist():
+    links = re.findall(r"\]\(([^)#]+)\)", README)
+    assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
