@@ -5,7 +5,7 @@
 from Python is handed to it. A call releases Python's lock, so other threads go on meanwhile.
 
 With ``FRICTIONJOINT_PYTHON=1`` in the environment all kernels run as the Python they are written
-in: slow, and every line can be stepped through.
+in: slow, and every line can be stepped through. So does a kernel outside this package, always.
 
 A kernel is a function of annotated arguments: ``float``, ``int``, ``bool``, ``Vector`` (float64 by
 one index), ``Array`` (float64 by as many indices as the kernel uses), ``Index`` (int64),
@@ -137,14 +137,16 @@ def _name(function: Any) -> str:
 def _kernel(function: _Function, in_line: bool) -> _Function:
     name = _name(function)
     made: Any = function
-    if not PLAIN:
+    ours = name.startswith("frictionjoint.")
+    if ours and not PLAIN:
         # a namespace of its own, where the C function takes the place of `_first_call`
         space: dict[str, Any] = {"_first_call": _first_call}
         made = types.FunctionType(_waiting.__code__, space, function.__name__)
         functools.update_wrapper(made, function)
         space["_self"] = made
     made.py_func, made.in_line = function, in_line
-    registry[name] = made
+    if ours:
+        registry[name] = made
     return cast("_Function", made)
 
 

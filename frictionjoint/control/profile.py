@@ -54,9 +54,9 @@ def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
 
 def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
     """Times and positions between which such a target has constant speed, shape (2 n,) each."""
-    at, x = np.empty(2 * len(time)), np.empty(2 * len(time))
-    fill_corners(time, command, len(time), max(rate, 1e-9), at, x)
-    return at, x
+    path = np.empty((2, 2 * len(time)))
+    fill_corners(time, command, len(time), max(rate, 1e-9), path)
+    return path[AT], path[PLACE]
 
 
 @compiled
@@ -97,9 +97,7 @@ def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -
     ramps = rate != math.inf
     if ramps:
         count = 2 * n
-        fill_corners(
-            time, command, n, max(rate, 1e-9), pointer(path, 0), pointer(path, path.shape[1])
-        )
+        fill_corners(time, command, n, max(rate, 1e-9), path)
     else:
         for i in range(n):
             path[AT, i] = time[i]
@@ -143,15 +141,15 @@ def last_before(at: Vector, n: int, t: float, near: int) -> int:
 
 
 @compiled
-def fill_corners(time: Vector, command: Vector, n: int, rate: float, at: Vector, x: Vector) -> None:
-    """Fill `at` and `x`, shape (2 n,), see `_corners`."""
+def fill_corners(time: Vector, command: Vector, n: int, rate: float, path: Array) -> None:
+    """Fill the rows AT and PLACE of `path`, shape (2, 2 n) at least, see `_corners`."""
     here = command[0]
     for k in range(n):
-        at[2 * k], x[2 * k] = time[k], here
+        path[AT, 2 * k], path[PLACE, 2 * k] = time[k], here
         way = command[k] - here
         takes = abs(way) / rate
         if k + 1 < n and takes > time[k + 1] - time[k]:
             takes = time[k + 1] - time[k]
             way = math.copysign(rate * takes, way)
         here += way
-        at[2 * k + 1], x[2 * k + 1] = time[k] + takes, here
+        path[AT, 2 * k + 1], path[PLACE, 2 * k + 1] = time[k] + takes, here

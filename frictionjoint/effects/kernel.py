@@ -157,7 +157,8 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
 def _centred(out: Array) -> None:
     """Means over the interval before each sample, converted to means around each sample."""
     for k in range(len(out) - 1):
-        out[k] = 0.5 * (out[k] + out[k + 1])
+        for c in range(out.shape[1]):
+            out[k, c] = 0.5 * (out[k, c] + out[k + 1, c])
 
 
 # releases the GIL: a search computes columns in parallel

@@ -13,6 +13,7 @@ from typing import Any, Literal, cast
 
 import mujoco
 
+from frictionjoint.compiled import PLAIN
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
 from frictionjoint.simulate.callback import python_callback
@@ -104,7 +105,7 @@ def _warn_if_replaced(what_now: str) -> None:
 def _kernel(backend: Backend) -> Any:
     if backend not in ("native", "python"):
         raise ModelError(f"unknown backend {backend!r}: use 'native' or 'python'")
-    if backend == "python":
+    if backend == "python" or PLAIN:
         return python_callback
     try:
         return build_native()

@@ -12,10 +12,21 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from frictionjoint import compiled, library
 from frictionjoint.translate.compiler import FLAGS, compile_library
 from frictionjoint.translate.unit import unit
+
+
+def all_kernels() -> dict[str, Any]:
+    """Every kernel of the package by module and name; all their modules are imported."""
+    for file in library.sources():
+        if file.parent.name != "translate":
+            place = file.relative_to(Path(library.__file__).parent).with_suffix("")
+            parts = [part for part in place.parts if part != "__init__"]
+            importlib.import_module(".".join(["frictionjoint", *parts]))
+    return dict(sorted(compiled.registry.items()))
 
 
 def build(folder: Path, target: str | None = None) -> Path:
@@ -28,14 +39,8 @@ def build(folder: Path, target: str | None = None) -> Path:
     Raises:
         ModelError: a kernel that cannot be translated. RuntimeError: it cannot be compiled.
     """
-    files = library.sources()
-    stamps = library.stamps(files)
-    for file in files:
-        if file.parent.name != "translate":
-            place = file.relative_to(Path(library.__file__).parent).with_suffix("")
-            parts = [part for part in place.parts if part != "__init__"]
-            importlib.import_module(".".join(["frictionjoint", *parts]))
-    text, listed = unit(dict(sorted(compiled.registry.items())))
+    stamps = library.stamps(library.sources())
+    text, listed = unit(all_kernels())
     digest = hashlib.sha256(f"{FLAGS}{text}".encode()).hexdigest()[:12]
     folder.mkdir(parents=True, exist_ok=True)
     present = [f for f in folder.glob(f"kernels-{digest}.*") if f.suffix != ".c"]

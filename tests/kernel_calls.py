@@ -1,0 +1,271 @@
+"""Calls of every kernel, recorded while all kernels run as Python.
+
+    FRICTIONJOINT_PYTHON=1 python tests/kernel_calls.py FILE SEED
+
+Laws, effects, controllers and filters run along random motions with random numbers; of each kernel
+some calls are kept: arguments before, arguments after, and what came back.
+"""
+
+import pickle
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from acting import acting, arm, ctrl
+
+import frictionjoint as fj
+from frictionjoint.control import kernel as control
+from frictionjoint.control.profile import fill_means, followed
+from frictionjoint.control.reconstruct import fill_mean_drives
+from frictionjoint.diagnose.blocks import gram_matrices
+from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED
+from frictionjoint.effects.joint_elasticity import free_swing
+from frictionjoint.effects.kernel import columns, torques
+from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
+from frictionjoint.identify.commanded import _fill_uniform
+from frictionjoint.identify.constraint_shape import gradient
+from frictionjoint.identify.reversals import fill_grid, path_of
+from frictionjoint.identify.smooth import elastic_plastic
+from frictionjoint.law import relaxation, stribeck, transition
+from frictionjoint.law.kernel import INTEGRATED
+from frictionjoint.law.motion import drive_integrated, drive_rival, friction_torque
+from frictionjoint.law.tangents.along import driven_with_tangents
+from frictionjoint.measured.lowpass import LowPass, gentle
+from frictionjoint.rivals import (
+    ArmstrongParameters,
+    DahlParameters,
+    DahlStribeckParameters,
+    ElastoplasticParameters,
+    LuGreParameters,
+    MaxwellSlipParameters,
+    StaticParameters,
+)
+from frictionjoint.simulate.carrier import HEAD, ROW, blocks
+from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
+from frictionjoint.simulate.shaft_wave import resist
+from frictionjoint.simulate.together import between, is_stiff, settle
+from frictionjoint.translate.build import all_kernels
+
+KEPT = 25
+SAMPLES = 60
+Recorded = dict[str, list[tuple[tuple, tuple, object]]]
+
+
+class Recorder:
+    """Keeps calls while it profiles."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.rng = rng
+        self.codes = {k.py_func.__code__: name for name, k in all_kernels().items()}
+        self.calls: Recorded = defaultdict(list)
+        self.seen: dict[str, int] = defaultdict(int)
+        self.open: dict[int, tuple[str, list, tuple]] = {}
+
+    def __call__(self, frame, event: str, result: object) -> None:
+        """Hook of `sys.setprofile`."""
+        name = self.codes.get(frame.f_code)
+        if name is None:
+            return
+        if event == "call":
+            self.seen[name] += 1
+            count = self.seen[name]
+            if count <= KEPT or self.rng.random() < KEPT / count:
+                code = frame.f_code
+                given = [frame.f_locals[x] for x in code.co_varnames[: code.co_argcount]]
+                self.open[id(frame)] = (name, given, pickle.dumps(given))
+        elif event == "return" and id(frame) in self.open:
+            name, given, before = self.open.pop(id(frame))
+            entry = (before, pickle.dumps((given, result)))
+            kept = self.calls[name]
+            if len(kept) < KEPT:
+                kept.append(entry)
+            else:
+                kept[int(self.rng.integers(KEPT))] = entry
+
+
+def laws(rng: np.random.Generator) -> list:
+    """One of each law with random numbers, the integrated one with several exponents."""
+    u = rng.uniform
+    levels = {}
+    for side in ("pos", "neg"):
+        Fc = u(0.5, 1.0)
+        levels |= {f"Fs_{side}": Fc * u(1.01, 1.6), f"Fc_{side}": Fc, f"Vs_{side}": u(0.02, 0.2)}
+        levels |= {f"delta_{side}": rng.choice([1.0, 2.0, 1.4]), f"sigma2_{side}": u(0.1, 0.5)}
+    reach = u(0.5, 2.0)
+    knots = ((1e-4 * reach, 0.9), (4e-4 * reach, 1.7), (3e-3 * reach, 3.4))
+    own = {"sigma0": u(1e3, 1e4)}
+    plain = {k: x for k, x in levels.items() if k[:2] in ("Fc",) or k.startswith("sigma2")}
+    integrated = [
+        fj.FrictionParameters(
+            **levels, knots=knots, sigma1=u(0.0, 2.0), n=n, variant=variant, virgin=virgin
+        )
+        for n, variant, virgin in (
+            (1.0, "ganseman1997", "literal"),
+            (2.0, "lampaert2002", "masing"),
+            (3.0, "ganseman1997", "masing"),
+            (u(1.0, 3.0), "lampaert2002", "literal"),
+            (u(3.0, 30.0), "ganseman1997", "literal"),
+        )
+    ]
+    return [
+        *integrated,
+        StaticParameters(**levels, V0=u(1e-3, 1e-2)),
+        ArmstrongParameters(**levels, **own),
+        *(DahlParameters(**plain, **own, i=i) for i in (0.0, 1.0, u(0.2, 2.0))),
+        DahlStribeckParameters(**levels, **own, i=u(0.5, 2.0)),
+        LuGreParameters(**levels, **own, sigma1=u(0.0, 10.0)),
+        ElastoplasticParameters(**levels, **own, sigma1=u(0.0, 10.0), breakaway=u(0.3, 0.9)),
+        MaxwellSlipParameters(**levels, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0),
+    ]
+
+
+def motion(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Time and position: presliding, sliding, rest and turns."""
+    t = 1e-3 * np.arange(SAMPLES)
+    steps = rng.normal(size=SAMPLES) * 10 ** rng.uniform(-6, -2.5, SAMPLES)
+    steps = np.abs(steps) * np.repeat(rng.choice([-1.0, 1.0], SAMPLES // 6), 6)
+    steps[rng.random(SAMPLES) < 0.1] = 0.0
+    return t, np.cumsum(steps)
+
+
+def signals_of(rng: np.random.Generator, t: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Signals of a log along a motion; what is not motion is noise."""
+    rows = rng.normal(size=(len(t), N_SIGNALS))
+    v = np.gradient(q, t)
+    rows[:, TIME], rows[:, Q], rows[:, V], rows[:, A] = t, q, v, np.gradient(v, t)
+    rows[:, DT] = np.diff(t, prepend=t[0])
+    rows[:, H], rows[:, GEAR] = np.tanh(v / 0.01), rng.normal(size=len(t))
+    return rows
+
+
+def along_logs(rng: np.random.Generator) -> None:
+    """What fits and filters call."""
+    t, q = motion(rng)
+    edges = np.array([0, SAMPLES // 2, SAMPLES])
+    for law in laws(rng):
+        friction_torque(law, t, q)
+        P = law.pack()
+        H_, rate = np.empty(SAMPLES), np.empty(SAMPLES)
+        drive = drive_integrated if P[0] == INTEGRATED else drive_rival
+        drive(P, t, q, edges, H_, rate)
+        P_t = rng.normal(size=(7, len(P)))
+        driven_with_tangents(law.law, P, P_t, t, q, rng.normal(size=(8, SAMPLES)), edges)
+    rows = signals_of(rng, t, q)
+    for effect in CATALOGUE:
+        shapes = effect.shapes(rows) if effect.shape and effect.shapes else [()]
+        shape = shapes[int(rng.integers(len(shapes)))] if shapes else (0.3,) * len(effect.shape)
+        if len(shape) == len(effect.shape):
+            columns(effect.effect_id, shape, len(effect.coefficients), rows)
+            torques(effect.effect_id, shape, rng.normal(size=(2, len(effect.coefficients))), rows)
+    free_swing((5.0, 0.1), (0.1, 0.2), rows)
+    gradient(q, t, edges)
+    elastic_plastic(q, np.array([1e-4, 1e-3]))
+    path = path_of(rows, 0.0)
+    fill_grid(path.time[None], path.samples, path.averaged, np.empty((1, SAMPLES)))
+    gram_matrices(rng.normal(size=(4, SAMPLES)), np.array([0, 2, 3]), edges, np.empty((2, 3, 3)))
+    grid = np.linspace(t[0] - 1e-3, t[-1] + 1e-3, 50)
+    _fill_uniform(t, q, np.array([0, SAMPLES]), grid, np.array([0, 50]), np.empty(50))
+    for k in (1e-4, 0.5, 3.0):
+        transition.transition(laws(rng)[0].pack(), 15, k * rng.choice([-1, 1]))
+        transition.inverse_transition(laws(rng)[0].pack(), 15, k * rng.choice([-1, 1]))
+    for _ in range(200):
+        r, n = rng.uniform(-1.5, 1.5), rng.choice([1.0, 2.0, 3.0, 4.0, rng.uniform(1.0, 9.0)])
+        a = 10 ** rng.uniform(-4, 1)
+        relaxation.distance(r, relaxation.advance(r, a, n), n)
+        stribeck.stribeck_level(np.array([1.5, 1.0, 0.1, n, 0.1]), 0, abs(r))
+
+
+def joints_alone(rng: np.random.Generator) -> None:
+    """One joint with its controller, without MuJoCo, free and from a measured motion."""
+    t, q = motion(rng)
+    fine = np.arange(SAMPLES)
+    block = np.zeros(control.BLOCK)
+    block[[control.KP, control.KD, control.SUPPLY]] = 50.0, 1.0, 1.0
+    block[[control.LIMIT, control.DROP_ERROR, control.DROP_OUTPUT, control.SLEW]] = np.inf
+    body = Load(rng.uniform(0.05, 0.2, (10, 1)), 0.01, 0.3, 0.1)
+    hot = [e for e in SIMULATED if e.name in ("temperature-dependent", "load-dependent")]
+    for law in laws(rng):
+        model = JointModel.of(law, [acting(e) for e in hot], 2.0, 0.1, 0.01, 1.5e-3)
+        for measured in (None, (q, np.gradient(q, t))):
+            run = Run(
+                step=1e-3,
+                target=q + 0.02 * np.sin(0.3 * fine),
+                supply=np.ones(SAMPLES),
+                on=rng.random(SAMPLES) < 0.9,
+                start=(0.1, 0.0),
+                load=body,
+                block=block,
+                temperature=20.0 + rng.random(SAMPLES),
+            )
+            simulate(model, run, measured, 20)
+
+
+def ahead(rng: np.random.Generator) -> None:
+    """What a simulation on a GPU and the friction of a shaft call."""
+    for law in laws(rng):
+        model = arm(law=law)
+        with fj.attach(model):
+            data = mujoco.MjData(model)
+            data.ctrl[:] = ctrl(300)
+            mujoco.mj_step(model, data, 20)
+        fj.torque(model, data)
+        P, X = model.numeric_data, data.userdata.copy()
+        at = np.array(list(blocks(model).values()), dtype=float)
+        columns_ = rng.uniform(0.5, 2.0, (2, 2)).reshape(-1)
+        W, Y = np.empty(4), np.empty(600)
+        for block in at:
+            is_stiff(P, int(block) + HEAD, X, int(P[int(block) + ROW]), 1e-3, 10.0)
+        between(P, at, 2, columns_, 2, W)
+        settle(P, at, 2, X, 1e-3, W, Y)
+    spread = rng.uniform(0.5, 2.0, 12)
+    spread[3:7] = 0, 0, 1, 1
+    resist(spread, 0, rng.normal(size=2), rng.normal(size=2), np.zeros(2))
+
+
+def controllers(rng: np.random.Generator) -> None:
+    """Ticks, profiles and mean drives."""
+    t, q = motion(rng)
+    blocks = rng.uniform(0.5, 2.0, (2, control.BLOCK))
+    blocks[:, control.PERIOD], blocks[:, control.COUNT] = 2e-3, (0.0, 1e-4)
+    blocks[:, control.SLEW] = (np.inf, 0.3)
+    edges, delays = np.array([0, SAMPLES // 2, SAMPLES]), rng.uniform(0.0, 3e-3, 2)
+    v, one, on = np.gradient(q, t), np.ones(SAMPLES), rng.random(SAMPLES) < 0.9
+    target = q + 1e-3 * rng.normal(size=SAMPLES)
+    path = np.empty((4, 2 * SAMPLES))
+    fill_mean_drives(blocks, delays, edges, t, target, q, v, one, on, path, np.empty(SAMPLES))
+    for block in blocks:
+        control.one_tick(block, np.zeros(control.STATE), 0.0, 1.0, 0.5, 0.1)
+        rate = float(block[control.SLEW])
+        followed(t, target, t, min(rate, 1.0))
+        fill_means(t, target, t, np.full(SAMPLES, 2e-3), rate, path, np.empty(SAMPLES))
+
+
+def simulations(rng: np.random.Generator) -> None:
+    """The callback's kernels, by the backend in Python, with every law and effect."""
+    some = [acting(effect) for effect in SIMULATED]
+    for i, law in enumerate(laws(rng)):
+        model = arm(*some[3 * i : 3 * i + 3], law=law)
+        with fj.attach(model, "python"):
+            data = mujoco.MjData(model)
+            for k in range(30):
+                data.ctrl[:] = ctrl(20 * k)
+                mujoco.mj_step(model, data)
+
+
+def filters(rng: np.random.Generator) -> None:
+    """A low pass and a derivative."""
+    smooth = LowPass(SAMPLES, 1e-3, 50.0, gentle, step=2)
+    for derivative in (0, 1):
+        smooth(rng.normal(size=(SAMPLES, 2)), derivative)
+
+
+if __name__ == "__main__":
+    random = np.random.default_rng(int(sys.argv[2]))
+    recorder = Recorder(random)
+    sys.setprofile(recorder)
+    for part in (along_logs, joints_alone, controllers, simulations, ahead, filters):
+        part(random)
+    sys.setprofile(None)
+    Path(sys.argv[1]).write_bytes(pickle.dumps(dict(recorder.calls)))
