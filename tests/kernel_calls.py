@@ -14,6 +14,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from acting import acting, arm, ctrl
+from frictionjoint.simulate.together import between, is_stiff, settle
 
 import frictionjoint as fj
 from frictionjoint.control import kernel as control
@@ -45,7 +46,6 @@ from frictionjoint.rivals import (
 from frictionjoint.simulate.carrier import HEAD, ROW, blocks
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 from frictionjoint.simulate.shaft_wave import resist
-from frictionjoint.simulate.together import between, is_stiff, settle
 from frictionjoint.translate.build import all_kernels
 
 KEPT = 25
@@ -202,6 +202,16 @@ def joints_alone(rng: np.random.Generator) -> None:
             simulate(model, run, measured, 20)
 
 
+def batches(rng: np.random.Generator) -> None:
+    """Friction of many joints without MuJoCo, in double and in single precision."""
+    _, q = motion(rng)
+    for law in laws(rng):
+        for kind in (np.float64, np.float32):
+            batch = fj.FrictionBatch(law, 2)
+            for now, v in zip(q[:15], np.diff(q)[:15] / 1e-3, strict=True):
+                batch.step(np.array([now, 2 * now], dtype=kind), np.full(2, v, dtype=kind), 1e-3)
+
+
 def ahead(rng: np.random.Generator) -> None:
     """What a simulation on a GPU and the friction of a shaft call."""
     for law in laws(rng):
@@ -265,7 +275,7 @@ if __name__ == "__main__":
     random = np.random.default_rng(int(sys.argv[2]))
     recorder = Recorder(random)
     sys.setprofile(recorder)
-    for part in (along_logs, joints_alone, controllers, simulations, ahead, filters):
+    for part in (along_logs, joints_alone, controllers, simulations, batches, ahead, filters):
         part(random)
     sys.setprofile(None)
     Path(sys.argv[1]).write_bytes(pickle.dumps(dict(recorder.calls)))
