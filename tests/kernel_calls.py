@@ -14,7 +14,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from acting import acting, arm, ctrl
-from frictionjoint.simulate.together import between, is_stiff, settle
 
 import frictionjoint as fj
 from frictionjoint.control import kernel as control
@@ -43,7 +42,6 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
-from frictionjoint.simulate.carrier import HEAD, ROW, blocks
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 from frictionjoint.simulate.shaft_wave import resist
 from frictionjoint.translate.build import all_kernels
@@ -212,8 +210,8 @@ def batches(rng: np.random.Generator) -> None:
                 batch.step(np.array([now, 2 * now], dtype=kind), np.full(2, v, dtype=kind), 1e-3)
 
 
-def ahead(rng: np.random.Generator) -> None:
-    """What a simulation on a GPU and the friction of a shaft call."""
+def around(rng: np.random.Generator) -> None:
+    """What a question for the torque and the friction of a shaft call."""
     for law in laws(rng):
         model = arm(law=law)
         with fj.attach(model):
@@ -221,14 +219,6 @@ def ahead(rng: np.random.Generator) -> None:
             data.ctrl[:] = ctrl(300)
             mujoco.mj_step(model, data, 20)
         fj.torque(model, data)
-        P, X = model.numeric_data, data.userdata.copy()
-        at = np.array(list(blocks(model).values()), dtype=float)
-        columns_ = rng.uniform(0.5, 2.0, (2, 2)).reshape(-1)
-        W, Y = np.empty(4), np.empty(600)
-        for block in at:
-            is_stiff(P, int(block) + HEAD, X, int(P[int(block) + ROW]), 1e-3, 10.0)
-        between(P, at, 2, columns_, 2, W)
-        settle(P, at, 2, X, 1e-3, W, Y)
     spread = rng.uniform(0.5, 2.0, 12)
     spread[3:7] = 0, 0, 1, 1
     resist(spread, 0, rng.normal(size=2), rng.normal(size=2), np.zeros(2))
@@ -275,7 +265,7 @@ if __name__ == "__main__":
     random = np.random.default_rng(int(sys.argv[2]))
     recorder = Recorder(random)
     sys.setprofile(recorder)
-    for part in (along_logs, joints_alone, controllers, simulations, batches, ahead, filters):
+    for part in (along_logs, joints_alone, controllers, simulations, batches, around, filters):
         part(random)
     sys.setprofile(None)
     Path(sys.argv[1]).write_bytes(pickle.dumps(dict(recorder.calls)))
