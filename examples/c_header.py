@@ -39,7 +39,7 @@ int room(void)
 
 
 def compile_c(folder: Path, source: str, *options: str, name: str = "driver") -> Path:
-    """Compile C text beside the headers in a folder.
+    """Compile C text next to the headers in a folder.
 
     Raises:
         RuntimeError: the compiler says anything, warnings among it.

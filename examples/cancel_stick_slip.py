@@ -3,7 +3,7 @@
     python examples/cancel_stick_slip.py [--out picture.png]
 
 The loop is that of the paper, proportional with 1000 N m/rad, with a velocity feedback of
-50 N m s/rad beside it and the inertia times the wanted acceleration in all runs. It sees the
+50 N m s/rad next to it and the inertia times the wanted acceleration in all runs. It sees the
 encoder, 16.3 urad a count, and a velocity filtered from that over 10 ms. Friction that is fed
 forward comes from the header of `frictionjoint export --to c`, driven along the wanted motion or
 along the measured one; for comparison there is none, or the textbook's Coulomb and viscous torque.

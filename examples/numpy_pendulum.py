@@ -3,7 +3,7 @@
     python examples/numpy_pendulum.py
 
 `FrictionBatch` gives torque, stiffness and damping for the step that begins. Taking the last two
-into the step makes it implicit, so that the joint sticks at 200 steps a second as well.
+into the step makes it implicit, so that the joint sticks at 200 steps per second as well.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ FRICTION = fj.FrictionParameters.symmetric(
 
 
 def swing(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angles in the end and half way, rad, shape (n,), of pendulums let go at these angles."""
+    """Angles in the end and half way, rad, shape (n,), of pendulums released at these angles."""
     friction = fj.FrictionBatch(FRICTION, len(angles))
     q, v = angles.copy(), np.zeros_like(angles)
     half_way = q

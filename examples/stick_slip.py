@@ -1,4 +1,4 @@
-"""Stick-slip of the KUKA IR 361's first joint beside MuJoCo's native frictionloss.
+"""Stick-slip of the KUKA IR 361's first joint next to MuJoCo's native frictionloss.
 
     python examples/stick_slip.py                          numbers, and stick_slip.svg
     python examples/stick_slip.py --video stick_slip.gif   and a video (needs imageio, OpenGL)

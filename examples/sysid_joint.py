@@ -39,7 +39,7 @@ def target(t):
 
 
 def measure(seconds, noise):
-    """The plant's log: times, targets, and sensors with noise (rad, and N m times 100)."""
+    """The test joint's log: times, targets, and sensors with noise (rad, and N m times 100)."""
     model = mujoco.MjModel.from_xml_string(ARM)
     sample, model.opt.timestep = model.opt.timestep, model.opt.timestep / FINE
     data, h = mujoco.MjData(model), model.opt.timestep

@@ -1,4 +1,4 @@
-"""BAM (Rhoban) beside this package on the XL330 logs, by the error that BAM is judged by.
+"""BAM (Rhoban) next to this package on the XL330 logs, by the error that BAM is judged by.
 
     python lab/compare_with_bam.py --data DIR [--bam CHECKOUT --bam-python PYTHON]
         [--models m1 m3 m6] [--trials 300] [--gains 400 200 100 800] [--write]

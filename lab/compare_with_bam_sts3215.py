@@ -1,4 +1,4 @@
-"""BAM (Rhoban) beside this package on the STS3215 logs, same split and about the same time.
+"""BAM (Rhoban) next to this package on the STS3215 logs, same split and about the same time.
 
     python lab/compare_with_bam_sts3215.py --data DIR --bam CHECKOUT --bam-python PYTHON
         [--models m1 m2 m3 m4 m5 m6] [--seconds 110] [--gain 8]
@@ -8,7 +8,7 @@ firmware gain of both rigs is held out, the others are fitted, nothing is trimme
 searches for --seconds of its process and keeps the best that it found. BAM is told the arm's mass
 and the supply that the servo reads (12 V), which the logs' own figures leave out or have wrong (15
 V); it fits kt, R, armature, the gain of the error, an offset and the largest speed of the target
-beside friction.
+next to friction.
 Errors: mean of |simulated - measured position| of whole logs given the target alone, rad, on BAM's
 grid of 5 ms, by motion and over all.
 """

@@ -1,10 +1,10 @@
-"""How often the stated intervals hold the truth, on plants with other friction laws than ours.
+"""How often the stated intervals hold the truth, on test joints with other friction laws than ours.
 
     python lab/interval_coverage.py --plants 60 --out coverage.jsonl
     python lab/interval_coverage.py --plants 0 --out coverage.jsonl   only the table
 
-Plants without an effect and with one, in turn, from `tests/plants`; the loop reads three of
-their four logs, as in `trials.py`. A row a plant is added to the file, and a seed that is
+Test joints without an effect and with one, in turn, from `tests/plants`; the loop reads three of
+their four logs, as in `trials.py`. A row per test joint is added to the file, and a seed that is
 there is not run again. A plant counts where all its effects were named. Printed for the sandwich
 over blocks of time alone, and for what the report states: the fraction of 95% intervals that
 hold the truth, the median standard error over the truth, and how many intervals that is.
@@ -40,7 +40,7 @@ from tests.plants.draw import draw_trial
 from tests.plants.plant import simulate, write
 
 _NORMAL = 1.96
-# an effect's coefficient, the plant's number that it is, and their ratio
+# an effect's coefficient, the test joint's number that it is, and their ratio
 _OWN = {
     "torque-bias": ("bias", "bias", -1.0),
     "inertia-error": ("inertia", "inertia", 1.0),
@@ -53,7 +53,7 @@ _OWN = {
 
 
 def one_plant(seed: int, kind: str) -> dict[str, Any]:
-    """A row of the file: what is true, what was named, and every estimate beside its truth."""
+    """A row of the file: what is true, what was named, and every estimate next to its truth."""
     warnings.simplefilter("ignore")
     trial = simulate(draw_trial(np.random.default_rng(seed), kind))
     row = {"seed": seed, "kind": kind, "truth": trial.truth}
@@ -131,7 +131,7 @@ def table(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
 
 
 def main() -> int:
-    """Run the plants and print the table."""
+    """Run the test joints and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,10 +1,10 @@
-"""What a trial plant hides, and whether what was found of it is right.
+"""What a test joint hides, and whether what was found of it is right.
 
-Three families of plants, told by the layout of their answer.json:
+Three families of test joints, distinguished by the layout of their answer.json:
 
     kinds, accept, variable, family     `make_plants.py`, from `tests/plants`
-    kinds, accept, variable, effects    a third hand, `python -m tests.third_hand`
-    kind                                one kind a plant; unknown-... is outside the catalogue
+    kinds, accept, variable, effects    a third author, `python -m tests.third_hand`
+    kind                                one kind each; unknown-... is outside the catalogue
 
 `accept` holds for each kind the names that are right; "none" where nothing needs to be named, for
 the friction law takes it all; for a kind outside the catalogue the effects that it truly brings.
@@ -39,11 +39,11 @@ _THROUGH = {
 
 @dataclass(frozen=True)
 class Answer:
-    """The truth about a plant.
+    """The truth about a test joint.
 
     Attributes:
-        family: whose plant it is. kinds: what it hides.
-        accept: names that are right of each kind. brings: names that are right beside these, of
+        family: whose test joint it is. kinds: what it hides.
+        accept: names that are right of each kind. brings: names that are right next to these, of
             what a kind is besides. variable: quantities that are the right report
             of what is outside the catalogue; empty for all else.
         noise: rms of the held-out log's torque error, N m: what a true model leaves of it where
@@ -84,7 +84,7 @@ class Answer:
 
 
 def read_answer(folder: Path) -> Answer:
-    """The answer of a plant's folder."""
+    """The answer of a test joint's folder."""
     raw = json.loads((folder / "answer.json").read_text())
     if "kind" in raw:
         return _second(raw)
@@ -110,9 +110,9 @@ def _second(raw: Mapping[str, Any]) -> Answer:
 
 
 def judged(answer: Answer, row: Mapping[str, Any]) -> dict[str, bool]:
-    """The questions of a plant's group, each with whether the answer to it is right.
+    """The questions of a test joint's group, each with whether the answer to it is right.
 
-    A plant on which the search ended with an error fails all of them.
+    A test joint on which the search ended with an error fails all of them.
 
     Args:
         row: added, a list of names; ties, one list of names for each of these; unexplained, a
@@ -179,7 +179,7 @@ def tables(rows: Iterable[tuple[Answer, Mapping[str, Any]]]) -> str:
 
 
 def _figures(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Medians over the plants that were answered."""
+    """Medians over the test joints that were answered."""
     found = []
     words = {
         "over_true": "held-out error in motion over what a true model leaves",
@@ -206,7 +206,7 @@ def _wrong(plants: Sequence[tuple[Answer, Mapping[str, Any]]]) -> list[str]:
 
 
 def told(answer: Answer, row: Mapping[str, Any]) -> str:
-    """What a plant hides and what was said of it, in a line."""
+    """What a test joint hides and what was said of it, in a line."""
     hidden = " + ".join(answer.kinds) or NOTHING
     if "error" in row:
         return f"{hidden}: {row['error']}"

@@ -3,7 +3,7 @@
     python lab/kill_loop.py [RUNS] [SEED]
 
 Signals in turn: SIGINT, SIGTERM, SIGKILL. After each the folder must be whole or absent, and, but
-for SIGKILL, which no program sees coming, nothing else may be left beside it. The run must end
+for SIGKILL, which no program sees coming, nothing else may be left next to it. The run must end
 within seconds of the signal and say by its exit code what happened. Half of the runs write over an
 older report, which must stay readable.
 """

@@ -1,4 +1,4 @@
-"""Writes trial plants of `tests/plants` as folders for `trials.py`.
+"""Writes test joints of `tests/plants` as folders for `trials.py`.
 
     python lab/make_plants.py OUT --n 40 --seed 7
     python lab/make_plants.py OUT --n 6 --seed 7 --kinds none one:backlash two unknown:gust
@@ -33,7 +33,7 @@ SAME = (
 
 
 def answer(trial: Trial) -> dict[str, Any]:
-    """The truth in the layout that `judging.read_answer` reads, and the plant's numbers."""
+    """The truth in the layout that `judging.read_answer` reads, and the test joint's numbers."""
     kinds = [effect.name for effect in trial.spec.effects]
     outside = [kind for kind in kinds if kind in catalogue.UNKNOWN]
     accept = {kind: sorted({kind}.union(*(s for s in SAME if kind in s))) for kind in kinds}
@@ -66,7 +66,7 @@ def write_plant(folder: Path, seed: int, number: int, kind: str) -> Trial:
 
 
 def main() -> None:
-    """Write the plants of a seed."""
+    """Write the test joints of a seed."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""What users complain of in MuJoCo's own friction, reproduced, with ours beside it.
+"""What users complain of in MuJoCo's own friction, reproduced, with ours next to it.
 
     python lab/native_complaints.py [--out lab/notes/img/native_friction.png]
 

@@ -1,4 +1,4 @@
-"""Every measured log of a data folder through the loop: one row a joint.
+"""Every measured log of a data folder through the loop: one row per joint.
 
     python lab/real_logs.py --data DIR [--only emps --only panda] [--write]
 
@@ -46,7 +46,7 @@ class Case:
     held_out: tuple[str, ...] | float = 0.3
 
     def read(self) -> tuple[list[JointLog], list[JointLog] | float]:
-        """Its logs, and what is held out of them or beside them."""
+        """Its logs, and what is held out of them or next to them."""
         logs = [read_log(path, self.joint) for path in self.logs]
         if isinstance(self.held_out, float):
             return logs, self.held_out

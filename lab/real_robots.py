@@ -60,7 +60,7 @@ ROBOTS = {
 
 
 def run(robot: Robot, data: Path, out: Path) -> None:
-    """The command, with its time and memory beside its report."""
+    """The command, with its time and memory next to its report."""
     command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", "close-loop"]
     command += [str(data / log) for log in robot.logs]
     command += ["--model", str(ROOT / "models" / robot.model)]

@@ -1,4 +1,4 @@
-"""Measured robots beside mujoco.sysid and figaroh: the same logs, the same samples.
+"""Measured robots next to mujoco.sysid and figaroh: the same logs, the same samples.
 
     python lab/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--write]
     python lab/robot_rivals.py --data DIR --only mujoco.sysid --limit 400

@@ -29,12 +29,12 @@ _SLOW_SECONDS = 40.0
 def round_trip(
     name: str, folder: Path, seconds: float = 12.0, search: bool = False, seed: int = 0
 ) -> Trip:
-    """There and back with one effect's plant.
+    """There and back with one effect's test joint.
 
     Args:
         folder: to write into. seconds: of each log of the joint; slow effects have longer ones.
         search: the whole search names the effect, where it is one of the joint.
-        seed: of another plant.
+        seed: of another test joint.
     Raises:
         ValueError: the first fit or search has not found the effect.
     """

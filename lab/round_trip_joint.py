@@ -1,4 +1,4 @@
-"""The round trip of an effect of the joint, on plants of `tests/plants`; see `round_trip`."""
+"""The round trip of an effect of the joint, on test joints of `tests/plants`; see `round_trip`."""
 
 import sys
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ from tests.plants.plant import assemble, constants, simulate, write
 from tests.plants.spec import PlantSpec
 
 SATURATION = "motor-saturation"
-# A plant each, by the seed it is drawn from
+# A test joint each, by the seed it is drawn from
 PLANTS = {
     "torque-bias": 1,
     "inertia-error": 1,
@@ -75,7 +75,7 @@ class Trip:
 
     Attributes:
         name: of the effect. again: what the search named on the simulated log.
-        first, second: numbers of the effect by name, of the plant's log and of the model's.
+        first, second: numbers of the effect by name, of the test joint's log and of the model's.
         left, left_again: rms of the torque that the fits leave, N m.
         before, after: rms error of free runs along the plant's logs, without the effect and with
             it, rad; again_free: of the second model along the first one's; None where a log does
@@ -133,7 +133,7 @@ def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[F
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:
-    """Squares of the residual that columns take away beside the law's own sensitivities."""
+    """Squares of the residual that columns take away next to the law's own sensitivities."""
     J = np.column_stack([base.free_jacobian, columns]) * base.weight[:, None]
     e = base.residual * base.weight
     J = J / (np.linalg.norm(J, axis=0) + 1e-300)
@@ -179,7 +179,7 @@ def model_log(path: Path, name: str, spec: PlantSpec, number: int, like: JointLo
     """Log `number` of a written model under the plant's controller, with the plant's instruments.
 
     Args:
-        like: the plant's own log; a joint whose temperature counts is as warm as it was there.
+        like: the test joint's own log; a joint whose temperature counts is as warm as it was there.
     """
     c = constants(assemble(spec), number)
     drive = next(x for x in ("torque", "voltage", "current") if getattr(like, x) is not None)
@@ -248,11 +248,11 @@ def write_model(path: Path, mjcf: Path, found: Fit) -> None:
 def joint_trip(
     name: str, folder: Path, seconds: float, search: bool = False, seed: int = 0
 ) -> Trip:
-    """There and back with one effect's plant.
+    """There and back with one effect's test joint.
 
     Args:
         folder: to write into. seconds: of each of two logs. search: the whole search names the
-            effect, else it is fitted. seed: added to the plant's.
+            effect, else it is fitted. seed: added to the test joint's.
     Raises:
         ValueError: the first fit or search has not found the effect.
     """

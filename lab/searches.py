@@ -1,4 +1,4 @@
-"""Many searches at once, a row of a JSON-lines file each: for `balance_grid`, `null_p_values`."""
+"""Many searches at once, one row of a JSON-lines file each: for `balance_grid`, `null_p_values`."""
 
 import argparse
 import json

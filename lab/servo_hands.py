@@ -1,8 +1,8 @@
-"""Servos to be tried, of two hands, in one form: what their user has, and the truth.
+"""Servos to be tried, of two authors, in one form: what their user has, and the truth.
 
 "mujoco": MuJoCo's own friction under a firmware (`tests/servo_plant.py`), a servo with a duty or a
 torque. "second": hobby servos and legs by an integrator and friction laws of their own
-(`tests/second_servos`), some with an effect of the joint beside that of the drive.
+(`tests/second_servos`), some with an effect of the joint next to that of the drive.
 """
 
 import sys
@@ -57,7 +57,7 @@ _RANGES = {
     "rate": (1.5, 3.5),
     "factor": (0.6, 1.6),
 }
-# the plants' motor with its supply as one gain, N m a unit of duty
+# the test joints' motor with its supply as one gain, N m a unit of duty
 _TORQUE = Controller(output="torque_nm", kp="log:kp", limit=KT * SUPPLY, count_rad=COUNT)
 
 

@@ -1,4 +1,4 @@
-"""Servos of other hands through the loop: what their firmware hides, by name and by number.
+"""Servos of other authors through the loop: what their firmware hides, by name and by number.
 
     python lab/servo_trials.py --n 21 --seed 1 [--hand second] [--bands] [--out FILE.jsonl]
 

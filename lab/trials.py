@@ -1,11 +1,11 @@
-"""Trials of the search: folders of trial plants, judged family by family.
+"""Trials of the search: folders of test joints, judged family by family.
 
     python lab/trials.py FOLDER... --jobs 2 --out results.jsonl
     python lab/trials.py --out results.jsonl                  the tables alone
 
 A FOLDER is a plant, or holds plants: fit*.csv, held.csv, model.xml (what the user believes about
 the joint) and answer.json (what it is in truth; read for the judgement, never by the search). See
-`judging.py` for the families, `make_plants.py` for plants of `tests/plants`.
+`judging.py` for the families, `make_plants.py` for test joints of `tests/plants`.
 
 Each plant runs in one thread as `close-loop` would search its logs, and is a row of the file as
 soon as it is done; a plant that has a row is not run again. The error of the held-out log counts
@@ -44,7 +44,7 @@ from frictionjoint.threads import allow
 
 
 def one_plant(folder: Path) -> dict[str, Any]:
-    """A row of the file: what the search said of a plant, and how well that predicts."""
+    """A row of the file: what the search said of a test joint, and how well that predicts."""
     warnings.simplefilter("ignore")
     row: dict[str, Any] = {"plant": str(folder)}
     try:
@@ -54,7 +54,7 @@ def one_plant(folder: Path) -> dict[str, Any]:
 
 
 def searched(folder: Path) -> dict[str, Any]:
-    """What the search finds in the logs of a plant."""
+    """What the search finds in the logs of a test joint."""
     joint = joint_of(folder / "model.xml")
     body = RigidBody(folder / "model.xml", joint)
     begin, cpu = time.perf_counter(), time.process_time()
@@ -99,7 +99,7 @@ def joint_of(model: Path) -> str:
 
 
 def plants_in(folders: list[Path]) -> Iterator[Path]:
-    """The plants of some folders, in order."""
+    """The test joints of some folders, in order."""
     for folder in folders:
         inside = [path.parent for path in sorted(folder.glob("*/answer.json"))]
         if (folder / "answer.json").exists():

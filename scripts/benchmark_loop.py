@@ -1,10 +1,10 @@
-"""Time and memory of the base fit and of the whole loop, beside those of an earlier commit.
+"""Time and memory of the base fit and of the whole loop, next to those of an earlier commit.
 
     python scripts/benchmark_loop.py --against 645f3a0
     python scripts/benchmark_loop.py --against 645f3a0 --data DIR     XL330 and EMPS too
     python scripts/benchmark_loop.py --seconds 15 --cores 2 --json
 
-A log at 1 kHz of a plant of `tests/plants` with generalized Maxwell-slip friction and cogging;
+A log at 1 kHz of a test joint of `tests/plants` with generalized Maxwell-slip friction and cogging;
 of the XL330 the logs at kp 400 held out, of EMPS the last third. Every measurement has a process of
 its own, held to its cores, and so a peak memory of its own, libraries included. The earlier commit
 is taken out of git into a temporary folder; both read the same files, in turns. What is

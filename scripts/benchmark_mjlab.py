@@ -1,4 +1,4 @@
-"""What a joint's friction costs a step of mjlab, beside BAM's actuator.
+"""What a joint's friction costs a step of mjlab, next to BAM's actuator.
 
     python scripts/benchmark_mjlab.py [--worlds 4096] [--device cuda:0] [--repeats 9]
 

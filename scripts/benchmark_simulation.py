@@ -113,7 +113,7 @@ def one_step(joints: int, motion: str, repeats: int) -> dict[str, tuple[float, .
 
 
 def batch_rate(threads: int, simulations: int = 1024, steps: int = 100) -> float:
-    """Simulated steps a second of a batch of 7-hinge chains with friction."""
+    """Simulated steps per second of a batch of 7-hinge chains with friction."""
     model = chain(7, "ours")
     with fj.attach(model):
         batch = Batch(model, simulations, nthread=threads)

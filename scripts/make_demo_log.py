@@ -54,7 +54,7 @@ def main(
     / "demo",
     as_json: Annotated[bool, typer.Option("--json", help="print what was written as JSON")] = False,
 ) -> None:
-    """Simulate the plant and write its three logs and the model its user believes in."""
+    """Simulate the test joint and write its three logs and the model its user believes in."""
     trial = simulate(SPEC)
     paths = write(trial, out, NAMES, DIGITS)
     sizes = {path.name: path.stat().st_size for path in paths}

@@ -199,7 +199,7 @@ def digest(paths: Sequence[str]) -> str:
 
 
 def run(source: Source, data: Path, out: Path) -> None:
-    """The command, and beside its report the commit that ran it."""
+    """The command, and next to its report the commit that ran it."""
     asked = arguments(source, found(data, source.logs), found(data, source.held_out))
     start = [sys.executable, "-c", "from frictionjoint.cli import main; main()", "close-loop"]
     subprocess.run([*start, *asked, "--out", str(out)], check=True, cwd=ROOT)
