@@ -52,6 +52,7 @@ def compile_library(source: Path, folder: Path, stem: str, target: str | None = 
     name = target.split("-")[0] if target else system()
     made = folder / f"{stem}{ENDINGS[name]}"
     flags = [flag for flag in FLAGS if not (flag == "-fPIC" and name == "windows")]
+    flags += [] if name == "macos" else ["-s"]  # without names that nobody asks for
     libraries = [] if name == "windows" else ["-lm"]
     command = [*compiler, *flags, str(source), "-o", str(made), *libraries]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
