@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Literal, overload
 
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.law.names import LAWS
+from frictionjoint.measured.arguments import expect
 
 if TYPE_CHECKING:
     from frictionjoint.control.controller_file import GivenController
@@ -93,7 +95,12 @@ def close_loop(
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument of a wrong type.
     """
+    from frictionjoint.measured.readers import require_logs
+
     say = progress or _silent
+    require_logs(logs, held_out)
+    names = "give the name of one joint, a list of names, or None for all"
+    expect(joint, (str, list, tuple, NoneType), "joint", names)
     if isinstance(joint, str):
         from frictionjoint.diagnose.close_loop import close_loop as of_joint
 
@@ -110,9 +117,8 @@ def close_loop(
     files = [x for x in (*logs, *kept) if not isinstance(x, JointLog)]
     if len(files) < len(logs) + len(kept):
         raise LogError("the logs of a robot are files: give paths, or the name of one joint")
-    names = list(joint) if joint is not None else None
     kept_files = held_out if isinstance(held_out, float | int) else files[len(logs) :]
-    read = read_robot(files[: len(logs)], model, kept_files, names)
+    read = read_robot(files[: len(logs)], model, kept_files, joint)
     return close_loop_robot(read, model, seed, say, law, fixed, jobs, controller=controller)
 
 
