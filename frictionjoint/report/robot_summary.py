@@ -6,6 +6,7 @@ from typing import Any
 
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.errors import compared
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise
@@ -104,9 +105,14 @@ def summarise_robot(content: Content) -> RobotSummary:
     shared = tuple(
         sorted((_shared(content, joints, x) for x in content["shared"]), key=lambda r: -r.gain)
     )
-    missing = [
-        f"{x.title} of {name}" for name, s in joints.items() for x in s.effects if not x.doubt
-    ]
+    worse = {n for n, x in content["joints"].items() if x.get("worse")}
+    doubted = {n for n, s in joints.items() if s.effects and not _confirmed(s)} | worse
+    by_effect: dict[str, list[str]] = {}
+    for name, s in joints.items():
+        for x in s.effects:
+            if not x.doubt and name not in doubted:
+                by_effect.setdefault(x.title, []).append(name)
+    missing = [f"{effect} ({', '.join(names)})" for effect, names in by_effect.items()]
     causes = [x.title for x in shared]
     rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in shared if x.rivals] + [
         f"{listed(x.rivals)} instead of {x.title} of {name}"
@@ -114,10 +120,9 @@ def summarise_robot(content: Content) -> RobotSummary:
         for x in s.effects
         if x.rivals
     ]
-    worse = [n for n in content["joints"] if content["joints"][n].get("worse")]
     text = listed(causes + missing) or "nothing that these logs show for certain"
-    if worse:
-        text += f"; worse on held-out logs than before: {listed(worse)}"
+    if doubted:
+        text += f"; held-out logs do not confirm what was found of {listed(sorted(doubted))}"
     if content["failed"]:
         text += f"; without a result: {listed(list(content['failed']))}"
     next_one = tuple(dict.fromkeys(content.get("proposals", ())))
@@ -129,7 +134,7 @@ def summarise_robot(content: Content) -> RobotSummary:
     )
     return RobotSummary(
         verdict=content["verdict"],
-        verdict_lines=tuple((label, line) for label, line in lines if line),
+        verdict_lines=tuple((label, line[0].upper() + line[1:]) for label, line in lines if line),
         role=role,
         joints=joints,
         rows=tuple(_row(content, name, s, role) for name, s in joints.items()),
@@ -143,6 +148,13 @@ def summarise_robot(content: Content) -> RobotSummary:
         record_next=next_one,
         logs=tuple((x["name"], x["samples"], x["duration_s"], x["role"]) for x in content["logs"]),
     )
+
+
+def _confirmed(s: Summary) -> bool:
+    """Whether the error of the drive falls on held-out logs, where there are any."""
+    name = s.drive.split(" ", 1)[1]
+    change = compared(s.error(name, "before"), s.error(name, "after"), s.role)
+    return s.role != "held_out" or change not in ("rises", "no fall")
 
 
 def _errors(content: Content, role: str) -> str:
@@ -202,7 +214,7 @@ def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
 
 
 def _change(texts: list[str]) -> str:
-    return " → ".join(dict.fromkeys(texts)) if texts else _NONE
+    return " → ".join(texts) if texts else _NONE
 
 
 def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> SharedRow:
