@@ -143,7 +143,7 @@ def test_a_torque_turned_round_is_named_where_no_friction_shows() -> None:
     behind = log("behind", q, J * a + MGL * np.sin(q))
     check(prepare([behind], pendulum()))
     turned = replace(behind, torque=-behind.torque)
-    with pytest.raises(LogError, match=r"holds -1 times gravity and -\S+ times inertia"):
+    with pytest.raises(LogError, match=r"opposite sign \(gravity x -1, inertia x -\S+\)"):
         check_signs(prepare([turned], pendulum()))
     # hung the other way up: gravity alone is turned
     check_signs(prepare([log("hung", q, J * a - MGL * np.sin(q))], pendulum()))

@@ -164,7 +164,7 @@ CASES = {
                               log=arm("shouldr", "lamp"), model=ARM),
     "joint not in the log": wrong("no joint 'lamp'", "elbow", log=arm("shoulder"), model=ARM,
                                   joint="lamp"),
-    "joint not in the model": wrong("no joint 'hip' in the MJCF: it has elbow", joint="hip"),
+    "joint not in the model": wrong("'hip' in the MJCF; available joints: elbow", joint="hip"),
     "a pose of no joint": wrong("--fixed hip", "it has elbow", options=("--fixed", "hip=1"),
                                 python={"fixed": {"hip": 1.0}}),
     "a pose of the joint itself": wrong("joint to identify", options=("--fixed", "elbow=1"),

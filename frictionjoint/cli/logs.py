@@ -24,7 +24,7 @@ Columns = Annotated[
     typer.Option(
         "--column",
         metavar="OURS=THEIRS",
-        help="A foreign column name, e.g. time_s=t. Repeatable.",
+        help="Name of a column in your file, e.g. time_s=t. Repeatable.",
     ),
 ]
 Signals = Annotated[
@@ -72,7 +72,7 @@ Fixed = Annotated[
     typer.Option(
         "--fixed",
         metavar="JOINT=VALUE",
-        help="Pose of a joint that the logs do not hold, rad or m; x,y,z,qw,qx,qy,qz of a "
+        help="Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
         "floating base. Repeatable.",
     ),
 ]
@@ -118,7 +118,9 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     for text in model:
         pattern, equals, path = text.partition("=")
         if not (pattern and equals and path):
-            raise ModelError(f"--model {text}: of several, write PATTERN=MJCF, e.g. 'heavy*=b.xml'")
+            raise ModelError(
+                f"--model {text}: with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
+            )
         found[pattern] = path
     return found
 

@@ -32,7 +32,10 @@ def driven(prepared: Prepared, name: str, errors: float) -> str:
 
 def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float) -> str:
     """Gravity and inertia of the model show in the drive with these factors, both negative."""
-    why = f"it holds {gravity:.3g} times gravity and {inertia:.3g} times inertia of the model"
+    why = (
+        f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
+        f"{inertia:.3g})"
+    )
     return _wrong_sign(prepared, names, why)
 
 

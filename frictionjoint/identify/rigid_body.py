@@ -210,7 +210,9 @@ def _joint_id(model: mujoco.MjModel, joint: str) -> int:
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0:
         names = [joint_label(model, i) for i in range(model.njnt)]
-        raise ModelError(f"no joint {joint!r} in the MJCF: it has {', '.join(names) or 'none'}")
+        raise ModelError(
+            f"no joint {joint!r} in the MJCF; available joints: {', '.join(names) or 'none'}"
+        )
     if int(model.jnt_type[j]) not in ONE_DOF:
         kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
         raise ModelError(f"joint {joint!r} is a {kind} joint: friction acts on hinge and slide")
