@@ -245,6 +245,16 @@ def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_act
         assert found.dynamic_friction <= found.friction
 
 
+def test_isaac_labs_dynamic_friction_is_that_above_the_stribeck_range(tmp_path, isaac_actuators):
+    """Fitted from rest on, the fall from Fs to Fc would go into it: 0.05 became 0.162."""
+    falls = StaticParameters.symmetric(Fs=0.5, Fc=0.05, Vs=0.1, delta=2.0, sigma2=0.02, V0=1e-3)
+    _, file = written(arm(tmp_path, {"elbow": falls}), Target.ISAAC, tmp_path / "out")
+    found = isaac_actuators(file)["elbow"]
+    assert found.friction == pytest.approx(0.5)
+    assert found.dynamic_friction == pytest.approx(0.05, rel=0.02)
+    assert found.viscous_friction == pytest.approx(0.3 + 0.02, rel=0.01)
+
+
 def test_newton_gets_its_own_words(one_joint, tmp_path):
     _, file = written(one_joint, Target.NEWTON, tmp_path / "out", speeds=(0.1, 2.0))
     module = runpy.run_path(str(file))

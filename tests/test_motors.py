@@ -18,6 +18,7 @@ from frictionjoint.motors.bam import MODELS, BamParameters, from_bam, read_bam, 
 from frictionjoint.motors.library import get_motor, list_motors, motor_text
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
+from frictionjoint.simulate.check import check_model
 
 MODELS_FOLDER = Path(__file__).resolve().parents[1] / "models"
 MOTOR = {"kt": 0.38, "R": 3.4, "armature": 0.0019, "q_offset": 0.03}
@@ -210,3 +211,53 @@ def test_a_motor_is_written_as_it_is_read():
         ParameterError, match="no motor 'x': `frictionjoint motors list` names them"
     ):
         get_motor("x")
+
+
+def test_a_list_of_one_robot_and_a_motor_with_its_curve():
+    listed = CliRunner().invoke(app, ["motors", "list", "--robot", "panda", "--json"])
+    names = [row["name"] for row in json.loads(listed.stdout)]
+    assert names == [f"panda_joint{i}" for i in range(1, 8)]
+    with pytest.raises(
+        ParameterError, match="--robot spot: none, there are Dynamixel XL330 servo, EMPS"
+    ):
+        CliRunner().invoke(app, ["motors", "list", "--robot", "spot"], catch_exceptions=False)
+    shown = CliRunner().invoke(app, ["motors", "show", "ur10_j1", "--json"])
+    content = json.loads(shown.stdout)
+    motor = get_motor("ur10_j1")
+    curve = content["friction_speed"]
+    law = motor.friction.parameters
+    assert curve["pos"][-1] > 0.9 * min(law.Fc_pos, law.Fs_pos)
+    assert len(curve["speed"]) == len(curve["neg"])
+    plain = CliRunner().invoke(app, ["motors", "show", "ur10_j1"])
+    assert motor.source in plain.stdout
+    assert "speed, rad/s" in plain.stdout
+
+
+@pytest.mark.parametrize("motor", list_motors(), ids=lambda x: x.name)
+def test_every_motor_rests_under_load_and_passes_the_strict_check(motor):
+    """Half of what holds it, for a second and a half; the joint has the inertia that its friction suits."""
+    slide = motor.unit == "N"
+    law = motor.friction.parameters
+    # a natural frequency of 100 rad/s
+    inertia = 1e-4 * law.stiffness or 0.05
+    kind = "slide" if slide else "hinge"
+    mass = inertia if slide else 1.0
+    spec = mujoco.MjSpec.from_string(
+        "<mujoco><option timestep='0.001' integrator='implicitfast' gravity='0 0 0'/><worldbody>"
+        f"<body><joint name='j' type='{kind}'/><inertial pos='0 0 0' mass='{mass}' "
+        f"diaginertia='{inertia} {inertia} {inertia}'/></body></worldbody></mujoco>"
+    )
+    install(spec, {"j": law})
+    model = spec.compile()
+    assert not [x for row in check_model(model) for x in row["outside"]]
+    data = mujoco.MjData(model)
+    load, places = 0.5 * min(law.Fc_pos, law.Fc_neg), []
+    with attach(model):
+        for k in range(3500):
+            data.qfrc_applied[0] = load * min(1.0, k / 2000)
+            mujoco.mj_step(model, data)
+            places.append(float(data.qpos[0]))
+    # it may swing on its presliding stiffness, but goes nowhere
+    earlier, later = np.mean(places[2500:3000]), np.mean(places[3000:])
+    assert abs(later - earlier) < 0.1 * abs(later)
+    assert np.max(np.abs(places)) < 3.0 * abs(later)

@@ -33,7 +33,7 @@ def export(
             "--speeds",
             metavar="LOW:HIGH",
             help="Fit and measure over these speeds, rad/s or m/s. Without them and without a log "
-            "0.1 to 20 Stribeck velocities.",
+            "0.1 to 20 Stribeck velocities, for isaac those above the Stribeck range.",
         ),
     ] = None,
     column: Annotated[

@@ -29,18 +29,32 @@ Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM
 def listed(context: typer.Context) -> None:
     """The list, where no command is named."""
     if context.invoked_subcommand is None:
-        list_command()
+        list_command(None, False)
 
 
 @motors.command("list", cls=PlainCommand)
-def list_command(as_json: Json = False) -> None:
+def list_command(
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", metavar="TEXT", help="Only those whose name or title has it."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Name the motors, with law, effects, source and licence.
 
-    Example: `frictionjoint motors list`
+    Examples: `frictionjoint motors list`, `frictionjoint motors list --robot panda`
     """
+    from frictionjoint.errors import ParameterError
     from frictionjoint.motors.library import list_motors
 
     found = list_motors()
+    if robot is not None:
+        wanted = robot.lower()
+        named = [x for x in found if wanted in x.name.lower() or wanted in x.title.lower()]
+        if not named:
+            titles = sorted({x.title.partition(",")[0] for x in found})
+            raise ParameterError(f"--robot {robot}: none, there are {', '.join(titles)}")
+        found = named
     if as_json:
         rows = [
             {
@@ -71,6 +85,52 @@ def list_command(as_json: Json = False) -> None:
         table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
     console().print(table)
     typer.echo("Torque left: rms on data held out, of the law alone and with the effects found.")
+
+
+@motors.command("show", cls=PlainCommand)
+def show_command(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")],
+    as_json: Json = False,
+) -> None:
+    """Show a motor: its numbers with errors, its friction-speed curve, source and conditions.
+
+    Example: `frictionjoint motors show ur10_j1`
+    """
+    from frictionjoint.motors.library import friction_speed, get_motor
+
+    motor = get_motor(name)
+    parameters = motor.friction.parameters
+    numbers = {k: v for k, v in parameters.to_dict().items() if isinstance(v, float)}
+    speeds, curves = friction_speed(motor)
+    if as_json:
+        curve = {"speed": speeds.tolist()} | {side: F.tolist() for side, F in curves.items()}
+        content = {
+            "name": name,
+            "unit": motor.unit,
+            "numbers": numbers,
+            "stderr": motor.stderr,
+            "friction_speed": curve,
+            "remark": motor.remark,
+        }
+        typer.echo(json.dumps(content, indent=2))
+        return
+    typer.echo(f"{motor.title}: law {parameters.law}")
+    table = Table("number", "value", "standard error")
+    for key, value in numbers.items():
+        error = motor.stderr.get(key)
+        table.add_row(key, f"{value:.4g}", "-" if error is None else f"{error:.2g}")
+    for effect, found in motor.found.items():
+        for key, value in found.items():
+            table.add_row(f"{effect} {key}", f"{value:.4g}", "-")
+    console().print(table)
+    speed_unit = "m/s" if motor.unit == "N" else "rad/s"
+    table = Table(f"speed, {speed_unit}", f"positive, {motor.unit}", f"negative, {motor.unit}")
+    for speed, up, down in zip(speeds, curves["pos"], curves["neg"], strict=True):
+        table.add_row(f"{speed:.3g}", f"{up:.3g}", f"{-down:.3g}")
+    console().print(table)
+    typer.echo(f"source: {motor.source}\nlicence: {motor.licence}\ncommand: {motor.command}")
+    if motor.remark:
+        typer.echo(motor.remark)
 
 
 @motors.command("get", cls=PlainCommand)

@@ -17,7 +17,11 @@ from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import TERMS, add_plain, without_friction
-from frictionjoint.export.sliding import PlainFriction, plain_friction
+from frictionjoint.export.sliding import (
+    PlainFriction,
+    plain_friction,
+    speeds_above_stribeck,
+)
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
@@ -98,7 +102,7 @@ def export(
     Args:
         path: of the MJCF. out: of the file to write, for its name and its path to the model.
         speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
-            20 times the Stribeck velocity.
+            20 times the Stribeck velocity, for Isaac those above the Stribeck range.
         log: whose motion stands in for the stated one, with `columns` ours -> the log's.
         lugre: for the native target: friction by MuJoCo's own LuGre.
     Raises:
@@ -116,7 +120,13 @@ def export(
     motions = _motions(task, speeds, log, columns or {})
     friction = {name: friction[name] for name in motions}
     terms = TERMS if target is Target.NATIVE else 1
-    plain = {name: plain_friction(friction[name], motions[name].speeds, terms) for name in motions}
+    fast = target is Target.ISAAC and speeds is None and log is None
+
+    def over(name: str) -> Array:
+        # Isaac has the fall from rest to sliding in a number of its own
+        return speeds_above_stribeck(friction[name].parameters) if fast else motions[name].speeds
+
+    plain = {name: plain_friction(friction[name], over(name), terms) for name in motions}
     progress("losses along a motion")
     bare = task.spec().compile()
     actuators: dict[str, Array] = {}

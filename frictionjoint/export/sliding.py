@@ -63,6 +63,20 @@ def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
     }
 
 
+# part of the fall from Fs to Fc that is left where sliding has none of it any more, and the range
+# of speeds above
+_FALLEN, _ABOVE, _SPEEDS = 0.01, 10.0, 50
+
+
+def speeds_above_stribeck(parameters: Friction) -> Array:
+    """Speeds, rad/s, at which friction no longer falls, for programs with one dynamic friction."""
+    both = levels(parameters)
+    lowest = max(
+        Vs * np.log(1.0 / _FALLEN) ** (1.0 / delta) for _, _, Vs, delta, _ in both.values()
+    )
+    return np.geomspace(lowest, _ABOVE * lowest, _SPEEDS)
+
+
 def sliding_torque(carried: JointFriction, speeds: Array, side: str) -> Array:
     """Magnitude of the torque that steady sliding takes at these speeds, N m, shape (n,)."""
     level = np.array(levels(carried.parameters)[side])

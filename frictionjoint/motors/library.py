@@ -12,12 +12,16 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
+import numpy as np
 import tomlkit
 
+from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.simulate.carrier import JointFriction
 
+# rad/s (m/s): a Stribeck velocity beyond it is none
+_FASTEST = 10.0
 # what a file says of a motor, all of it text but the numbers of the fit
 TEXTS = ("title", "joint", "model", "source", "licence", "command", "version", "logs", "remark")
 
@@ -75,6 +79,20 @@ def get_motor(name: str) -> Motor:
     if name not in known:
         raise ParameterError(f"no motor {name!r}: `frictionjoint motors list` names them")
     return known[name]
+
+
+def friction_speed(motor: Motor, points: int = 9) -> tuple[Array, dict[str, Array]]:
+    """Steady friction of a motor at speeds from a tenth to twenty of its Stribeck velocities.
+
+    Returns:
+        speeds, rad/s or m/s, shape (points,), and magnitudes of the friction by direction, "pos"
+        and "neg", in the motor's unit.
+    """
+    from frictionjoint.export.sliding import levels, sliding_torque
+
+    Vs = max(level[2] for level in levels(motor.friction.parameters).values())
+    speeds = np.geomspace(0.1, 20.0, points) * (Vs if 0.0 < Vs < _FASTEST else 1.0)
+    return speeds, {side: sliding_torque(motor.friction, speeds, side) for side in ("pos", "neg")}
 
 
 def motor_text(motor: Motor) -> str:
