@@ -160,6 +160,7 @@ def export(
     log: str | Path | None = None,
     columns: Mapping[str, str] | None = None,
     lugre: bool = False,
+    yielding: bool = False,
     force: bool = False,
 ) -> "Exported":
     """Write the friction of a model in the terms of another program.
@@ -171,6 +172,7 @@ def export(
         speeds: lowest and highest, rad/s (m/s), over which plain friction is fitted.
         log: whose motion is used in place of speeds, with `columns`, see `read_log`.
         lugre: for "native": MuJoCo's own LuGre friction.
+        yielding: for "native" on MuJoCo 4.0: presliding with memory, by springs that yield.
         force: overwrite a file that exists.
     Returns:
         the text that was written, and what the target cannot express.
@@ -191,6 +193,6 @@ def export(
     if file.exists() and not force:
         raise ParameterError(f"{file} exists already: give another out, or force=True")
     where = None if log is None else Path(log)
-    done = run(Path(model), KnownTarget(to), file, speeds, where, columns, lugre, _silent)
+    done = run(Path(model), KnownTarget(to), file, speeds, where, columns, lugre, yielding, _silent)
     write_files(file.parent, {file.name: done.text})
     return done

@@ -235,7 +235,7 @@ def test_a_list_of_one_robot_and_a_motor_with_its_curve():
 
 @pytest.mark.parametrize("motor", list_motors(), ids=lambda x: x.name)
 def test_every_motor_rests_under_load_and_passes_the_strict_check(motor):
-    """Half of what holds it, for a second and a half; the joint has the inertia that its friction suits."""
+    """Half of what holds it, for a second and a half; its inertia suits its friction."""
     slide = motor.unit == "N"
     law = motor.friction.parameters
     # a natural frequency of 100 rad/s

@@ -44,6 +44,13 @@ def export(
         bool,
         typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, an actuator a joint."),
     ] = False,
+    yielding: Annotated[
+        bool,
+        typer.Option(
+            "--yield",
+            help="For `native` on MuJoCo 4.0: presliding with memory, by springs that yield.",
+        ),
+    ] = False,
     force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print what is lost as JSON.")] = False,
 ) -> None:
@@ -72,7 +79,9 @@ def export(
     require_writable(file, [model, *([log] if log else [])], force)
     with progress() as say:
         say(f"reading {model.name}")
-        done = run(model, target, file, _range(speeds), log, columns_of(column), lugre, say)
+        done = run(
+            model, target, file, _range(speeds), log, columns_of(column), lugre, yielding, say
+        )
         write_files(file.parent, {file.name: done.text})
     if as_json:
         rows = [loss.to_dict() for loss in done.losses]

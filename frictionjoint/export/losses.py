@@ -156,6 +156,10 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
                 data.qacc[model.jnt_dofadr[j]] = track[k, 2]
             mujoco.mj_inverse(model, data)
             found[k] = data.qfrc_inverse[dof]
+            if getattr(model, "nplastic", 0):  # springs that yield are carried on by steps alone
+                model.opt.integrator = before[1]
+                mujoco.mj_step(model, data)
+                model.opt.integrator = _EXPLICIT
     model.opt.timestep, model.opt.integrator = before
     return found
 
@@ -182,7 +186,7 @@ def _loop(
         for i in range(3):
             wanted[i, :, driven.index(j)] = np.interp(time, motion.time, track[:, i])
     j = model.joint(joint).id
-    mass = _mass(bare)[np.ix_(dofs, dofs)]
+    mass = mass_at_start(bare)[np.ix_(dofs, dofs)]
     springs, dampers = _gains(mass, driven.index(j), stiffness, model.opt.timestep)
     data.qpos[qpos], data.qvel[dofs] = wanted[0, 0], wanted[1, 0]
     found = np.empty(steps + 1)
@@ -201,7 +205,7 @@ def _loop(
     return np.interp(motion.time, time, found)
 
 
-def _mass(model: mujoco.MjModel) -> Array:
+def mass_at_start(model: mujoco.MjModel) -> Array:
     """Mass matrix at qpos0, shape (nv, nv)."""
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)

@@ -8,12 +8,13 @@ from enum import StrEnum
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
-from frictionjoint.export.losses import Loss, losses
+from frictionjoint.export.losses import Loss, losses, mass_at_start
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import TERMS, add_plain, without_friction
@@ -23,6 +24,7 @@ from frictionjoint.export.sliding import (
     speeds_above_stribeck,
 )
 from frictionjoint.export.urdf import urdf_text
+from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
 from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import said_of_waves
@@ -70,6 +72,7 @@ class _Task:
     target: Target
     friction: dict[str, JointFriction]
     lugre: bool = False
+    yielding: bool = False
 
     def spec(self, mechanism: bool = False) -> mujoco.MjSpec:
         """The model without the friction it carries; rigid joints, or with springs and gaps."""
@@ -95,6 +98,7 @@ def export(
     log: Path | None = None,
     columns: Mapping[str, str] | None = None,
     lugre: bool = False,
+    yielding: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Exported:
     """The friction that an MJCF carries, in the terms of a target.
@@ -104,14 +108,17 @@ def export(
         speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
             20 times the Stribeck velocity, for Isaac those above the Stribeck range.
         log: whose motion stands in for the stated one, with `columns` ours -> the log's.
-        lugre: for the native target: friction by MuJoCo's own LuGre.
+        lugre: for the native target: friction by MuJoCo's own LuGre. yielding: by springs that
+            yield, MuJoCo 4.0.
     Raises:
         ModelError: no friction, or a model that the target cannot hold. LogError: a bad log.
     """
     model = load_model(path)
     friction = read_friction(model)
     waves = tuple(said_of_waves(model))
-    task = _Task(path, out, target, friction, lugre)
+    task = _Task(path, out, target, friction, lugre, yielding)
+    if yielding and (lugre or target is not Target.NATIVE):
+        raise ModelError("--yield is for the target native, without --lugre")
     if lugre and target is not Target.NATIVE:
         raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
     if target in _WHOLE:
@@ -130,14 +137,19 @@ def export(
     progress("losses along a motion")
     bare = task.spec().compile()
     actuators: dict[str, Array] = {}
+    softened: dict[str, float] = {}
     if lugre:
         fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
         actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
         text, model = _written(lambda spec: add_lugre(spec, fitted, plain), task)
+    elif yielding:
+        springs = _springs(bare, friction, plain)
+        text, model = _written(lambda spec: add_yield_springs(spec, springs, plain), task)
+        softened = {name: x.softened for name, x in springs.items()}
     else:
         text, model = _PLAIN[target](task, plain)
     found = losses(task.rigid(), bare, model, motions, actuators)
-    return Exported(text, (*_lost(task, plain, bare), *waves), tuple(found))
+    return Exported(text, (*_lost(task, plain, bare, softened), *waves), tuple(found))
 
 
 def _motions(
@@ -160,6 +172,20 @@ def _whole(task: _Task) -> Exported:
         return Exported(c.header(task.friction, task.out.name), lost)
     model = load_model(task.path)
     return Exported(scripts.mjlab_text(task.path, task.out, list(task.friction), model), ())
+
+
+def _springs(
+    bare: mujoco.MjModel, friction: Mapping[str, JointFriction], plain: Mapping[str, PlainFriction]
+) -> dict[str, YieldSprings]:
+    """Springs of each joint, soft enough for the time step."""
+    free = 1.0 / np.diag(np.linalg.inv(mass_at_start(bare)))
+    step = float(bare.opt.timestep)
+    return {
+        name: yield_springs(friction[name].parameters, p.coulomb).suited(
+            step, float(free[bare.joint(name).dofadr[0]])
+        )
+        for name, p in plain.items()
+    }
 
 
 def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
@@ -218,13 +244,24 @@ _PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, m
 }
 
 
-def _lost(task: _Task, plain: Mapping[str, PlainFriction], bare: mujoco.MjModel) -> list[str]:
+def _lost(
+    task: _Task,
+    plain: Mapping[str, PlainFriction],
+    bare: mujoco.MjModel,
+    softened: Mapping[str, float],
+) -> list[str]:
     """Sentences, a joint after the other."""
     found = []
     for name, p in plain.items():
         what = ["presliding with its memory", "friction that falls with speed"]
         if task.lugre:
             what = ["the memory of reversals"]
+        elif task.yielding:
+            what = ["friction that falls with speed"]
+            if softened[name] > 1.0:
+                what.append(
+                    f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
+                )
         elif task.target is Target.ISAAC:
             what = ["presliding with its memory", "the fall of friction between rest and sliding"]
         kept = _MECHANICAL if task.target is Target.NATIVE else frozenset()

@@ -1,0 +1,138 @@
+"""``--to native --yield``: presliding with memory in stock MuJoCo 4.0, by springs that yield.
+
+Fixed tendons of one joint with `stiffness` and `springyield` are Jenkins elements: a spring that
+slides once its torque has reached a limit. Several of them beside each other are the Maxwell-slip
+model (Iwan 1966): hysteresis with memory of reversals, and no drift under a load that oscillates.
+They know neither speed nor load: viscous friction stays `damping`. An element's springs are
+explicit, so they are made softer where the time step asks for it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from scipy.optimize import nnls
+
+from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
+from frictionjoint.export.native import add_plain
+from frictionjoint.export.sliding import PlainFriction
+from frictionjoint.law.motion import friction_torque
+from frictionjoint.parameters import Friction
+
+# elements of a joint, and displacements that are tried for their yielding
+_MOST, _TRIED, _SAMPLES = 4, 60, 400
+# rad/s over the presliding displacement: slow enough that nothing viscous shows
+_SLOW = 1e-4
+# displacements after which it slides
+_SLIDES = 10.0
+# h sqrt(K/J) up to which explicit springs hold a joint
+_STIFFEST = 1.0
+
+
+@dataclass(frozen=True)
+class YieldSprings:
+    """Elements of a joint.
+
+    Attributes:
+        stiffness: N m/rad (N/m), shape (k,). displacement: rad (m) at which each yields, (k,).
+        softened: factor by which the time step made all displacements longer; 1: none.
+    """
+
+    stiffness: Array
+    displacement: Array
+    softened: float = 1.0
+
+    def suited(self, step: float, inertia: float) -> "YieldSprings":
+        """Soft enough for a time step, s, and the joint's inertia, kg m^2; forces stay."""
+        stiffest = inertia * (_STIFFEST / step) ** 2
+        factor = max(1.0, float(self.stiffness.sum()) / stiffest)
+        return YieldSprings(self.stiffness / factor, self.displacement * factor, factor)
+
+
+def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
+    """Elements nearest to the loops of a law, that slide at a Coulomb torque in the end.
+
+    Args:
+        coulomb: N m, of sliding, which the elements' limits add up to.
+    Raises:
+        ModelError: the law knows no presliding, or does not slide.
+    """
+    if parameters.stiffness == 0.0:
+        raise ModelError(f"the law {parameters.law} has no presliding stiffness: leave out --yield")
+    if coulomb <= 0.0:
+        raise ModelError("the joint has no Coulomb torque that springs could hold: no --yield")
+    reach = _reach(parameters, coulomb)
+    q = reach * np.linspace(0.0, 1.0, _SAMPLES)
+    F = np.minimum(_loading(parameters, q), coulomb)
+    tried = np.geomspace(reach / 100.0, reach, _TRIED)
+    scale = coulomb / reach
+    limits = np.minimum(q[:, None], tried) * scale
+    end = np.minimum(reach, tried) * scale
+    # the limits add up to the Coulomb torque
+    weight = 10.0 * np.sqrt(_SAMPLES)
+    A, b = np.vstack([limits, weight * end]), np.append(F, weight * coulomb)
+    chosen, _ = nnls(A, b)
+    used = np.argsort(chosen * end)[::-1][:_MOST]
+    used = np.sort(used[chosen[used] > 0.0])
+    again, _ = nnls(A[:, used], b)
+    kept = again > 0.0
+    stiffness, displacement = again[kept] * scale, tried[used][kept]
+    stiffness *= coulomb / float(stiffness @ displacement)
+    return YieldSprings(stiffness, displacement)
+
+
+def _loading(parameters: Friction, q: Array) -> Array:
+    """Torque of elements at displacements that rise from zero, N m, as the law's loops ask for it.
+
+    Behind a reversal elements change by twice their first loading over half of the way (Masing).
+    So the curve is read behind a reversal of slow sliding, not from a joint that never moved.
+    """
+    before = _SLIDES * float(q[-1]) * np.linspace(0.0, 1.0, len(q))
+    back = before[-1] - 2.0 * q[1:]
+    path = np.concatenate([before, back])
+    time = np.append(0.0, np.cumsum(np.abs(np.diff(path)))) / (_SLOW * q[-1])
+    F = friction_torque(parameters, time, path)
+    turned = F[len(before) - 1]
+    return np.append(0.0, 0.5 * (turned - F[len(before) :]))
+
+
+def _reach(parameters: Friction, coulomb: float) -> float:
+    """Displacement at which slow loading has come to the Coulomb torque, rad (m)."""
+    longest = coulomb / parameters.stiffness
+    for _ in range(12):
+        q = longest * np.linspace(0.0, 1.0, _SAMPLES)
+        there = _loading(parameters, q) >= 0.98 * coulomb
+        if there.any():
+            return float(q[int(np.argmax(there))])
+        longest *= 2.0
+    return longest
+
+
+def add_yield_springs(
+    spec: mujoco.MjSpec,
+    springs: Mapping[str, YieldSprings],
+    plain: Mapping[str, PlainFriction],
+) -> mujoco.MjSpec:
+    """Add the elements of joints, and what plain friction has beside the Coulomb torque.
+
+    Raises:
+        ModelError: MuJoCo is older than 4.0, or as `add_plain`.
+    """
+    if not hasattr(mujoco.MjModel, "tendon_springyield"):
+        raise ModelError(
+            f"springs that yield need MuJoCo 4.0, this is {mujoco.__version__}: leave out --yield"
+        )
+    add_plain(spec, {name: replace(p, coulomb=0.0) for name, p in plain.items()})
+    model = spec.copy().compile()
+    start = {name: float(model.qpos0[model.jnt_qposadr[model.joint(name).id]]) for name in springs}
+    for name, elements in springs.items():
+        pairs = zip(elements.stiffness, elements.displacement, strict=True)
+        for i, (stiffness, displacement) in enumerate(pairs):
+            tendon = spec.add_tendon(name=f"{name}_presliding_{i + 1}")
+            tendon.wrap_joint(name, 1.0)
+            tendon.stiffness = np.array([stiffness, *np.zeros(np.size(tendon.stiffness) - 1)])
+            tendon.springlength = np.full(2, start[name])
+            tendon.springyield = displacement
+    return spec
