@@ -47,6 +47,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     for name, carried in carried_by.items():
         j = model.joint(name).id
         slide = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE
+        unit = "N/m" if slide else "N m/rad"
         # of one degree of freedom MuJoCo keeps the inverse inertia at qpos0
         inverse = float(model.dof_invweight0[int(model.jnt_dofadr[j])])
         stiffness, sigma1 = presliding(model.numeric_data, found[name] + HEAD)
@@ -74,13 +75,14 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "law": law.law,
                 "stiffness": float(stiffness),
                 "damping": damping,
-                "unit": "N/m" if slide else "N m/rad",
+                "unit": unit,
                 "step_ratio": ratio,
                 "damping_ratio": damping_ratio,
                 "implicit": bool(implicit),
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
-                "acts": [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects],
+                "acts": _law_acts(law.law, float(stiffness), unit)
+                + [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects],
                 "outside": outside,
                 "remark": _remark(ratio, model.opt.timestep),
             }
@@ -124,6 +126,13 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
                     f"{timestep * _RESOLVED / ratio:.2g} s"
                 )
     return found
+
+
+def _law_acts(law: str, stiffness: float, unit: str) -> list[str]:
+    """What a simulation adds to a law that alone would not hold a joint at rest."""
+    if law != "static":
+        return []
+    return [f"{law}: a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"]
 
 
 def _remark(ratio: float, timestep: float) -> str:
