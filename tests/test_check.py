@@ -104,6 +104,15 @@ def test_the_static_law_names_the_elastic_element_that_holds_it():
     ]
 
 
+def test_friction_of_a_tendon_over_the_joint_is_named():
+    spec = joint()
+    spec.add_tendon(name="cable", frictionloss=0.2).wrap_joint("j", 1.0)
+    spec.add_tendon(name="free").wrap_joint("j", 1.0)
+    (found,) = check_model(spec.compile())
+    assert found["acts"] == ["tendon cable over the joint has MuJoCo's own frictionloss 0.2 too"]
+    assert found["outside"] == []
+
+
 def test_strict_fails_where_a_joint_is_outside_its_limits(tmp_path):
     (tmp_path / "good.xml").write_text(joint().to_xml())
     (tmp_path / "bad.xml").write_text(joint(ratio=5.0, integrator="RK4").to_xml())

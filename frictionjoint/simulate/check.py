@@ -16,7 +16,7 @@ from frictionjoint.simulate.carrier import (
     resolve,
 )
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
-from frictionjoint.simulate.native_friction import MEND, native_friction
+from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction
 
 # Largest h sqrt(K/J) and h sigma/J at which joints are tested to hold: with friction implicit in
 # the step, and with RK4, whose stages are explicit and stable up to about 2.8.
@@ -33,8 +33,9 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
         larger sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with J
         the joint's inertia at qpos0, all other joints free; "implicit": whether the integrator
         solves friction within the step; "native": MuJoCo's own friction of the joint, or None;
-        "effects", and "acts": how each acts in a simulation, a sentence each; "outside": a sentence
-        for each limit that the joint is beyond, with its fix; "remark": how the time step suits.
+        "effects", and "acts": how each acts in a simulation, and what else does, a sentence each;
+        "outside": a sentence for each limit that the joint is beyond, with its fix; "remark": how
+        the time step suits.
     Raises:
         ModelError: friction in the model is damaged. TypeError: no MjModel.
     """
@@ -82,7 +83,8 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
                 "acts": _law_acts(law.law, float(stiffness), unit)
-                + [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects],
+                + [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects]
+                + tendon_friction(model, name),
                 "outside": outside,
                 "remark": _remark(ratio, model.opt.timestep),
             }

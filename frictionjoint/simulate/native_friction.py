@@ -25,6 +25,20 @@ def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, s
     return found
 
 
+def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
+    """A sentence for each fixed tendon over a joint that has MuJoCo's own friction or damping."""
+    found = []
+    for t in range(model.ntendon):
+        first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
+        fixed = model.wrap_type[first] == mujoco.mjtWrap.mjWRAP_JOINT
+        if fixed and model.joint(joint).id in model.wrap_objid[first : first + count]:
+            words = _words(float(model.tendon_frictionloss[t]), [model.tendon_damping[t]])
+            if words:
+                name = model.tendon(t).name or "without a name"
+                found.append(f"tendon {name} over the joint has MuJoCo's own {words} too")
+    return found
+
+
 def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[str, str]:
     """The same of a spec, with the damping that ``springdamper`` makes when it compiles."""
     joints = list(joints)
