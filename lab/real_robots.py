@@ -37,8 +37,8 @@ writes the tables. After them come [what is left, and why](#what-is-left-and-why
 * **Shared causes** stand above each table, with standard errors; in brackets is the part of a
   joint's squares that a cause takes away in cross-validation.
 * **The last column** says by how much an error is larger after than before, as a 95% interval
-  (torque: paired, over blocks of time; replay: over runs). *Worse* marks an interval all above zero
-  with squares that grow by more than a twentieth, a failure of the loop.
+  (torque: paired, over blocks of time; replay: over runs). *Worse*: the
+  interval is above zero and the sum of squares grows by more than 5%.
 
 """
 

@@ -106,7 +106,7 @@ def close_loop(
         seed: equal seeds give equal reports.
         progress: called with what is being done.
         law: name of the friction law, see `law.names.LAWS`; None for the integrated law.
-        fixed: poses of joints that the logs do not hold, by name, rad (m).
+        fixed: positions of joints that are not in the logs, by name, rad (m).
         controller: what drove the joint to its target, its file, or the name of a preset; or one
             for each joint by its name; or "mjcf", the model's own position servo. Logs without
             torque, voltage or current need it; all are simulated with it.

@@ -101,7 +101,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
 
 
 def enable(backend: Backend = "native") -> None:
-    """From now on friction acts in every model of the process that carries it.
+    """From now on friction acts in every model of this process that contains it.
 
     So also in models that other code loads and steps: the viewer, dm_control, Gymnasium, a trainer.
     Call it once, before or after they are loaded. A model whose friction cannot act (damaged, or

@@ -9,9 +9,9 @@ evaluated one:
 * a call at an earlier time, one that comes more than `LEAP` time steps later, or an all-zero row,
   starts afresh: at rest and never moved.
 
-A step never takes longer than ``opt.timestep``, so a gap of several steps is no motion but another
-state that somebody has set: ``mujoco.rollout`` from states of increasing time, say, whose user
-data does not come with mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
+No step is longer than ``opt.timestep``, so a gap of several steps is treated as a state set by the
+user, not as motion: for example ``mujoco.rollout`` from states of increasing time, whose user data is
+not part of mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
 that was longer, so that shortening the time step during a run is no leap.
 
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and

@@ -57,8 +57,8 @@ class FrictionTorque:
 def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorque]:
     """Friction torque of every joint that carries friction, by name of the joint.
 
-    After ``mj_step`` it is the torque that acted over the step, which began at `time`; after
-    ``mj_forward`` the torque that a step from here has.
+    After ``mj_step`` it returns the torque that acted over the step that began at `time`; after
+    ``mj_forward`` the torque that a step from here would have.
 
     Args:
         model: attached, or while `enable` is in force. data: of that model.
