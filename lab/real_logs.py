@@ -26,8 +26,8 @@ Written by `python lab/real_logs.py --data DIR --write`, on a machine of two cor
 two joints at a time.
 Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
 intervals. The initial state of each held-out log is estimated: friction, and the deflection and
-rate of an elastic link. Replay is the rms position error of free runs of half a second, driven by the
-measured torque, with its interval over runs.
+rate of an elastic link. Replay is the rms position error of free runs of half a second, driven by
+the measured torque, with its interval over runs.
 Before is the integrated law alone, after is the law named with the effects added.
 A row whose error is larger after than before is a failure of the loop: what it added held on
 the data it was given, and not on the rest. Where the intervals overlap, it may be chance.

@@ -10,8 +10,8 @@ evaluated one:
   starts afresh: at rest and never moved.
 
 No step is longer than ``opt.timestep``, so a gap of several steps is treated as a state set by the
-user, not as motion: for example ``mujoco.rollout`` from states of increasing time, whose user data is
-not part of mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
+user, not as motion: for example ``mujoco.rollout`` from states of increasing time, whose user data
+is not part of mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
 that was longer, so that shortening the time step during a run is no leap.
 
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
