@@ -11,7 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import ModelError, few
 from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
 from frictionjoint.identify.held import resolve as resolve_poses
 from frictionjoint.model_files import ONE_DOF, compile_model
@@ -135,7 +135,7 @@ def require_joint(model: mujoco.MjModel, joint: str) -> int:
     if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
         names = [joint_label(model, i) for i in range(model.njnt)]
         raise ModelError(
-            f"no hinge or slide joint {joint!r} in the model: it has {', '.join(names) or 'none'}"
+            f"no hinge or slide joint {joint!r} in the model: it has {few(names, 12) or 'none'}"
         )
     return j
 

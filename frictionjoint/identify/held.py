@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import ModelError, few
 
 # Position of a hinge or slide; of a ball its quaternion, of a free joint position and quaternion.
 Pose: TypeAlias = float | Sequence[float]
@@ -47,7 +47,7 @@ def resolve(
     for name, value in (fixed or {}).items():
         j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
         if j < 0:
-            names = ", ".join(joint_label(model, i) for i in range(model.njnt))
+            names = few([joint_label(model, i) for i in range(model.njnt)], 12)
             raise ModelError(f"--fixed {name}: no such joint in the MJCF, it has {names}")
         if j == joint_id:
             raise ModelError(f"--fixed {name}: this is the joint to identify, it is in the log")

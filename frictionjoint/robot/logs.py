@@ -188,8 +188,8 @@ def joints_to_explain(
     kinds = [(model.joint(j).name, int(model.jnt_type[j])) for j in range(model.njnt)]
     names = [name for name, kind in kinds if kind in ONE_DOF and name in in_all]
     if not names:
-        held = few(sorted(set.union(*found)) if found else []) or "none"
-        has = few([joint_label(model, j) for j in range(model.njnt)]) or "none"
+        held = few(sorted(set.union(*found)) if found else [], 12) or "none"
+        has = few([joint_label(model, j) for j in range(model.njnt)], 12) or "none"
         raise LogError(
             f"{Path(logs[0]).name}: no joint of the model has a position and a drive in every log: "
             f"the logs name {held}, the model {has}; name one with --joint"
