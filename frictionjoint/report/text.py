@@ -52,7 +52,7 @@ def robot_text(content: Mapping[str, Any]) -> str:
 def _notes(s: Summary | RobotSummary) -> list[str]:
     lines = ["", *(f"* {note}" for note in s.notes[:_MOST_NOTES])] if s.notes else []
     if len(s.notes) > _MOST_NOTES:
-        lines.append(f"* {len(s.notes) - _MOST_NOTES} more notes are in report.html.")
+        lines.append(f"* More notes in report.html: {len(s.notes) - _MOST_NOTES}.")
     return lines
 
 
