@@ -1,20 +1,18 @@
-"""What friction costs a simulation step: bare, ours and MuJoCo's own, side by side in one run.
+"""What friction costs a simulation step: ours and MuJoCo's own, over the bare step of the same run.
 
-    python scripts/benchmark_simulation.py [--repeats 41]
+    python scripts/benchmark_simulation.py [--repeats 15] [--only chain trees quadruped]
 
-Chains of 1, 7 and 30 hinges, implicitfast at 1 ms, in sliding and in presliding with loops on the
-stacks. Every figure is the median over repeats that take turns, as a ratio to the bare step of the
-same turn; the spread is the middle half, and the last number is the ratio of the least times, which
-a busy machine disturbs least. Steps and attaches are counted in computing time. Then a batch of
-1,024 chains on 1 and 2 threads, and the first attach, cold and from numba's cache.
+Chains of 1, 7, 30 and 100 hinges, 2,000 trees of one hinge, and a quadruped of 12 joints that
+stands on its feet; held below breakaway and sliding, for presliding stiffnesses h sqrt(K/J) of 0.3,
+3 and 30. The models take turns, each from the same state, and are timed in computing time. A figure
+is the median ratio to the bare step of the same turn; in brackets the ratio of the least times,
+which a busy machine disturbs least. "frictionloss" has no stiffness, `dcmotor` LuGre and yield
+springs (MuJoCo 4.0) have that of ours. A way whose motion diverges is left out ("-").
 """
 
 import argparse
 import contextlib
 import os
-import subprocess
-import sys
-import tempfile
 import time
 
 import mujoco
@@ -22,161 +20,183 @@ import numpy as np
 
 import frictionjoint as fj
 
-try:
-    from mujoco.batch import Batch
-except ImportError:
-    raise SystemExit(
-        f"MuJoCo {mujoco.__version__} has no Batch: pip install 'mujoco>=3.17'"
-    ) from None
-
-STEPS, AGAIN = 500, 20
-WARM_UP = 200
-WHOLE = mujoco.mjtState.mjSTATE_INTEGRATION
-FS, FC, STIFFNESS = 1.5, 1.0, 300.0
-OURS = fj.FrictionParameters.symmetric(
-    Fs=FS,
-    Fc=FC,
-    Vs=0.05,
-    sigma2=0.1,
-    n=2.0,
-    knots=((FS / STIFFNESS, FS), (4 * FS / STIFFNESS, 3.0)),
+LEVEL = 0.1  # N m
+RATIOS = (0.3, 3.0, 30.0)
+WAYS = ("ours", "frictionloss", "LuGre", "yield springs")
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+WARM_UP, AGAIN = 60, 5
+# of the stiffness and of the level, for each yield spring of a joint
+ELEMENTS = ((0.6, 0.3), (0.3, 0.4), (0.1, 0.3))
+OPTION = '<option timestep="1e-3" integrator="implicitfast"{}/>'
+LINK = (
+    '<joint name="j{0}" axis="{1}"/><geom type="capsule" fromto="0 0 0 {2}" size=".01" mass=".5" '
+    'contype="0" conaffinity="0"/>'
 )
-LUGRE = f"{STIFFNESS} 5 {FC} {FS} 0.05"
-WAYS = ("bare", "ours", "frictionloss", "dcmotor LuGre")
 
 
-def chain(joints: int, way: str) -> mujoco.MjModel:
-    """Links in a row about the vertical, each 0.01 kg m^2 or more, a motor a joint."""
-    loss = f' frictionloss="{FC}"' if way == "frictionloss" else ""
+def chain(n: int) -> str:
+    """Links in a row, axes by turns, without gravity."""
     bodies = "".join(
-        f'<body pos="{0.1 * bool(i)} 0 0"><joint name="j{i}" axis="0 0 1" armature="0.5"{loss}/>'
-        '<geom size="0.03" mass="0.3" contype="0" conaffinity="0"/>'
-        for i in range(joints)
+        f'<body pos="0 0 {0.1 * bool(i)}">' + LINK.format(i, f"{i % 2} {1 - i % 2} 0", "0 0 .1")
+        for i in range(n)
     )
-    motors = "".join(f'<motor joint="j{i}"/>' for i in range(joints))
-    if way == "dcmotor LuGre":
-        motors += "".join(
-            f'<dcmotor joint="j{i}" input="none" motorconst="1e-6" resistance="1" lugre="{LUGRE}"/>'
-            for i in range(joints)
-        )
-    spec = mujoco.MjSpec.from_string(
-        '<mujoco><option integrator="implicitfast" timestep="0.001" gravity="0 0 0"/><worldbody>'
-        f"{bodies}{'</body>' * joints}</worldbody><actuator>{motors}</actuator></mujoco>"
+    option = OPTION.format(' gravity="0 0 0"')
+    return f"<mujoco>{option}<worldbody>{bodies}{'</body>' * n}</worldbody></mujoco>"
+
+
+def trees(n: int) -> str:
+    """Links side by side, without gravity."""
+    bodies = "".join(
+        f'<body pos="{0.2 * i} 0 0">{LINK.format(i, "0 1 0", ".1 0 0")}</body>' for i in range(n)
     )
+    option = OPTION.format(' gravity="0 0 0"')
+    return f"<mujoco>{option}<worldbody>{bodies}</worldbody></mujoco>"
+
+
+def quadruped() -> str:
+    """A trunk of 8 kg on four legs with hip, thigh and knee, about the size of a Go1."""
+    legs, i = "", 0
+    for x in (0.19, -0.19):
+        for y in (0.05, -0.05):
+            side = 0.08 if y > 0 else -0.08
+            legs += (
+                f'<body pos="{x} {y} 0"><joint name="j{i}" axis="1 0 0"/>'
+                f'<geom class="link" fromto="0 0 0 0 {side} 0" mass=".6"/>'
+                f'<body pos="0 {side} 0"><joint name="j{i + 1}" axis="0 1 0"/>'
+                '<geom class="link" fromto="0 0 0 -.1 0 -.19" mass=".9"/>'
+                f'<body pos="-.1 0 -.19"><joint name="j{i + 2}" axis="0 1 0"/>'
+                '<geom class="link" fromto="0 0 0 .1 0 -.19" mass=".2"/>'
+                '<geom size=".02" pos=".1 0 -.19" mass=".05"/></body></body></body>'
+            )
+            i += 3
+    link = '<default class="link"><geom type="capsule" size=".02" contype="0" conaffinity="0"/>'
+    return (
+        f"<mujoco>{OPTION.format('')}<default>{link}</default></default><worldbody>"
+        '<geom type="plane" size="3 3 .1"/><body pos="0 0 .4"><freejoint/><geom type="box" '
+        f'size=".19 .05 .05" mass="8" contype="0" conaffinity="0"/>{legs}</body></worldbody>'
+        "</mujoco>"
+    )
+
+
+def model_of(xml: str, way: str, ratio: float, level: float) -> mujoco.MjModel | None:
+    """The model with one kind of friction at every joint; None where MuJoCo has it not."""
+    spec = mujoco.MjSpec.from_string(xml)
+    plain = spec.compile()
+    if way == "bare":
+        return plain
+    joints = [joint for joint in spec.joints if joint.name]
+    h, laws = plain.opt.timestep, {}
+    for joint in joints:
+        K = (ratio / h) ** 2 / plain.dof_invweight0[plain.joint(joint.name).dofadr[0]]
+        if way == "ours":
+            knots = (
+                (level / K, level),
+                (3 * level / K, 1.7 * level),
+                (10 * level / K, 2.1 * level),
+            )
+            laws[joint.name] = fj.FrictionParameters.symmetric(
+                Fs=level, Fc=0.7 * level, Vs=0.05, n=2.0, knots=knots
+            )
+        elif way == "frictionloss":
+            joint.frictionloss = level
     if way == "ours":
-        fj.install(spec, {f"j{i}": OURS for i in range(joints)})
-    return spec.compile()
+        fj.install(spec, laws)
+    text = spec.to_xml() if way in ("LuGre", "yield springs") else ""
+    if way == "LuGre":
+        motors = ""
+        for joint in joints:
+            K = (ratio / h) ** 2 / plain.dof_invweight0[plain.joint(joint.name).dofadr[0]]
+            motors += (
+                f'<dcmotor joint="{joint.name}" input="none" motorconst="1e-6" resistance="1" '
+                f'lugre="{K} 0 {0.7 * level} {level} 0.05"/>'
+            )
+        text = text.replace("</mujoco>", f"<actuator>{motors}</actuator></mujoco>")
+    if way == "yield springs":
+        if not hasattr(plain, "jnt_springyield") and not hasattr(plain, "tendon_springyield"):
+            return None
+        tendons = ""
+        for joint in joints:
+            K = (ratio / h) ** 2 / plain.dof_invweight0[plain.joint(joint.name).dofadr[0]]
+            tendons += "".join(
+                f'<fixed stiffness="{k * K}" springlength="0" springyield='
+                f'"{f * level / (k * K)}"><joint joint="{joint.name}" coef="1"/></fixed>'
+                for k, f in ELEMENTS
+            )
+        text = text.replace("</mujoco>", f"<tendon>{tendons}</tendon></mujoco>")
+    return mujoco.MjModel.from_xml_string(text) if text else spec.compile()
 
 
-def prepare(model: mujoco.MjModel, joints: int, motion: str, way: str) -> mujoco.MjData:
-    """Sliding at speed, or stuck with shrinking reversals behind it."""
-    data = mujoco.MjData(model)
-    if motion == "sliding":
-        data.qvel[:] = 2.0
-        # what friction takes; without friction nothing, or the speed would grow without end
-        data.ctrl[:joints] = 0.0 if way == "bare" else FC
-    else:
-        for k in range(WARM_UP * 4):
-            data.ctrl[:joints] = 0.8 * np.exp(-k / 400) * np.sin(k / 20)
-            mujoco.mj_step(model, data)
-    for _ in range(WARM_UP):
-        mujoco.mj_step(model, data)
-    return data
-
-
-def one_step(joints: int, motion: str, repeats: int) -> dict[str, tuple[float, ...]]:
-    """Microseconds of a step (bare) or ratios to it: median, quartiles, and that of least times."""
-    taken: dict[str, list[float]] = {way: [] for way in WAYS}
-    models = {way: chain(joints, way) for way in WAYS}
-    states, starts = {}, {}
-    for way, model in models.items():
+def cost(
+    xml: str, ratio: float, sliding: bool, level: float, repeats: int, seconds: float = 0.02
+) -> dict[str, tuple[float, float]]:
+    """Median and least microseconds of the bare step, then ratios to it by way."""
+    found: dict[str, list[float]] = {}
+    runs = {}
+    for way in ("bare", *WAYS):
+        try:
+            model = model_of(xml, way, ratio, level)
+        except ValueError:
+            model = None
+        if model is None:
+            continue
+        data = mujoco.MjData(model)
+        joints = model.nv - 6 * (model.nq != model.nv)
+        # a load that friction holds, shared so that a chain holds it too
+        data.qfrc_applied[-joints:] = 0.0 if sliding else 0.3 * level / np.arange(1, joints + 1)
+        data.qvel[-joints:] = 2.0 * sliding
         with fj.attach(model) if way == "ours" else contextlib.nullcontext():
-            states[way] = prepare(model, joints, motion, way)
-        starts[way] = np.empty(mujoco.mj_stateSize(model, WHOLE))
-        mujoco.mj_getState(model, states[way], starts[way], WHOLE)
+            mujoco.mj_step(model, data, AGAIN if sliding else WARM_UP)
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+            continue
+        start = np.empty(mujoco.mj_stateSize(model, STATE))
+        mujoco.mj_getState(model, data, start, STATE)
+        runs[way], found[way] = (model, data, start), []
+    steps = 0
     for _ in range(repeats):
-        for way, model in models.items():
-            data = states[way]
-            # left to itself a long chain whirls ever faster, until MuJoCo resets it
-            mujoco.mj_setState(model, data, starts[way], WHOLE)
+        for way, (model, data, start) in runs.items():
             with fj.attach(model) if way == "ours" else contextlib.nullcontext():
+                mujoco.mj_setState(model, data, start, STATE)
                 mujoco.mj_step(model, data, AGAIN)
+                if not steps:  # as many as fill the time, but not so many that sliding ends
+                    begin = time.thread_time()
+                    mujoco.mj_step(model, data, AGAIN)
+                    taken = (time.thread_time() - begin) / AGAIN
+                    steps = int(np.clip(seconds / taken, 10, 40 if sliding else 4000))
                 begin = time.thread_time()
-                mujoco.mj_step(model, data, STEPS)
-                taken[way].append((time.thread_time() - begin) / STEPS * 1e6)
-    bare = np.array(taken["bare"])
-    found = {"bare": (float(np.median(bare)),)}
-    for way in WAYS[1:]:
-        own = np.array(taken[way])
-        found[way] = (*np.quantile(own / bare, (0.5, 0.25, 0.75)), own.min() / bare.min())
-    return found
-
-
-def batch_rate(threads: int, simulations: int = 1024, steps: int = 100) -> float:
-    """Simulated steps per second of a batch of 7-hinge chains with friction."""
-    model = chain(7, "ours")
-    with fj.attach(model):
-        batch = Batch(model, simulations, nthread=threads)
-        batch.bind("ctrl")[:] = 0.5
-        batch.step(nstep=20)
-        best = np.inf
-        for _ in range(5):
-            begin = time.perf_counter()
-            batch.step(nstep=steps)
-            best = min(best, time.perf_counter() - begin)
-    return simulations * steps / best
-
-
-ATTACH = """
-import time, mujoco, frictionjoint as fj
-from frictionjoint.simulate.stick_slip import kuka_model
-model = fj.load_model(kuka_model())
-begin = time.process_time()
-with fj.attach(model):
-    mujoco.mj_step(model, mujoco.MjData(model))
-print(time.process_time() - begin)
-"""
-
-
-def first_attach() -> tuple[float, float]:
-    """Seconds of computing to the first step: numba's cache empty, and filled."""
-    with tempfile.TemporaryDirectory() as cache:
-        env = os.environ | {"NUMBA_CACHE_DIR": cache}
-        run = [sys.executable, "-c", ATTACH]
-        cold, warm = (
-            float(subprocess.run(run, env=env, check=True, capture_output=True, text=True).stdout)
-            for _ in range(2)
-        )
-    return cold, warm
+                mujoco.mj_step(model, data, steps)
+                found[way].append((time.thread_time() - begin) / steps * 1e6)
+    bare = np.array(found.pop("bare"))
+    cells = {"bare": (float(np.median(bare)), float(bare.min()))}
+    for way, taken in found.items():
+        own = np.array(taken)
+        cells[way] = (float(np.median(own / bare)), float(own.min() / bare.min()))
+    return cells
 
 
 def main() -> None:
     """Measure and print, as Markdown."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--repeats", type=int, default=41)
-    repeats = parser.parse_args().repeats
-    print(
-        f"MuJoCo {mujoco.__version__}, {os.cpu_count()} CPUs. Ratios to bare: median (quartiles), "
-        "of least times.\n"
-    )
-    print("| hinges | motion | bare, us | ours | frictionloss | dcmotor LuGre |")
-    print("|---|---|---|---|---|---|")
-    for joints in (1, 7, 30):
-        for motion in ("sliding", "presliding"):
-            found = one_step(joints, motion, repeats)
-            cells = [f"{found['bare'][0]:.2f}"]
-            ratios = list(found.values())[1:]
-            cells += [f"{m:.2f} ({a:.2f} to {b:.2f}), {x:.2f}" for m, a, b, x in ratios]
-            print(f"| {joints} | {motion} | {' | '.join(cells)} |", flush=True)
-    one, two = batch_rate(1), batch_rate(2)
-    print(
-        f"\n1,024 chains of 7 hinges: {one:.3g} steps a second on one thread, {two:.3g} on two "
-        f"({two / one:.2f} times)."
-    )
-    cold, warm = first_attach()
-    print(
-        f"First attach and step: {cold:.2f} s of computing cold, {warm:.2f} s from numba's cache."
-    )
+    parser.add_argument("--repeats", type=int, default=15)
+    parser.add_argument("--only", nargs="*", default=["chain", "trees", "quadruped"])
+    given = parser.parse_args()
+    print(f"MuJoCo {mujoco.__version__}, {os.cpu_count()} CPUs. Median ratios (of least times).\n")
+    print(f"| model | joints | h sqrt(K/J) | motion | bare, us | {' | '.join(WAYS)} |")
+    print("|---" * (5 + len(WAYS)) + "|")
+    models = [("chain", n, chain(n), LEVEL) for n in (1, 7, 30, 100)]
+    models += [("trees", 2000, trees(2000), LEVEL), ("quadruped", 12, quadruped(), 20.0)]
+    for name, n, xml, level in models:
+        for ratio in RATIOS if name in given.only else ():
+            for sliding in (False, True) if name != "quadruped" else (False,):
+                found = cost(xml, ratio, sliding, level, given.repeats)
+                cells = [
+                    "{:.2f} ({:.2f})".format(*found[way]) if way in found else "-" for way in WAYS
+                ]
+                motion = "sliding" if sliding else "held"
+                bare = f"{found['bare'][0]:.2f}"
+                print(
+                    f"| {name} | {n} | {ratio:g} | {motion} | {bare} | {' | '.join(cells)} |",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

@@ -60,15 +60,25 @@ def test_half_the_breakaway_is_held_without_chatter(ratio, integrator):
     assert abs(K * q[-1] - 0.5 * FS) < 0.03 * 0.5 * FS + change
 
 
-@pytest.mark.parametrize("ratio", [3.0, 8.0])
-def test_slips_are_as_long_as_with_a_hundredth_of_the_step(ratio):
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 8.0, 30.0])
+def test_slips_are_as_long_as_with_a_fraction_of_the_step(ratio):
     def spring(t, q):
         return 20.0 * (0.3 * t - q)
 
-    coarse = slips(run(joint(ratio), spring, 4.0))
-    fine = slips(run(joint(ratio, STEP / 100), spring, 2.0))
+    coarse = slips(run(joint(ratio), spring, 3.0))
+    fine = slips(run(joint(ratio, STEP / 40), spring, 1.2))
     assert len(coarse) > 5
-    assert np.median(coarse) == pytest.approx(np.median(fine), rel=0.05)
+    assert np.median(coarse) == pytest.approx(np.median(fine), rel=0.03)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 8.0, 30.0])
+@pytest.mark.parametrize("speed", [1.0, 3.0])
+def test_a_joint_stops_where_a_fraction_of_the_step_stops_it(ratio, speed):
+    ends = [
+        run(joint(ratio, step), lambda t, q: 0.0, 0.1, v0=speed)[1].max()
+        for step in (STEP, STEP / 40)
+    ]
+    assert ends[0] == pytest.approx(ends[1], rel=0.03)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
