@@ -16,14 +16,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from benchmark_simulation import FS, chain
 
+import frictionjoint as fj
 from frictionjoint.simulate.warp import attach_warp
 
 WARM_UP = 20
+FS, FC, STIFFNESS = 1.5, 1.0, 300.0  # N m, N m/rad
 
 
 Run = Callable[[], None]
@@ -62,6 +64,25 @@ def repeated(device: wp.Device, call: Run, steps: int) -> Run:
     replay = Replay(capture.graph, call, steps)
     replay()
     return replay
+
+
+def chain(joints: int, way: str) -> mujoco.MjModel:
+    """Links in a row about the vertical, a motor each; with friction if `way` is "ours"."""
+    bodies = "".join(
+        f'<body pos="{0.1 * bool(i)} 0 0"><joint name="j{i}" axis="0 0 1" armature="0.5"/>'
+        '<geom size="0.03" mass="0.3" contype="0" conaffinity="0"/>'
+        for i in range(joints)
+    )
+    motors = "".join(f'<motor joint="j{i}"/>' for i in range(joints))
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><option integrator="implicitfast" timestep="0.001" gravity="0 0 0"/><worldbody>'
+        f"{bodies}{'</body>' * joints}</worldbody><actuator>{motors}</actuator></mujoco>"
+    )
+    if way == "ours":
+        knots = ((FS / STIFFNESS, FS), (4 * FS / STIFFNESS, 3.0))
+        law = fj.FrictionParameters.symmetric(Fs=FS, Fc=FC, Vs=0.05, sigma2=0.1, n=2.0, knots=knots)
+        fj.install(spec, {f"j{i}": law for i in range(joints)})
+    return spec.compile()
 
 
 def prepare(joints: int, worlds: int, steps: int) -> dict[str, Run]:
