@@ -7,6 +7,7 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.row import evaluate, row_size
+from tests.standing import plain_mass
 
 INERTIA, STEP, FS, FC = 0.01, 1e-3, 1.5, 1.0
 RATIOS = (1.0, 3.0, 8.0)  # h sqrt(K/J)
@@ -111,8 +112,7 @@ def arm(ratio, h=1e-3, contact=False):
     data = mujoco.MjData(free)
     data.qpos[:] = posture
     mujoco.mj_forward(free, data)
-    M = np.zeros((7, 7))
-    mujoco.mj_fullM(free, data, M)
+    M = plain_mass(free, posture)
     if contact:
         floor = data.geom_xpos[-1, 2] - 0.0299
         text += f'<geom type="plane" size="5 5 0.1" pos="0 0 {floor}"/>'
