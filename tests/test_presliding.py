@@ -118,7 +118,7 @@ for name, turns in PATHS.items():
     except Exception:
         print(1e9)
 """
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    environment = {**os.environ, "FRICTIONJOINT_PYTHON": "1"}
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=120
     )

@@ -140,7 +140,7 @@ def in_warp():
     return torque
 
 
-def in_numba(P, t, q, v, h, inertia):
+def in_c(P, t, q, v, h, inertia):
     out = np.zeros_like(q)
     for w in range(len(q)):
         X = np.zeros(row_size(int(law_row_size(P, 0)), 0))
@@ -167,7 +167,7 @@ RIVALS = [
 
 @pytest.mark.parametrize("h", [0.0, 1e-3], ids=["explicit", "stiff"])
 @pytest.mark.parametrize("parameters", INTEGRATED + RIVALS, ids=lambda p: f"{p.law}")
-def test_warp_computes_what_numba_computes(in_warp, parameters, h):
+def test_warp_computes_what_the_library_computes(in_warp, parameters, h):
     rng = np.random.default_rng(1)
     n = 400
     t = 1e-3 * np.arange(n)
@@ -175,12 +175,12 @@ def test_warp_computes_what_numba_computes(in_warp, parameters, h):
     q = np.cumsum(size * rng.normal(size=(4, n)), axis=1) + 20 * size * np.sin(30 * t)
     v = np.gradient(q, t, axis=1)
     P = np.append(parameters.pack(), 0.0)
-    numba = in_numba(P, t, q, v, h, 1e-3)
+    expected = in_c(P, t, q, v, h, 1e-3)
     # the same operations in doubles: only the mathematical libraries differ in the last digit
-    np.testing.assert_allclose(in_warp(P, t, q, v, h, 1e-3), numba, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(in_warp(P, t, q, v, h, 1e-3), expected, rtol=0, atol=1e-11)
 
 
-def test_warp_computes_every_effect_as_numba_does():
+def test_warp_computes_every_effect_as_the_library_does():
     rng = np.random.default_rng(2)
     law = friction().pack()
     carried = [acting(e) for e in CATALOGUE]
@@ -207,15 +207,15 @@ def test_warp_computes_every_effect_as_numba_does():
     q = 0.5 * np.sin(20 * t) + 1e-3 * rng.normal(size=n)
     rigid = [1 + np.sin(9 * t), np.full(n, 0.1), np.full(n, 0.05)]
     u = np.column_stack([q, np.gradient(q, t), *rigid, q, 1 - q, 3 * q])
-    X, numba = np.zeros(size), np.zeros(n)
+    X, expected = np.zeros(size), np.zeros(n)
     for k in range(n):
         evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])
-        numba[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], *u[k, 2:])
+        expected[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], *u[k, 2:])
     y = wp.zeros(n, dtype=wp.float64, device="cpu")
     arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (P, np.zeros(size), t, u)]
     wp.launch(kernel, dim=1, inputs=[*arrays, e], outputs=[y], device="cpu")
-    assert np.ptp(numba) > 1.0
-    np.testing.assert_allclose(y.numpy(), numba, rtol=1e-12, atol=1e-11)
+    assert np.ptp(expected) > 1.0
+    np.testing.assert_allclose(y.numpy(), expected, rtol=1e-12, atol=1e-11)
 
 
 # against the native callback
