@@ -1,6 +1,7 @@
 """What an effect's evidence is in the end: that of the final model."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -57,3 +58,31 @@ def test_what_cannot_be_seen_alone_keeps_its_evidence_and_stays(state, monkeypat
     kept = [replace(f, row=f.row._replace(frequency=0.1)) for f in state.findings]
     monkeypatch.setattr(restating, "_of_terms", lambda state: kept)
     assert restated(state, np.random.default_rng(0)) == tuple(kept)
+
+
+def test_effects_that_leave_each_others_sizes_open_stay_as_ties_where_they_are_needed(monkeypatch):
+    def open_sizes(prepared, fitted):
+        return [t for t in fitted if t in ("spring", "gravity", "bias")]
+
+    def squares(fitted, blocks):
+        # the spring or the gravity is needed, the bias is not
+        return "spring" in fitted, "gravity" in fitted
+
+    state = SimpleNamespace(prepared=None, fit=("spring", "gravity", "bias"), blocks=None)
+    state.forget_dropped = lambda: None
+    monkeypatch.setattr(restating, "undetermined", open_sizes)
+    monkeypatch.setattr(restating, "scored", squares)
+    monkeypatch.setattr(restating, "needed", lambda now, other: now != other)
+    monkeypatch.setattr(restating, "without", lambda s, t: Left(x for x in s.fit if x != t))
+    monkeypatch.setattr(restating, "reweighed", lambda prepared, fitted: (prepared, fitted))
+    monkeypatch.setattr(restating, "drop_idle", lambda s: None)
+    assert restating._leave_out_undetermined(state) == ["spring", "gravity"]
+    state.fit = Left(("bias",))
+    assert restating._leave_out_undetermined(state) == []
+    assert state.fit == ()
+
+
+class Left(tuple):
+    """Effects of a model that leaves the same whichever they are."""
+
+    drive_rms = 1.0

@@ -11,21 +11,16 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 
-def least_determined(prepared: Prepared, fitted: Fit) -> Term | None:
-    """Of the effects whose sizes are within two standard errors of none the one that is most so.
+def undetermined(prepared: Prepared, fitted: Fit) -> list[Term]:
+    """The effects whose sizes are within two standard errors of none.
 
     What comes first is known to be there: only its size is not.
-
-    Returns:
-        None where all sizes are known better.
     """
     asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or comes_first(t))]
     if not asked:
-        return None
+        return []
     cov = stated_covariance(prepared, fitted)
-    sure = {i: standard_errors(fitted, cov, i) for i in asked}
-    least = min(asked, key=lambda i: sure[i])
-    return fitted.effects[least] if sure[least] < SURELY else None
+    return [fitted.effects[i] for i in asked if standard_errors(fitted, cov, i) < SURELY]
 
 
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:

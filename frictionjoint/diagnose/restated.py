@@ -5,9 +5,10 @@ at as if it alone were missing, with all candidates beside it and the law as it 
 that is fitted without the effect has bent for want of it. The best candidates are fitted in its
 place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
 half of the halves of the data choose before these and before nothing, goes; a candidate that
-explains as much as the effect, or less by no more than the error of that, is a tie. So goes, before
-all, what has a size within two standard errors of none. The p-value stays that by which the effect
-came in: beside a law that has bent for want of a slow effect that of the final model says little.
+explains as much as the effect, or less by no more than the error of that, is a tie. What has a size
+within two standard errors of none goes before all, unless others leave it open. The p-value stays
+that by which the effect came in: beside a law that has bent for want of a slow effect that of the
+final model says little.
 """
 
 import itertools
@@ -17,14 +18,15 @@ import numpy as np
 
 from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.decisions import MOSTLY, TIE
-from frictionjoint.diagnose.determined import least_determined
+from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.terms import EffectTerm, Term, all_but
 from frictionjoint.identify.weights import reweighed
@@ -35,18 +37,48 @@ _MOST_RIVALS = 2
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
     """What the model has, each effect with its evidence; what that does not bear out is dropped."""
     while True:
-        unsure = least_determined(state.prepared, state.fit)
-        if unsure is not None:
-            _leave_out(state, unsure)
-            continue
+        unsure = _leave_out_undetermined(state)
         found = _of_terms(state)
         seen = [_seen_alone(state, f, rng) for f in found]
         # what keeps its evidence is not judged by it
         weak = [s for s, f in zip(seen, found, strict=True) if s is not f and not _borne_out(s)]
         if not weak:
-            return tuple(seen)
+            return tuple(_tied(f, unsure) for f in seen)
         least = min(weak, key=lambda f: f.row.frequency).term
         _leave_out(state, least)
+
+
+def _leave_out_undetermined(state: State) -> list[Term]:
+    """Leave out, one after the other, effects whose sizes the logs do not determine.
+
+    Several may leave each other's sizes open, and carry the evidence together: then those without
+    which unlike motion is predicted worse stay.
+
+    Returns:
+        those that stay, which are ties of each other.
+    """
+    changed = False
+    while unsure := undetermined(state.prepared, state.fit):
+        blocks = state.blocks
+        now = scored(state.fit, blocks)
+        fits = [without(state, term) for term in unsure]
+        idle = [f for f in fits if len(unsure) == 1 or not needed(now, scored(f, blocks))]
+        if not idle:
+            break
+        state.prepared, state.fit = reweighed(state.prepared, best_of(idle, lambda f: f.drive_rms))
+        changed = True
+    if changed:
+        drop_idle(state)
+        state.forget_dropped()
+    return unsure
+
+
+def _tied(finding: Finding, unsure: list[Term]) -> Finding:
+    """A finding of an effect whose size is open with the others of which it is."""
+    if finding.term in unsure:
+        for other in unsure:
+            finding = finding.tied_with(other)
+    return finding
 
 
 def _leave_out(state: State, term: Term) -> None:
