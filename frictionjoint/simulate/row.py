@@ -140,13 +140,15 @@ def over_the_step(
         J: kg m^2, the joint's entry of the mass matrix. weight: inverse of the inertia that it has
             with all others free.
     """
+    # what a joint that breaks away has to move, while the others give way
+    inertia = min(J, 1.0 / weight) if weight > 0.0 else J
     dt = X[x + T_EVALUATED] - X[x + T_COMMITTED]
-    impulse = J * v
+    impulse = inertia * v
     if dt > 0.0:
-        others = J * (v - X[x + V_COMMITTED]) / dt
+        others = inertia * (v - X[x + V_COMMITTED]) / dt
         others += X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v
         impulse += h * (others - hysteresis_torque(P, p, X, x + FRONT))
-    constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, J, impulse)
+    constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, inertia, impulse)
     stiff = h * h * K * weight
     implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
     X[x + TORQUE] = constant
