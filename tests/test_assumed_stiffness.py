@@ -1,10 +1,12 @@
 """A stiffness that logs do not determine is assumed and said to be so."""
 
+import mujoco
 import numpy as np
 import pytest
 
-from frictionjoint import close_loop
+from frictionjoint import close_loop, uninstall
 from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.notes import stiffness_note
 from frictionjoint.identify.base_fit import base_fit, shortest, with_assumed_stiffness
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
@@ -59,6 +61,22 @@ def test_a_stiffness_that_the_logs_show_is_estimated():
     assert 20.0 < stiffness.value < 40.0
 
 
+def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_stick():
+    t = DT * np.arange(N)
+    q = 0.5 * np.sin(2.0 * np.pi * 0.3 * t) + 0.2 * np.sin(2.0 * np.pi * 0.8 * t)
+    v = np.gradient(q, DT)
+    # viscous friction that rises faster than linearly: below the straight line where slow
+    torque = 0.05 * np.gradient(v, DT) + 0.5 * v + 0.2 * v * np.abs(v)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(N)
+    own = JointLog(name="1", joint="j", time=t, position=q, torque=torque + noise)
+    prepared, found = base_fit(prepare([own], RigidBody(JOINT, "j")), "integrated")
+    found = with_assumed_stiffness(prepared, found, stated_covariance)
+    assert not found.has_level
+    assert not found.shape.assumed
+    (said,) = stiffness_note(found, False)
+    assert "no Coulomb friction" in said
+
+
 def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes():
     prepared, base = fitted(5e5)
     report = close_loop([log(5e5)], JOINT, "j", [log(5e5, seed=2)])
@@ -66,6 +84,9 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     (said,) = [n for n in report.notes if "is assumed" in n]
     assert "stiffness before sliding" in said
     assert 'name="frictionjoint-assumed:j"' in report.mjcf
+    spec = mujoco.MjSpec.from_string(report.mjcf)
+    uninstall(spec)
+    assert not list(spec.texts)
     own = law_estimates(base, stated_covariance(prepared, base), False)
     assert {k: x.value for k, x in report.base.items()} == pytest.approx(
         {k: x.value for k, x in own.items()}, rel=1e-6

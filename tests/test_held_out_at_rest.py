@@ -47,3 +47,28 @@ def test_a_log_that_is_held_out_without_motion_is_refused() -> None:
     still = replace(log(0.5, "still"), position=np.full(N, 0.1))
     with pytest.raises(LogError, match=r"still, held out.*stands still"):
         fj.close_loop([log(0.5, "slides")], JOINT, "j", [still])
+
+
+def switched_off(velocity: np.ndarray, begin: float, end: float) -> JointLog:
+    """A joint whose drive is off for a while, whatever its velocity is then."""
+    t = DT * np.arange(N)
+    q, a = np.cumsum(velocity) * DT, np.gradient(velocity, DT)
+    torque = np.where((t > begin) & (t < end), 0.0, 0.05 * a + LEVEL * np.sign(velocity))
+    return JointLog(name="off", joint="j", time=t, position=q, torque=torque)
+
+
+def test_a_part_in_which_another_drive_turns_the_joint_is_left_out_and_said() -> None:
+    t = DT * np.arange(N)
+    found = fj.identify([switched_off(4.0 * np.sin(np.pi * t), 4.0, 8.0)], JOINT, "j")
+    (said,) = [n for n in found.notes if "another drive turns it" in n]
+    assert said.startswith("off: 4.00")
+    assert found.parameters.Fc_pos == pytest.approx(LEVEL, rel=0.03)
+    assert found.torque_rms < 0.1 * LEVEL
+
+
+def test_a_joint_that_coasts_tells_its_friction() -> None:
+    t = DT * np.arange(N)
+    driven, slow = 30.0 + 5.0 * np.sin(np.pi * t), 30.0 - LEVEL / 0.05 * (t - 4.0)
+    velocity = np.select([t < 4.0, t < 6.5], [driven, slow], 5.0 + 2.0 * np.sin(np.pi * (t - 6.5)))
+    found = fj.identify([switched_off(velocity, 4.0, 6.5)], JOINT, "j")
+    assert not [n for n in found.notes if "another drive" in n]

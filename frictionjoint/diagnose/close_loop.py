@@ -17,7 +17,7 @@ from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes
+from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes, other_drive_note
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.refined import Loops, RefinedModel
 from frictionjoint.diagnose.replay import (
@@ -167,6 +167,7 @@ def explain(
     kept_back = None
     if held_out:
         kept_back = prepare_kept_back(held_out, theirs, fitted_on.band, controller)
+    said += other_drive_note(fitted_on, kept_back)
 
     loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
 

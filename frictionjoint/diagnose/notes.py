@@ -78,6 +78,19 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     )
 
 
+def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
+    """What is left out of logs since another drive turns the joint there."""
+    return tuple(
+        f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the drive is exactly 0 while "
+        "the joint moves, and it does not slow as its friction would slow it, so another drive "
+        "turns it."
+        for prepared in logs
+        if prepared
+        for segment in prepared.segments
+        for begin, end in segment.turned_by_another
+    )
+
+
 def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
     """Times within a sample that are clearly not nothing."""
     said = []
@@ -109,7 +122,13 @@ def _laws_note(found: Trace) -> tuple[str, ...]:
 
 
 def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """That a stiffness is assumed."""
+    """That a stiffness is assumed, or that the law has no level to stick with."""
+    if not fitted.has_level:
+        return (
+            "These logs show no Coulomb friction: its fitted level is zero. The law of the model "
+            "does not hold the joint at rest, and its presliding stiffness means nothing. Record "
+            "slow constant velocities in both directions, where viscous friction is small.",
+        )
     if not fitted.shape.assumed:
         return ()
     unit, of_position = units_of(fitted, slide)

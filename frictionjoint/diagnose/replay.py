@@ -24,6 +24,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.mujoco_warnings import became_unstable, unheard
+from frictionjoint.simulate.assumed import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
@@ -31,8 +32,6 @@ from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor
 
 WINDOW_S = 0.5
-# name of the text of a model that tells what of a joint's friction is assumed
-ASSUMED = "frictionjoint-assumed:"
 # Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
 _LONGEST_STEP = 1e-3
 
@@ -140,12 +139,10 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 
 def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """A text in the model, in the place of that of an earlier fit."""
-    name = f"{ASSUMED}{joint}"
-    for text in [text for text in spec.texts if text.name == name]:
-        spec.delete(text)
+    remove_assumed(spec, joint)
     if fitted.shape.assumed:
         text = spec.add_text()
-        text.name, text.data = name, "the stiffness before sliding is assumed"
+        text.name, text.data = f"{ASSUMED}{joint}", "the stiffness before sliding is assumed"
 
 
 def replayed_whole(

@@ -17,6 +17,7 @@ from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import law_alone, ripened
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.threads import one_thread
@@ -71,7 +72,8 @@ def with_assumed_stiffness(
     reach = shortest(prepared)
     if isinstance(shape, ConstraintShape):
         return replace(fitted, shape=replace(shape, reach=reach))
-    if "log length" not in shape.variables:
+    # a stiffness without a torque holds nothing
+    if "log length" not in shape.variables or not _holds(fitted):
         return fitted
     known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
     if known.stderr is not None and known.stderr < _UNKNOWN * known.value:
@@ -85,6 +87,11 @@ def with_assumed_stiffness(
     # a stiffness beyond what the logs resolve is a guess too, a softer one is not
     stiffer = known.value > law_parameters(found).stiffness
     return replace(fitted, shape=shape.with_assumed_stiffness()) if stiffer else fitted
+
+
+def _holds(fitted: Fit) -> bool:
+    """Whether the law has a level, or an effect may stand for it."""
+    return fitted.has_level or any(isinstance(term, EffectTerm) for term in fitted.terms)
 
 
 def shortest(prepared: Prepared) -> float:

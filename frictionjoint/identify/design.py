@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, V
 from frictionjoint.identify.bundle import Bundle, Spectra
-from frictionjoint.identify.layout import Layout, layout_of
+from frictionjoint.identify.layout import LEAST_LEVEL, Layout, layout_of
 from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
@@ -331,7 +331,7 @@ def balance(signals: Array, Fc: float, sigma2: float) -> Array:
 
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    least = {"load": 1e-12, "Fc": 1e-12, "sigma1": 0.0, "sigma2": 0.0}
+    least = {"load": 1e-12, "Fc": LEAST_LEVEL, "sigma1": 0.0, "sigma2": 0.0}
     pairs = [(least[name], np.inf) for name in layout.base]
     for term in layout.terms:
         pairs += term_bounds(prepared, term)

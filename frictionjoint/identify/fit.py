@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.layout import Layout
+from frictionjoint.identify.layout import LEAST_LEVEL, Layout
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Drive
 from frictionjoint.identify.shape import Shape
@@ -160,6 +160,11 @@ class Fit:
         """Fc, and sigma2 or 0 where the fit has none, N m and N m s/rad."""
         sigma2 = self.coefficient("sigma2") if "sigma2" in self.names else 0.0
         return self.coefficient("Fc"), sigma2
+
+    @property
+    def has_level(self) -> bool:
+        """Whether the logs show a Coulomb level; without one its bound is all that is left."""
+        return float(self.beta[self.names.index("Fc")]) > 2.0 * LEAST_LEVEL
 
     def term_coefficients(self, i: int) -> Array:
         """Coefficients of term i in N m per unit of their columns."""

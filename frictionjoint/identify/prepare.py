@@ -31,6 +31,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.motion import Motion, motion_of
 from frictionjoint.identify.noise import count_of, noise_of
+from frictionjoint.identify.other_drive import turned_by_another
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment, clear_of
@@ -177,6 +178,11 @@ def _segment(
     more = partial(of_drive, sample=sample) if held else None
     drive = smooth.back(smooth.spectrum(measured), weight=more)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, motion.v)
+    others: tuple[tuple[float, float], ...] = ()
+    if controller is None:
+        others = turned_by_another(log, values, t, drive - per_drive * rigid.load, motion.v)
+        by_another = np.any([np.zeros(n, dtype=bool), *((t >= a) & (t <= b) for a, b in others)], 0)
+        mask &= clear_of(by_another, band.balance, dt)
     noise = noise_of(
         measured,
         motion.raw,
@@ -208,6 +214,7 @@ def _segment(
         sample=sample,
         corner_hz=band.motion,
         commanded=commanded,
+        turned_by_another=others,
     )
     return found.without_limits() if band.sensor_saturates else found
 

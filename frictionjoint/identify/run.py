@@ -10,7 +10,7 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.describe import meaning
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.notes import inertia_note, stiffness_note
+from frictionjoint.diagnose.notes import inertia_note, other_drive_note, stiffness_note
 from frictionjoint.files import toml_text, toml_text_without_scale
 from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
 from frictionjoint.identify.bodies import Bodies
@@ -128,6 +128,7 @@ def identify_law(
             *said,
             *scale_note(fitted, body.slide),
             *inertia_note(prepared, fitted),
+            *other_drive_note(prepared),
             *stiffness_note(fitted, body.slide),
         ),
     )

@@ -72,6 +72,8 @@ class Segment:
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
         saturated: shape (n,), 1 while a measured drive stands at its largest value, -1 at its
             least, 0 elsewhere; None: it stands at neither.
+        turned_by_another: start and end of each part that the mask leaves out since another drive
+            turns the joint there, s in the log's time.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Segment:
     driven_along: Path | None = None
     unknown: Array | None = None
     saturated: Array | None = None
+    turned_by_another: tuple[tuple[float, float], ...] = ()
 
     @cached_property
     def path(self) -> Path:

@@ -98,8 +98,7 @@ def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
             first, last = time[runs[0][0]], time[runs[0][1] - 1]
             notes.append(
                 f"{name}: exactly 0 in {share:.0%} of the log while the joint moves (first from "
-                f"{first:.4g} to {last:.4g} s): the drive is off, or another one turns the joint. "
-                "If so, leave that part out."
+                f"{first:.4g} to {last:.4g} s): the drive is off, or another one turns the joint."
             )
     return tuple(notes)
 

@@ -10,6 +10,7 @@ from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError, few
 from frictionjoint.model_files import read_spec
 from frictionjoint.model_text import model_text
+from frictionjoint.simulate.assumed import remove_assumed
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import remove_waves
@@ -67,6 +68,7 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
         spec.delete(numeric)
     for joint in joints:
         remove_mechanism(spec, joint)
+        remove_assumed(spec, joint)
     # the rows lie behind the user's own data
     spec.nuserdata = max(0, spec.nuserdata - rows)
 

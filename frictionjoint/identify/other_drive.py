@@ -1,0 +1,45 @@
+"""Parts of a log in which another drive turns the joint: its own is exactly zero there.
+
+A joint that coasts loses energy to its friction, about as much over a distance as when it is
+driven. Where another motor turns it, that motor pays for the friction: the balance of the joint's
+own drive and the rigid body shows next to none.
+"""
+
+import numpy as np
+
+from frictionjoint.arrays import Array
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.mend import silent_runs
+
+# of the friction while the drive acts: a coasting joint has about all of it
+_LESS = 1.0 / 3.0
+
+
+def turned_by_another(
+    log: JointLog, values: Array, grid: Array, lost: Array, velocity: Array
+) -> tuple[tuple[float, float], ...]:
+    """Start and end of each part in which another drive turns the joint, s in the log's time.
+
+    Args:
+        values: of the log's drive, at its samples.
+        grid: times of the balance, s, shape (n,). lost: what the drive gives beyond the rigid body,
+            in units of the drive; velocity: rad/s (m/s); both of shape (n,).
+    """
+    silent = [
+        (float(log.time[a]), float(log.time[b - 1]))
+        for a, b in silent_runs(log.time, log.position, values)
+    ]
+    inside = [(grid >= a) & (grid <= b) for a, b in silent]
+    driven = ~np.any([np.zeros(len(grid), dtype=bool), *inside], axis=0)
+    usual = _friction(lost[driven], velocity[driven])
+    return tuple(
+        span
+        for span, there in zip(silent, inside, strict=True)
+        if _friction(lost[there], velocity[there]) < _LESS * usual
+    )
+
+
+def _friction(lost: Array, velocity: Array) -> float:
+    """Work over distance; 0 where nothing moves."""
+    distance = float(np.sum(np.abs(velocity)))
+    return float(np.sum(lost * velocity)) / distance if distance else 0.0
