@@ -46,9 +46,9 @@ app = typer.Typer(
         "reports the error before and after on held-out data.\n"
         "3. `identify` only fits the friction and writes the parameters; `compare` draws "
         "parameters or reports side by side, `inspect` prints friction numbers.\n"
-        "4. `evaluate` says how far any model is from logs, without fitting.\n"
+        "4. `evaluate` states the error of any model on logs, without fitting.\n"
         "5. `install` writes an MJCF with friction, `uninstall` removes it; `check` says whether "
-        "the time step suits it, `view` opens MuJoCo's viewer.\n\n"
+        "the time step is short enough, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones.\n\n"
         "Exit codes: 0 done; 2 bad input or wrong usage, one line on stderr, nothing written; "
@@ -73,7 +73,7 @@ def options(
         typer.Option("--version", callback=_versions, is_eager=True, help="Print the versions."),
     ] = False,
 ) -> None:
-    """What all commands have in common; its help is the app's."""
+    """Options that all commands share; the help text is that of the app."""
 
 
 app.command(cls=PlainCommand)(demo)

@@ -50,7 +50,8 @@ Joints = Annotated[
     typer.Option(
         "--joint",
         metavar="NAME",
-        help="A joint in the model and in the logs. Repeatable. Default: all with a drive.",
+        help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
+        "the logs contain.",
     ),
 ]
 Law = Annotated[
@@ -70,7 +71,7 @@ Seed = Annotated[
 
 def close_loop_command(
     model: Model,
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where the report goes.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the report.")],
     logs: Logs = None,
     joint: Joints = None,
     held_out: Annotated[
@@ -78,7 +79,8 @@ def close_loop_command(
         typer.Option(
             "--held-out",
             metavar="LOG|FRACTION",
-            help="A log, or a fraction of each log's end (0.25). Repeatable. Default 0.25.",
+            help="A log to hold out, or the fraction of each log to hold out, at its end. "
+            "Repeatable. Default: 0.25.",
         ),
     ] = None,
     law: Law = None,
@@ -88,8 +90,8 @@ def close_loop_command(
         bool,
         typer.Option(
             "--refine",
-            help="Fit all numbers of the named model to the simulated motion in the end; it is "
-            "used where it predicts logs left out better.",
+            help="At the end, fit all numbers of the result to the simulated motion, and use them "
+            "if they predict logs better that are left out.",
         ),
     ] = False,
     gain: Gain = None,
@@ -104,8 +106,8 @@ def close_loop_command(
         typer.Option(
             "--robot",
             metavar="NAME=LOG",
-            help="A log of one of several robots of a kind, in place of LOG; a robot may have "
-            "several. Repeatable.",
+            help="A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
+            "the same robot.",
         ),
     ] = None,
     scheduler: Annotated[
@@ -113,8 +115,8 @@ def close_loop_command(
         typer.Option(
             "--scheduler",
             metavar="ADDRESS",
-            help="Dask scheduler, tcp://HOST:PORT, whose workers take the joints of a robot. The "
-            "numbers are the same.",
+            help="Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
+            "result is the same.",
         ),
     ] = None,
     seed: Seed = 0,

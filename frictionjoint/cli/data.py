@@ -16,7 +16,7 @@ data = typer.Typer(
     help=(
         "Public measured logs to try the commands on.\n\n"
         "Fetched from their authors' repositories, hashes checked; nothing is shipped with the "
-        "package. `FRICTIONJOINT_DATA` may name a folder that holds the files: "
+        "package. `FRICTIONJOINT_DATA` may name a folder that contains the files; "
         "then the network is not used.\n\n"
         "Examples: `frictionjoint data list`, `frictionjoint data get xl330`"
     ),
@@ -25,7 +25,7 @@ data = typer.Typer(
 
 @data.command("list", cls=PlainCommand)
 def list_command(as_json: Json = False) -> None:
-    """Name the data sets, with source and licence.
+    """List the data sets with source and licence.
 
     Example: `frictionjoint data list`
     """
@@ -55,7 +55,7 @@ def list_command(as_json: Json = False) -> None:
 
 @data.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="As `data list` has it.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `data list` prints it.")],
     as_json: Json = False,
 ) -> None:
     """Fetch a data set and print where its logs are.

@@ -15,12 +15,12 @@ _FOLDER = Path("frictionjoint-demo")
 
 def demo(
     out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Where the results go.")
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
     ] = _FOLDER,
     open_it: Open = False,
     force: Force = False,
 ) -> None:
-    """Stick-slip of the KUKA joint, then the loop on a shipped log.
+    """Simulate stick-slip of a KUKA joint, then identify a recording that the package contains.
 
     Writes report.html, report.json, model.xml and stick_slip.svg into ./frictionjoint-demo/.
 

@@ -1,4 +1,4 @@
-"""The command `drift`: whether a joint is still as its report says."""
+"""The command `drift`: whether the friction of a joint still agrees with its report."""
 
 import json
 from pathlib import Path
@@ -10,6 +10,7 @@ from rich.table import Table
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
     Columns,
+    DropNan,
     Fixed,
     Gain,
     Join,
@@ -31,7 +32,8 @@ def drift(
     ],
     logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
     joint: Annotated[
-        str | None, typer.Option("--joint", metavar="NAME", help="Joint, in a robot's report.")
+        str | None,
+        typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot."),
     ] = None,
     fixed: Fixed = None,
     gain: Gain = None,
@@ -39,12 +41,13 @@ def drift(
     wrap: Wrap = None,
     unit: Units = None,
     join: Join = False,
+    drop_nan: DropNan = False,
     as_json: Json = False,
 ) -> None:
     """Say which friction numbers of a report new logs confirm, and which have changed.
 
-    Exit code 1 where one has changed beyond all errors, for maintenance scripts. *Not resolvable*:
-    these logs would not show it if the number had changed by half.
+    Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
+    *Not resolvable*: the new logs would not show it even if the number had changed by half.
 
     Example: `frictionjoint drift report today.csv`
     """
@@ -56,7 +59,7 @@ def drift(
     with progress() as say:
         paths = log_paths(logs, [], join)
         known = replace(known_of(report, joint), fixed=poses(fixed))
-        reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined)
+        reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined, drop_nan)
         say("comparing")
         rows = compared(known, [reading.read(path) for path in paths.logs])
     left = [x.name for x in rows if x.state == "left"]

@@ -1,4 +1,4 @@
-"""The command `evaluate`: how far a model is from logs."""
+"""The command `evaluate`: the error of a model on logs."""
 
 import json
 from dataclasses import replace
@@ -12,6 +12,7 @@ from frictionjoint.cli.logs import (
     LOG_FORMATS,
     Columns,
     ControllerFile,
+    DropNan,
     Fixed,
     Gain,
     Join,
@@ -29,7 +30,7 @@ FILES = ("evaluation.html", "evaluation.json")
 
 def evaluate(
     model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with whatever friction it has.")
+        Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
     ],
     logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
     joint: Annotated[
@@ -37,13 +38,14 @@ def evaluate(
         typer.Option(
             "--joint",
             metavar="NAME",
-            help="A joint in the model and in the logs. Repeatable. Default: all with a drive.",
+            help="A joint in the model and in the logs. Repeatable. Default: all joints whose "
+            "drive the logs contain.",
         ),
     ] = None,
     controller: ControllerFile = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FOLDER", help="Where a page with plots is written."),
+        typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots."),
     ] = None,
     fixed: Fixed = None,
     gain: Gain = None,
@@ -51,10 +53,11 @@ def evaluate(
     wrap: Wrap = None,
     unit: Units = None,
     join: Join = False,
+    drop_nan: DropNan = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say how far a model is from logs, whatever friction it has; nothing is fitted.
+    """State the error of a model on logs, with any friction; nothing is fitted.
 
     Examples:
 
@@ -70,7 +73,7 @@ def evaluate(
         paths = log_paths(logs, [], join)
         if out is not None:
             require_writable(out, [*paths.logs, model], force, FILES)
-        reading = Reading.of("", column, None, wrap, gain, unit, paths.joined)
+        reading = Reading.of("", column, None, wrap, gain, unit, paths.joined, drop_nan)
         say("evaluating")
         found = run(
             model,
@@ -87,7 +90,7 @@ def evaluate(
     if as_json:
         typer.echo(text)
         return
-    table = Table("joint", "friction", "torque error", "of it", "replay", "closed loop")
+    table = Table("joint", "friction", "torque error", "of the torque", "replay", "closed loop")
     for name, x in found.joints.items():
         table.add_row(
             name,

@@ -1,4 +1,4 @@
-"""``frictionjoint export``: the friction of a model in the terms of another program."""
+"""``frictionjoint export``: convert the friction of a model for another program."""
 
 import json
 from pathlib import Path
@@ -17,9 +17,11 @@ _Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
 
 def export(
     model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MJCF that carries friction, see `install`.")
+        Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
     ],
-    to: Annotated[_Target, typer.Option("--to", metavar="TARGET", help="One of those above.")],
+    to: Annotated[
+        _Target, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
+    ],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
     ],
@@ -32,32 +34,34 @@ def export(
         typer.Option(
             "--speeds",
             metavar="LOW:HIGH",
-            help="Fit and measure over these speeds, rad/s or m/s. Without them and without a log "
-            "0.1 to 20 Stribeck velocities, for isaac those above the Stribeck range.",
+            help="Fit and measure over these speeds, rad/s or m/s. Default without a log: 0.1 to "
+            "20 Stribeck velocities; for isaac, the speeds above the Stribeck range.",
         ),
     ] = None,
     column: Annotated[
         list[str] | None,
-        typer.Option("--column", metavar="OURS=THEIRS", help="A foreign column name of the log."),
+        typer.Option(
+            "--column", metavar="OURS=THEIRS", help="Name of a column in the log, e.g. time_s=t."
+        ),
     ] = None,
     lugre: Annotated[
         bool,
-        typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, an actuator a joint."),
+        typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, one actuator per joint."),
     ] = False,
     yielding: Annotated[
         bool,
         typer.Option(
             "--yield",
-            help="For `native` on MuJoCo 4.0: presliding with memory, by springs that yield.",
+            help="For `native` on MuJoCo 4.0: springs that yield represent presliding.",
         ),
     ] = False,
     force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print what is lost as JSON.")] = False,
 ) -> None:
-    """Write the friction of a model in the terms of another program, and say what is lost.
+    """Convert the friction of a model for another program, and state what is lost.
 
-    * `c`: a C99 header for controllers, the torque of the simulation.
-    * `native`: an MJCF with plain MuJoCo friction, for what loads MJCF.
+    * `c`: a C99 header for controllers, with the same torque as the simulation.
+    * `native`: an MJCF with MuJoCo's own friction, for every program that loads MJCF.
     * `urdf`: links, joints and their `<dynamics>`.
     * `mjlab`: an actuator configuration whose joints have the whole friction.
     * `newton`, `isaac`: the joints' numbers in Newton's and Isaac Lab's terms.

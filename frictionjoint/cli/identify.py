@@ -39,7 +39,7 @@ Joint = Annotated[
     typer.Option(
         "--joint",
         metavar="NAME",
-        help="The joint in the MJCF and in the logs. Default: the model's only one.",
+        help="A joint in the model and in the logs. Default: the model's only joint.",
     ),
 ]
 Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]

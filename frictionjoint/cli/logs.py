@@ -40,7 +40,8 @@ Wrap = Annotated[
     typer.Option(
         "--wrap",
         metavar="RANGE",
-        help="Range that positions wrap at, rad (m). A turn and 25 rad are noticed without it.",
+        help="Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
+        "without this option.",
     ),
 ]
 Units = Annotated[
@@ -90,9 +91,9 @@ ControllerFile = Annotated[
     typer.Option(
         "--controller",
         metavar="FILE|PRESET|mjcf",
-        help="TOML file of what drove the joints to their targets, one for all or with a table "
-        "[joint.NAME] where one differs; or xl330, sts3215, unitree, mit; or mjcf, the position "
-        "servos of the MJCF. Logs of target and position alone need it.",
+        help="Controller that moved the joints to their targets: a TOML file, with a table "
+        "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
+        "position servos of the MJCF. Required if the logs contain target and position only.",
     ),
 ]
 Model = Annotated[
@@ -100,8 +101,8 @@ Model = Annotated[
     typer.Option(
         "--model",
         metavar="MJCF",
-        help="The robot, without its friction; PATTERN=MJCF for logs of other loads, by their "
-        "names. Repeatable.",
+        help="MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
+        "load; the pattern matches the names of the logs. Repeatable.",
     ),
 ]
 

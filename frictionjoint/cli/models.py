@@ -18,13 +18,11 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from frictionjoint.simulate.carrier import JointFriction
 
 Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
-Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that carries friction.")]
+Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that contains friction.")]
 
 
 def install(
-    mjcf: Annotated[
-        Path, typer.Argument(metavar="MJCF", help="Model to add friction to, also a URDF.")
-    ],
+    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="MJCF or URDF to add friction to.")],
     out: Out,
     joint: Annotated[
         list[str] | None,
@@ -35,7 +33,7 @@ def install(
         typer.Option(
             "--all",
             metavar="TOML",
-            help="Parameters of all other hinge and slide joints that have a name.",
+            help="Parameters for all other named hinge and slide joints.",
         ),
     ] = None,
     exclude: Annotated[
@@ -44,20 +42,20 @@ def install(
     ] = None,
     replace: Annotated[
         bool,
-        typer.Option("--replace", help="Joints that carry friction already get the new one."),
+        typer.Option("--replace", help="Replace friction that a joint has already."),
     ] = False,
     clear_native: Annotated[
         bool,
         typer.Option(
             "--clear-native",
-            help="Take frictionloss, damping and springdamper off the joints that get friction.",
+            help="Remove frictionloss, damping and springdamper from the joints that get friction.",
         ),
     ] = False,
     force: Force = False,
 ) -> None:
-    """Write an MJCF that carries friction itself.
+    """Add friction to a model and write it as an MJCF.
 
-    Meshes, textures and height fields are found from wherever it is written.
+    Paths of meshes, textures and height fields are adapted to the folder of the new file.
 
     Examples:
 
@@ -91,9 +89,9 @@ def install(
 
 
 def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
-    """Write an MJCF without the friction that it carries.
+    """Remove the friction from a model and write it as an MJCF.
 
-    Native friction that was cleared, a fitted armature or a motor stay as they are.
+    Native friction that was cleared is not restored; a fitted armature and a motor stay.
 
     Example: `frictionjoint uninstall arm_friction.xml --out arm.xml`
     """
@@ -115,7 +113,7 @@ def check(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Say what friction an MJCF carries, what acts, and whether the time step suits it.
+    """List the friction of a model, what acts, and whether the time step is short enough.
 
     Examples:
 
@@ -157,7 +155,7 @@ def check(
 
 
 def view(mjcf: Carrying) -> None:
-    """Open MuJoCo's viewer with the friction that an MJCF carries.
+    """Open MuJoCo's viewer with the friction of a model.
 
     Example: `frictionjoint view arm_friction.xml`
     """

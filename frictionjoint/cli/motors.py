@@ -27,7 +27,7 @@ Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM
 
 @motors.callback()
 def listed(context: typer.Context) -> None:
-    """The list, where no command is named."""
+    """Print the list if no command is named."""
     if context.invoked_subcommand is None:
         list_command(None, False)
 
@@ -36,11 +36,13 @@ def listed(context: typer.Context) -> None:
 def list_command(
     robot: Annotated[
         str | None,
-        typer.Option("--robot", metavar="TEXT", help="Only those whose name or title has it."),
+        typer.Option(
+            "--robot", metavar="TEXT", help="Only motors with this text in their name or title."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Name the motors, with law, effects, source and licence.
+    """List the motors with law, effects, source and licence.
 
     Examples: `frictionjoint motors list`, `frictionjoint motors list --robot panda`
     """
@@ -89,7 +91,7 @@ def list_command(
 
 @motors.command("show", cls=PlainCommand)
 def show_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `motors list` prints it.")],
     as_json: Json = False,
 ) -> None:
     """Show a motor: its numbers with errors, its friction-speed curve, source and conditions.
@@ -135,7 +137,7 @@ def show_command(
 
 @motors.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="As `motors list` has it.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `motors list` prints it.")],
     out: Out,
     force: Force = False,
 ) -> None:
@@ -159,7 +161,7 @@ def get_command(
 
 @motors.command("from-bam", cls=PlainCommand)
 def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
-    """Write our parameter file from one of BAM, models M1 to M6.
+    """Convert a parameter file of BAM, models M1 to M6, to ours.
 
     Example: `frictionjoint motors from-bam bam/params/xl330/m4.json --out xl330.toml`
     """
@@ -182,16 +184,18 @@ def to_bam_command(
     ],
     like: Annotated[
         Path,
-        typer.Option("--like", metavar="JSON", help="BAM's file with the actuator, kt, R."),
+        typer.Option(
+            "--like", metavar="JSON", help="File of BAM that supplies the actuator, kt and R."
+        ),
     ],
     out: Out,
     model: Annotated[
         str | None,
-        typer.Option("--model", metavar="M", help="m1 to m6. Default: the least that suffices."),
+        typer.Option("--model", metavar="M", help="m1 to m6. Default: the simplest that suffices."),
     ] = None,
     force: Force = False,
 ) -> None:
-    """Write a parameter file of BAM from one of ours.
+    """Convert our parameter file to one of BAM.
 
     Example: `frictionjoint motors to-bam xl330.toml --like bam/params/xl330/m1.json --out m4.json`
     """

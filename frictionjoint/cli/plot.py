@@ -26,7 +26,7 @@ def plot(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
     joint: Annotated[
         str | None,
-        typer.Option("--joint", metavar="NAME", help="Which joint, where a log has several."),
+        typer.Option("--joint", metavar="NAME", help="Joint, if a log contains several."),
     ] = None,
     out: Annotated[
         Path | None,

@@ -1,4 +1,4 @@
-"""``frictionjoint sample``: parameter sets to simulate every joint that this one could be."""
+"""``frictionjoint sample``: parameter sets within the errors of a report."""
 
 import json
 from pathlib import Path
@@ -11,17 +11,17 @@ def sample(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="report.json of close-loop, or its folder.")
     ],
-    n: Annotated[int, typer.Option("--n", min=1, help="How many.")],
+    n: Annotated[int, typer.Option("--n", min=1, help="Number of samples.")],
     out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
     joint: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Which one of a whole robot's report.")
+        str | None, typer.Option(metavar="NAME", help="Joint, if the report is of a robot.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Equal seeds, equal samples.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
 ) -> None:
     """Draw parameter sets of a report, for domain randomisation.
 
-    Writes a list of tables, each as a parameter file holds it:
-    `frictionjoint.files.joint_friction(table)` makes what `install` takes.
+    Writes a JSON list of tables with the keys of a parameter file. In Python,
+    `frictionjoint.files.joint_friction(table)` makes the friction that `fj.install` adds.
 
     Examples:
 
@@ -57,7 +57,7 @@ def sample(
 
 
 def _of_joint(content: Any, joint: str | None, file: Path) -> dict[str, Any]:
-    """What a report says of one joint.
+    """The part of a report that describes one joint.
 
     Raises:
         ParameterError: not a report, or it is not plain which joint is meant.

@@ -10,7 +10,7 @@ from frictionjoint.identify.result import Estimate
 # beyond them a number is written with an exponent
 _MOST_DECIMALS = 6
 # decimals of a value without a standard error
-_ROUNDING = 15
+_ROUNDING = 12
 
 
 def known_as(effect: str) -> str:
