@@ -182,6 +182,6 @@ def test_check_says_how_each_effect_acts():
     load = (load_dependent.EFFECT, (1e-3,), (0.1,))
     (row,) = check_model(installed(spec_of(*BODIES["in the armature"]), ELASTIC, load))
     assert row["acts"] == [
-        "joint-elasticity: joint j_deflection, between motor and link",
-        "load-dependent: a torque",
+        "elastic gear or shaft is the joint j_deflection between motor and link",
+        "friction that grows with load adds a torque",
     ]

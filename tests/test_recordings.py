@@ -112,11 +112,11 @@ def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Pat
     same = run("drift", folder, "same.csv", "--json", cwd=tmp_path)
     assert same.returncode == 0, same.stderr
     states = {x["number"]: x["state"] for x in json.loads(same.stdout)["numbers"]}
-    assert states["Fc"] == states["sigma2"] == "within"
+    assert states["Fc"] == states["sigma2"] == "confirmed"
     worn = run("drift", folder, "worn.csv", cwd=tmp_path)
     assert worn.returncode == 1
     assert "Fc" in worn.stdout
-    assert "left" in worn.stdout
+    assert "changed" in worn.stdout
     deaf = drift(known_of(folder), [recording(5, Fc=0.38, noise=5.0)])
     assert {x.state for x in deaf} == {"not resolvable"}
     with pytest.raises(LogError, match="too little motion"):

@@ -211,7 +211,7 @@ def test_a_note_is_said_once_and_the_terminal_has_at_most_five(content):
 def test_notes_that_differ_in_the_law_alone_are_one():
     notes = [f"With the law {law} {x} N m would be left." for law, x in (("lugre", 1), ("dahl", 2))]
     (note,) = summarise(good(notes=notes)).notes
-    assert note == f"{notes[0]} (The same, with other numbers: dahl.)"
+    assert note == f"{notes[0]} (The same holds, with other numbers, for dahl.)"
 
 
 def test_a_verdict_agrees_with_what_was_added(content):

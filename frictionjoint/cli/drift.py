@@ -62,18 +62,18 @@ def drift(
         reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined, drop_nan)
         say("comparing")
         rows = compared(known, [reading.read(path) for path in paths.logs])
-    left = [x.name for x in rows if x.state == "left"]
+    changed = [x.name for x in rows if x.state == "changed"]
     if as_json:
         content = {
             "joint": known.joint,
-            "drift": bool(left),
+            "drift": bool(changed),
             "numbers": [x.to_dict() for x in rows],
         }
         typer.echo(json.dumps(content, indent=2))
     else:
-        table = Table("number", "report", "now", "standard error", "state")
+        table = Table("number", "report", "new logs", "standard error", "result")
         for x in rows:
             table.add_row(x.name, f"{x.before:.4g}", f"{x.now:.4g}", f"{x.stderr:.2g}", x.state)
         console().print(table)
-    if left:
+    if changed:
         raise typer.Exit(DRIFTED)

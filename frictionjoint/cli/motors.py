@@ -79,14 +79,14 @@ def list_command(
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "law", "effects", "torque left", "licence")
+    table = Table("name", "what", "law", "effects", "torque error", "licence")
     for x in found:
-        effects = ", ".join(e.effect.name for e in x.friction.effects) or "none"
+        effects = ", ".join(e.effect.title or e.effect.name for e in x.friction.effects) or "none"
         ends = (x.fit.get(f"torque_held_out{when}") for when in ("_before", ""))
-        shown = " to ".join("?" if end is None else f"{end:.3g}" for end in ends) + f" {x.unit}"
+        shown = " → ".join("?" if end is None else f"{end:.3g}" for end in ends) + f" {x.unit}"
         table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
     console().print(table)
-    typer.echo("Torque left: rms on data held out, of the law alone and with the effects found.")
+    typer.echo("Torque error: rms on held-out data, with the law alone and with the effects.")
 
 
 @motors.command("show", cls=PlainCommand)
@@ -98,6 +98,8 @@ def show_command(
 
     Example: `frictionjoint motors show ur10_j1`
     """
+    from frictionjoint.describe import law_values
+    from frictionjoint.effects.catalogue import title
     from frictionjoint.motors.library import friction_speed, get_motor
 
     motor = get_motor(name)
@@ -117,13 +119,13 @@ def show_command(
         typer.echo(json.dumps(content, indent=2))
         return
     typer.echo(f"{motor.title}: law {parameters.law}")
-    table = Table("number", "value", "standard error")
-    for key, value in numbers.items():
-        error = motor.stderr.get(key)
-        table.add_row(key, f"{value:.4g}", "-" if error is None else f"{error:.2g}")
+    table = Table("number", "symbol", "value", "standard error")
+    for x in law_values(parameters, motor.unit == "N"):
+        error = motor.stderr.get(x.symbol, motor.stderr.get(f"{x.symbol}_pos"))
+        table.add_row(x.meaning, x.symbol, x.text, "-" if error is None else f"{error:.2g}")
     for effect, found in motor.found.items():
         for key, value in found.items():
-            table.add_row(f"{effect} {key}", f"{value:.4g}", "-")
+            table.add_row(title(effect), key, f"{value:.4g}", "-")
     console().print(table)
     speed_unit = "m/s" if motor.unit == "N" else "rad/s"
     table = Table(f"speed, {speed_unit}", f"positive, {motor.unit}", f"negative, {motor.unit}")

@@ -115,8 +115,8 @@ def _laws_note(found: Trace) -> tuple[str, ...]:
     unit, _ = units_of(found.final, found.prepared.slide)
     own, mine = law_parameters(found.final).law, found.final.rms_in_motion
     return tuple(
-        f"With the law {law} and the same effects {left:.3g} {unit} would be left in motion on "
-        f"fitted logs, {own} leaves {mine:.3g} {unit}."
+        f"With the law {law} and the same effects, the error in motion on fitted logs would be "
+        f"{left:.3g} {unit}; with {own} it is {mine:.3g} {unit}."
         for law, left in found.other_laws
     )
 
@@ -200,8 +200,8 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
     rest = 1.0 - float(np.mean(found.final.in_motion))
     if not sight.too_short:
         where = (
-            f" in the other samples; in the {rest:.0%} in which the joint sticks or reverses "
-            "none was looked for"
+            f" in motion; the search leaves out the {rest:.0%} of the samples in which the joint "
+            "sticks or reverses"
             if rest >= _SOME
             else ""
         )

@@ -11,6 +11,8 @@ from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 
 # smallest first moment of mass, relative to the largest, that has a direction
 _NOTHING = 1e-6
+# decimals of a direction: less is rounding of the model's own numbers
+_DIGITS = 12
 
 
 @compiled
@@ -31,7 +33,8 @@ def _directions(signals: Array) -> list[Shape]:
     torque = np.ptp(signals[:, [GX, GY]] @ moment)
     if torque <= _NOTHING * np.ptp(signals[:, LOAD]):
         return []
-    cx, cy = (moment / np.linalg.norm(moment)).tolist()
+    # adding zero takes the sign off a zero
+    cx, cy = (np.round(moment / np.linalg.norm(moment), _DIGITS) + 0.0).tolist()
     return [(cx, cy)]
 
 

@@ -1,8 +1,8 @@
-"""Whether a joint is still as its report says, from new logs.
+"""Whether new logs confirm the friction of a report.
 
-For each number of the friction: its change, with the errors of the report, of the new logs and of
-what recordings differ by anyway. It is *within*, has *left*, or is *not resolvable*: a change of a
-half of the number would not be noticed.
+The change of each friction number is compared with the errors of the report and of the new logs and
+with the usual difference between recordings. The number is *confirmed*, *changed*, or *not
+resolvable*: the new logs would not show a change by half of the number.
 """
 
 import json
@@ -20,7 +20,7 @@ from frictionjoint.recordings.between import between
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 from frictionjoint.refine.posterior import Posterior
 
-State = Literal["within", "left", "not resolvable"]
+State = Literal["confirmed", "changed", "not resolvable"]
 # probability of a false alarm over all numbers; change that must be noticed, of the number; part of
 # the knowledge that must come from the new logs
 _ALARM, _NOTICED, _INFORMED = 0.05, 0.5, 0.75
@@ -100,8 +100,8 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
 
     def state(old: float, now: float, sd: float, blind: bool) -> State:
         if abs(now - old) > limit * sd and not blind:
-            return "left"
-        return "not resolvable" if blind else "within"
+            return "changed"
+        return "not resolvable" if blind else "confirmed"
 
     return [Drift(*row[:4], state=state(*row[1:])) for row in rows]
 

@@ -96,5 +96,5 @@ def _sentence(name: str, over: Between) -> str:
     )
     return (
         f"Between recordings {name} differs by {over.deviation:.2g}{share}, beyond the error of "
-        f"each (p {over.p_value:.2g}).{cause} Samples are spread as much."
+        f"each (p {over.p_value:.2g}).{cause} Samples of the parameters include this spread."
     )

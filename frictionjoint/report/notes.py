@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 
 from frictionjoint.law.names import LAWS
+from frictionjoint.report.wording import listed
 
 # what differs between notes that say the same: numbers, laws, and names in front of a colon
 _NUMBER = re.compile(r"[-+−]?\d[\d.,]*(?:e[-+]?\d+)?")
@@ -14,7 +15,8 @@ _WHOSE = re.compile(r"^[\w ,./-]{1,60}: ")
 def without_repetition(notes: Iterable[str]) -> tuple[str, ...]:
     """Each note once; of several that differ in numbers, law or log alone, the first one.
 
-    The first one says how many more there are. The order, most important first, stays.
+    The first one names the other logs, joints or laws, or counts the other notes. The
+    order, most important first, stays.
     """
     alike: dict[str, list[str]] = {}
     for note in dict.fromkeys(notes):
@@ -25,9 +27,10 @@ def without_repetition(notes: Iterable[str]) -> tuple[str, ...]:
 def _joined(notes: list[str]) -> str:
     if len(notes) == 1:
         return notes[0]
-    names = [m.group().removesuffix(": ") for n in notes[1:] if (m := _WHOSE.match(n))]
-    laws = [m.group() for n in notes[1:] if (m := _LAW.search(n))]
-    others = names if len(names) == len(notes) - 1 else laws
-    if len(others) < len(notes) - 1:
-        return f"{notes[0]} (And {len(notes) - 1} more, with other numbers.)"
-    return f"{notes[0]} (The same, with other numbers: {', '.join(others)}.)"
+    for pattern in (_WHOSE, _LAW):
+        names = [m.group().removesuffix(": ") for note in notes if (m := pattern.search(note))]
+        others = [name for name in dict.fromkeys(names) if name != names[0]]
+        if len(names) == len(notes) and others:
+            same = "The same holds, with other numbers, for"
+            return f"{notes[0]} ({same} {listed(others)}.)"
+    return f"{notes[0]} (And {len(notes) - 1} more, with other numbers.)"

@@ -128,7 +128,8 @@ def _equal(a: Estimate, b: Estimate) -> bool:
 
 
 def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
-    """Numbers of an effect in words; a wave is an amplitude, a count per turn and a phase."""
+    """Numbers of an effect in words; a wave is an amplitude, a count per turn and a
+    phase; the direction (cx, cy) of a first moment is that of the model's own."""
     left = dict(parameters)
     found = []
     for suffix in ("", *(f"_{k}" for k in range(2, len(left)))):
@@ -136,10 +137,13 @@ def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
         if all(key in left for key in keys):
             sine, cosine, count = (left.pop(key) for key in keys)
             found.append(_wave(sine, cosine, count, slide))
+    along = "cx" in left and "cy" in left
     found += [
-        f"{_PLAIN.get(name, name.replace('_', ' '))} {with_unit(x)}" for name, x in left.items()
+        f"{_PLAIN.get(name, name.replace('_', ' '))} {with_unit(x)}"
+        for name, x in left.items()
+        if name not in ("cx", "cy")
     ]
-    return tuple(found)
+    return (*found, "at the model's own centre of mass") if along else tuple(found)
 
 
 def _wave(sine: Estimate, cosine: Estimate, count: Estimate, slide: bool) -> str:

@@ -125,10 +125,11 @@ def summarise_robot(content: Content) -> RobotSummary:
         text += f"; held-out logs do not confirm what was found of {listed(sorted(doubted))}"
     if content["failed"]:
         text += f"; without a result: {listed(list(content['failed']))}"
+    changed = bool(shared) or any(s.changed for s in joints.values())
     next_one = tuple(dict.fromkeys(content.get("proposals", ())))
     lines = (
         ("Missing", text + "."),
-        ("Error before and after", _errors(content, role)),
+        ("Error before and after" if changed else "Error", _errors(content, role, changed)),
         ("Could also be", "; ".join(rivals) + "." if rivals else ""),
         ("Record next", next_one[0] if next_one else "nothing in particular"),
     )
@@ -157,19 +158,21 @@ def _confirmed(s: Summary) -> bool:
     return s.role != "held_out" or change not in ("rises", "no fall")
 
 
-def _errors(content: Content, role: str) -> str:
-    """The errors of the robot before and after in one sentence."""
+def _errors(content: Content, role: str, changed: bool) -> str:
+    """The errors of the robot in one sentence: before and after, or one if nothing changed."""
     first, last = (content[stage]["torque_percent"][role] for stage in ("before", "after"))
-    parts = [f"torque {_percent(first)} → {_percent(last)} (mean of the joints)"]
+    figures = [_percent(first), _percent(last)] if changed else [_percent(last)]
+    parts = [f"torque {_change(figures)} (mean of the joints)"]
     before, after = (content[stage]["replay_rms"] for stage in ("before", "after"))
     if before[role] is not None and after[role] is not None:
-        text = f"position {three(before[role])} → {three(after[role])} rad, all joints together"
+        figures = [three(x[role]) for x in ((before, after) if changed else (after,))]
+        text = f"position {_change(figures)} rad, all joints together"
         fitted = before["fit"], after["fit"]
-        if role == "held_out" and None not in fitted and fitted[1] > _WORSE * fitted[0]:
+        if changed and role == "held_out" and None not in fitted and fitted[1] > _WORSE * fitted[0]:
             text += f" (worse on fitted logs: {three(fitted[0])} → {three(fitted[1])} rad)"
         parts.append(text)
     where = "held-out" if role == "held_out" else "fitted"
-    worse = ", which is worse" if None not in (first, last) and last > first else ""
+    worse = ", which is worse" if changed and None not in (first, last) and last > first else ""
     return f"{'; '.join(parts)}{worse} ({where} logs; per cent of the drive)."
 
 

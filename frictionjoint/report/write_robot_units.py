@@ -54,5 +54,5 @@ def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
 
 def unit_sentence(content: Mapping[str, Any]) -> str:
     """One unit's verdict and errors in two sentences."""
-    lines = dict(summarise_robot(content).verdict_lines)
-    return f"Missing: {lines['Missing']} Error: {lines['Error before and after']}"
+    missing, error = summarise_robot(content).verdict_lines[:2]
+    return f"{': '.join(missing)} {': '.join(error)}"

@@ -69,17 +69,17 @@ class Excitation:
     def text(self) -> str:
         """What it would bring."""
         fall = (
-            "standard errors of the base "
-            f"parameters should fall to {self.fall[0]:.0%} in the median, the loosest one's to "
+            "standard errors of the base parameters should fall to "
+            f"{self.fall[0]:.0%} in the median, that of the least certain one to "
             f"{self.fall[1]:.0%}."
         )
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > _LITTLE:
             return (
-                f"{seconds} more would tell little: with next_trajectory.csv, the best found "
-                f"within the limits of range, speed and torque, {fall}"
+                f"nothing in particular: {seconds} more would add little; with next_trajectory.csv, "
+                f"the best motion found within the limits of range, speed and torque, {fall}"
             )
-        return f"Record next_trajectory.csv ({seconds}): {fall}"
+        return f"the motion in next_trajectory.csv, {seconds}: with it {fall}"
 
 
 @dataclass(frozen=True)

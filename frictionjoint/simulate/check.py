@@ -83,7 +83,10 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
                 "acts": _law_acts(law.law, float(stiffness), unit)
-                + [f"{e.effect.name}: {how_it_acts(name, e)}" for e in carried.effects]
+                + [
+                    f"{e.effect.title or e.effect.name} {how_it_acts(name, e)}"
+                    for e in carried.effects
+                ]
                 + tendon_friction(model, name),
                 "outside": outside,
                 "remark": _remark(ratio, model.opt.timestep),
@@ -147,15 +150,15 @@ def _remark(ratio: float, timestep: float) -> str:
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
-    """What a simulation has of an effect."""
+    """What a simulation does with an effect, a predicate."""
     effect = carried.effect
     if effect.acts == "mechanism":
-        return f"joint {joint + DEFLECTION}, between motor and link"
+        return f"is the joint {joint + DEFLECTION} between motor and link"
     if effect.acts == "sensors":
         late = "position and velocity" if carried.shape[0] > 0.0 else "actuator force"
-        return f"the joint's sensors of {late} are late; control loops of the model are not"
+        return f"delays the joint's sensors of {late}, not the control loops of the model"
     if effect is heating.EFFECT:
-        return "the friction's loss warms the joint"
+        return "warms the joint by the heat of friction"
     if effect in (*temperature_dependent.FORMS, motor_temperature.EFFECT):
-        return "a torque, at the temperature of heating, or that of set_temperature"
-    return "a torque"
+        return "adds a torque, at the temperature that heating or set_temperature gives"
+    return "adds a torque"
