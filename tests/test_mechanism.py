@@ -181,7 +181,9 @@ def test_taken_out_again_the_joint_has_its_inertia(case):
 def test_check_says_how_each_effect_acts():
     load = (load_dependent.EFFECT, (1e-3,), (0.1,))
     (row,) = check_model(installed(spec_of(*BODIES["in the armature"]), ELASTIC, load))
-    assert row["acts"] == [
+    held, *effects = row["acts"]
+    assert held.startswith("static: a joint at rest is held by an elastic element")
+    assert effects == [
         "elastic gear or shaft is the joint j_deflection between motor and link",
         "friction that grows with load adds a torque",
     ]

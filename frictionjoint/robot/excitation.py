@@ -76,8 +76,8 @@ class Excitation:
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > _LITTLE:
             return (
-                f"nothing in particular: {seconds} more would add little; with next_trajectory.csv, "
-                f"the best motion found within the limits of range, speed and torque, {fall}"
+                f"nothing in particular: {seconds} more would add little; the best motion "
+                f"within the limits of range, speed and torque is next_trajectory.csv: {fall}"
             )
         return f"the motion in next_trajectory.csv, {seconds}: with it {fall}"
 
