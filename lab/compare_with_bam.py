@@ -30,9 +30,9 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+from servo_loop import Servo, run_servo
 
 from frictionjoint import close_loop
-from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
 

@@ -323,10 +323,11 @@ def explain(asked: argparse.Namespace, path: Path) -> None:
     logs = [{name: kept[name][i] for name in names} for i in range(len(kept[names[0]]))]
     used = [{name: fit[name][i] for name in names} for i in range(len(fit[names[0]]))]
     own: Run = run_actuators
-    if not known.scale_unknown:
+    scale_unknown = known.kp == "unknown" or known.output != "torque_nm"
+    if not scale_unknown:
         own = partial(run, controllers=dict.fromkeys(names, known))
     shipped = errors(mujoco.MjModel.from_xml_path(str(path)), logs, own)
-    fitted = errors(native_fitted(path, used, own, known.scale_unknown), logs, own)
+    fitted = errors(native_fitted(path, used, own, scale_unknown), logs, own)
     told = {name: (reports[name].controller if name in reports else known) for name in names}
     ours = errors(with_friction(path, reports), logs, partial(run, controllers=told))
     print("\n| joint, all at once | MJCF's own friction | the same fitted | found |")

@@ -167,7 +167,6 @@ def along_logs(rng: np.random.Generator) -> None:
     _fill_uniform(t, q, np.array([0, SAMPLES]), grid, np.array([0, 50]), np.empty(50))
     for k in (1e-4, 0.5, 3.0):
         transition.transition(laws(rng)[0].pack(), 15, k * rng.choice([-1, 1]))
-        transition.inverse_transition(laws(rng)[0].pack(), 15, k * rng.choice([-1, 1]))
     for _ in range(200):
         r, n = rng.uniform(-1.5, 1.5), rng.choice([1.0, 2.0, 3.0, 4.0, rng.uniform(1.0, 9.0)])
         a = 10 ** rng.uniform(-4, 1)

@@ -7,9 +7,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from servo_loop import Servo, run_servo
 
 from frictionjoint import FrictionParameters
-from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor

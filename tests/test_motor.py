@@ -5,12 +5,12 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from servo_loop import Servo, run_servo
 
 from frictionjoint import FrictionParameters, attach
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.replay import friction_spec
-from frictionjoint.diagnose.servo import Servo, run_servo
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.gate import load_shows, scale_is_determined

@@ -131,11 +131,6 @@ class Controller:
             choices.append('"log:NAME"')
         raise ParameterError(f"{name} is {value!r}: give {' or '.join(choices)}")
 
-    @property
-    def scale_unknown(self) -> bool:
-        """Whether the scale of its output is unknown, so that the load must determine it."""
-        return self.kp == UNKNOWN or self.output != "torque_nm"
-
     def to_toml(self) -> str:
         """Inverse of `read_controller`, exact to the last bit; defaults are omitted."""
         document = tomlkit.document()

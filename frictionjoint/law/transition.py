@@ -47,13 +47,3 @@ def transition(P: Vector, k: int, z: float) -> float:
     start = 0.0 if j == 0 else P[k + 1 + KNOT_STRIDE * (j - 1)]
     F = knot_torque(P, k, j - 1) + slope(P, k, j) * (w - start)
     return F if z >= 0.0 else -F
-
-
-@compiled
-def inverse_transition(P: Vector, k: int, F: float) -> float:
-    """Fd^-1(F)."""
-    f = abs(F)
-    j = segment_of_torque(P, k, f)
-    start = 0.0 if j == 0 else P[k + 1 + KNOT_STRIDE * (j - 1)]
-    z = start + (f - knot_torque(P, k, j - 1)) / slope(P, k, j)
-    return z if F >= 0.0 else -z

@@ -35,11 +35,6 @@ class Between:
     cause: str = ""
     slope: float = 0.0
 
-    @property
-    def differs(self) -> bool:
-        """Whether recordings differ by more than their errors."""
-        return self.p_value < _SURE
-
 
 def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None) -> Between:
     """A number's mean and variance over recordings.
