@@ -217,3 +217,18 @@ def test_what_mujoco_warns_of_is_a_warning_of_python(tmp_path):
     (tmp_path / "arm.xml").write_text(spec.to_xml().replace("<custom>", other, 1))
     with pytest.warns(RuntimeWarning, match="NaN"):
         fj.load_model(tmp_path / "arm.xml")
+
+
+def test_a_deleted_joint_whose_friction_stayed_is_named_with_the_fix():
+    spec = mujoco.MjSpec.from_string(XML.format(name="elbow", kind="hinge"))
+    spec.worldbody.add_body(pos=[1, 0, 0]).add_joint(name="knee")
+    spec.bodies[-1].add_geom(size=[0.1, 0, 0])
+    fj.install(spec, {"elbow": friction(), "knee": friction()})
+    spec.delete(spec.joint("knee").parent)
+    with pytest.raises(
+        ModelError, match=r"'knee', which the model lacks .*delete that numeric too"
+    ):
+        fj.attach(spec.compile())
+    spec.delete(next(n for n in spec.numerics if n.name.endswith("knee")))
+    with fj.attach(spec.compile()) as m:
+        assert list(fj.torque(m, mujoco.MjData(m))) == ["elbow"]

@@ -85,6 +85,20 @@ def test_what_does_not_fit_is_refused_and_changes_nothing(joint, parameters, wor
         fj.set_parameters(m, "a", {"Fs_pos": 1.0})
 
 
+def test_a_loaded_joint_with_less_friction_slides_once_it_forgets():
+    m = model(torque=0.0)
+    data = mujoco.MjData(m)
+    with fj.attach(m):
+        data.qfrc_applied[0] = 0.6
+        mujoco.mj_step(m, data, 500)
+        assert fj.torque(m, data)["a"].sticks
+        fj.set_parameters(m, "a", law(0.2))
+        fj.forget(m, data)
+        mujoco.mj_step(m, data, 500)
+        assert data.qvel[0] > 0.1
+        assert not fj.torque(m, data)["a"].sticks
+
+
 def test_a_teleported_joint_that_forgets_feels_no_torque():
     m = model(torque=0.0)
     data = mujoco.MjData(m)

@@ -292,7 +292,11 @@ def _check_block(
     if np.any(pieces != np.round(pieces)) or pieces.min() < 0 or pieces.max() > 65535:
         raise ModelError(f"{where} was edited by hand: install the friction again")
     if name not in ids:
-        raise ModelError(f"{where} names joint {name!r}: the model has {', '.join(ids) or 'none'}")
+        raise ModelError(
+            f"{where} belongs to joint {name!r}, which the model lacks (it has "
+            f"{', '.join(ids) or 'none'}): delete that numeric too, or take friction away with "
+            "frictionjoint.uninstall before you delete or rename the joint"
+        )
     if int(model.jnt_type[ids[name]]) not in ONE_DOF:
         raise ModelError(f"{where}: joint {name!r} is neither a hinge nor a slide")
 

@@ -34,7 +34,8 @@ from frictionjoint.simulate.row import BASE, FRONT
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
     """Give a joint of a compiled model other friction parameters, without compiling.
 
-    The friction state of existing data stays as it is: a reset or `forget` starts it afresh.
+    The friction state of existing data stays as it is, and a joint at rest may keep a torque above
+    its new breakaway torque: `forget` or a reset starts it afresh.
     Effects that act through the model itself (elasticity, backlash, delays of sensors) stay as
     they were compiled.
 
