@@ -60,8 +60,8 @@ def _require_drive_and_motion(log: JointLog) -> None:
     drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)
     if drive is not None and not np.any(drive):
         raise LogError(
-            f"{source}: the drive is exactly 0 all along while the joint moves, so no friction "
-            "model can be judged there: hold out a part or a log in which the drive acts"
+            f"{source}: the drive is exactly 0 all along, so no friction model can be judged "
+            "there: hold out a part or a log in which the drive acts"
         )
 
 

@@ -27,6 +27,8 @@ _LONG = 5
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
 # s of a drive at exactly zero from which on it is off
 _SILENT_S = 0.5
+# deviation of a position, over that of its reading noise, from which on the joint moves
+_JITTER = 5.0
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
 # a reading stands alone that leaps away and back, over this fraction of the travel of the others,
 # and this many times as far as others move; nothing moves so in a hundred samples of a thousand
@@ -74,13 +76,20 @@ def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, i
     Args:
         time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
     """
-    moving = np.abs(np.diff(position, append=position[-1])) > 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[0], drive == 0.0, [0]]).astype(int)))
     return [
         (int(a), int(b))
         for a, b in zip(edges[::2], edges[1::2], strict=True)
-        if time[b - 1] - time[a] > _SILENT_S and np.mean(moving[a:b]) > 0.5
+        if time[b - 1] - time[a] > _SILENT_S and _moves(position[a:b])
     ]
+
+
+def _moves(position: Array) -> bool:
+    """Whether a position goes further than its reading jitters from sample to sample."""
+    if len(position) < 3:
+        return False
+    jitter = float(np.sqrt(np.mean(np.diff(position, 2) ** 2) / 6.0))
+    return float(np.std(position - position[0])) > _JITTER * jitter
 
 
 def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
