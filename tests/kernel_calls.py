@@ -149,7 +149,7 @@ def along_logs(rng: np.random.Generator) -> None:
         drive = drive_integrated if P[0] == INTEGRATED else drive_rival
         drive(P, t, q, edges, H_, rate)
         P_t = rng.normal(size=(7, len(P)))
-        driven_with_tangents(law.law, P, P_t, t, q, rng.normal(size=(8, SAMPLES)), edges)
+        driven_with_tangents(law.law, P, P_t, t, q, edges)
     rows = signals_of(rng, t, q)
     for effect in CATALOGUE:
         shapes = effect.shapes(rows) if effect.shape and effect.shapes else [()]

@@ -85,18 +85,6 @@ def test_tangents_are_the_derivatives(numbers, number):
     assert tangents[number][smooth] == pytest.approx(slope[smooth], abs=1e-4)
 
 
-def test_a_change_of_the_motion_is_carried_along():
-    time = np.arange(400) * 5e-3
-    q, direction = np.sin(3.0 * time), np.cos(5.0 * time)[None]
-    shape = of_numbers(0.3, -1.0, 1.5, 1.0)
-    changes = np.vstack([np.zeros((5, len(time))), direction])
-    moved = shape.tangents(time, q, changes)[2]
-    assert moved[:5] == pytest.approx(shape.tangents(time, q)[2])
-    h = 1e-6
-    above, below = (shape.hysteresis(time, q + s * h * direction[0])[0] for s in (1.0, -1.0))
-    assert moved[5] == pytest.approx((above - below) / (2.0 * h), abs=1e-4)
-
-
 def test_friction_turns_a_lead_before_the_velocity():
     time = 0.1 + 1e-4 * np.arange(2000)
     q = np.cos(2.0 * np.pi * 2.5 * (time - 0.2))

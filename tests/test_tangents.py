@@ -116,30 +116,6 @@ def test_derivatives_are_what_differences_tend_to(name):
     assert np.mean(left_out) < 0.01, left_out
 
 
-@pytest.mark.parametrize("name", SHAPES)
-def test_derivatives_by_the_motion_are_what_differences_tend_to(name):
-    shape, h = SHAPES[name], STEPS[name]
-    further = 0.02 * np.sin(9.0 * T + 0.5)
-    unmoved = np.zeros((len(shape.variables), len(T)))
-    for motion in ("sines", "nested"):
-        q = motions()[motion]
-        *_, H_t, rate_t = shape.tangents(T, q, np.vstack([unmoved, further]))
-        given = shape.tangents(T, q)[2:]
-        np.testing.assert_allclose([H_t[:-1], rate_t[:-1]], given, rtol=0, atol=1e-12)
-        exact = np.array([H_t[-1], rate_t[-1]])
-        scale = np.abs(exact).max(axis=1)[:, None] + 1e-12
-
-        def at(step, q=q):
-            return np.array(shape.hysteresis(T, q + step * further))
-
-        coarse, fine = (
-            (8 * (at(x) - at(-x)) - (at(2 * x) - at(-2 * x))) / (12 * x) / scale for x in (h, h / 2)
-        )
-        smooth = np.abs(coarse - fine) < 3e-7
-        assert smooth.mean() > 0.99
-        assert np.abs(exact / scale - fine)[smooth].max() < 1e-6
-
-
 @pytest.mark.parametrize("law", [law for law in LAWS if law != "dahl"])
 def test_at_equal_levels_the_derivative_by_the_excess_is_one_sided(law):
     shape = shape_of(law, excess=0.0)
@@ -208,21 +184,6 @@ def test_a_law_scales_with_its_torques(name, seed):
     )
     np.testing.assert_allclose(H_t[0], H, rtol=0, atol=1e-9)
     np.testing.assert_allclose(rate_t[0], 0.0, atol=1e-8)
-
-
-@pytest.mark.parametrize("name", SHAPES)
-@settings(max_examples=25)
-@given(seed=SEEDS)
-def test_a_law_scales_with_its_lengths_and_the_motion(name, seed):
-    # at every sample: a motion twice as far and fast is the same in twice the lengths and speeds
-    shape = SHAPES[name]
-    t, q = random_steps(seed)
-    q_t = np.vstack([np.zeros((len(shape.variables), len(t))), q])
-    names = [*shape.variables, "motion"]
-    together = [names.index(x) for x in ("log length", "log Vs", "motion") if x in names]
-    for derivatives in shape.tangents(t, q, q_t)[2:]:
-        scale = 1.0 + np.abs(derivatives).max()
-        np.testing.assert_allclose(derivatives[together].sum(axis=0) / scale, 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", SHAPES)

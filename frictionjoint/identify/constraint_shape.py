@@ -91,7 +91,7 @@ class ConstraintShape:
         return level * saturated, np.zeros_like(q)
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
+        self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         edges = edges_of(q, edges)
@@ -111,13 +111,6 @@ class ConstraintShape:
                 level * inside * self.lead * a / self._V0,
             ]
         )
-        if q_t is not None:
-            v_t = np.array([gradient(row, time, edges) for row in q_t])
-            u_t = v_t + self.lead * np.array([gradient(row, time, edges) for row in v_t])
-            slope = -steep * delta / np.maximum(np.abs(v), 1e-300) * np.sign(v)
-            moved = slope * saturated * v_t + level * inside * u_t / self._V0
-            moved[: len(by_number)] += by_number
-            by_number = moved
         zero = np.zeros_like(q)
         return level * saturated, zero, by_number, np.zeros_like(by_number)
 

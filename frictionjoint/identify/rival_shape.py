@@ -167,11 +167,11 @@ class RivalShape:
         return H, rate
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
+        self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = unit_block(self)
-        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, q_t, edges)
+        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, edges)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

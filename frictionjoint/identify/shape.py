@@ -71,14 +71,9 @@ class Shape(Protocol):
         """
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
+        self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
-        """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n).
-
-        Args:
-            q_t: how the motion changes with each number of `vector`, and along further directions
-                if it has more rows; their derivatives follow as further rows. None: it is given.
-        """
+        """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
 
 
 @lru_cache(maxsize=64)
@@ -231,11 +226,11 @@ class IntegratedShape:
         return H, rate
 
     def tangents(
-        self, time: Array, q: Array, q_t: Array | None = None, edges: Index | None = None
+        self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = unit_block(self)
-        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, q_t, edges)
+        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, edges)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""

@@ -33,13 +33,7 @@ from frictionjoint.law.tangents.plain import UnknownError
 FILE = Path(__file__).with_name("kernels.py")
 
 _RIVALS = (static, armstrong, dahl, dahl_stribeck, lugre, elastoplastic, maxwell_slip)
-# kernels, and which of their arguments change with the motion
-_ROOTS = (
-    (integrated.start, ()),
-    (integrated.step, ("dq",)),
-    (memory.make_room, ()),
-    *((law.step, ("v",) if law is static else ("dq",)) for law in _RIVALS),
-)
+_ROOTS = (integrated.start, integrated.step, memory.make_room, *(law.step for law in _RIVALS))
 _COUNTS = (
     *("DIRECTION", "N_MIN", "N_MAX", "VIRGIN", "FORGOTTEN", "BOUND"),
     *("LAMPAERT", "MASING", "SLIDING", "N_ELEMENTS"),
@@ -74,7 +68,6 @@ def drive_{law}(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -94,21 +87,17 @@ def drive_{law}(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
             {step}
             H[k], rate[k] = X[{header}.FH], X[{header}.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[{header}.FH, i], X_t[{header}.RATE, i]
 """
-_STEP = "{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)"
-_STATIC_STEP = "static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))"
+_STEP = "{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)"
 _DRIVE_INTEGRATED = _DRIVE.format(
     law="integrated",
     header="memory",
     start="integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)",
-    step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)\n"
+    step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, dq / dt)\n"
     "            memory_make_room(X, X_t, 0, memory.HEADER)",
 )
 
@@ -131,15 +120,15 @@ def source() -> str:
                 add(*callee)
             done[kernel] = made
 
-    for kernel, moving in _ROOTS:
-        add(kernel, frozenset(moving), False)
+    for kernel in _ROOTS:
+        add(kernel, frozenset(), False)
     laws = [law.__name__.rpartition(".")[2] for law in _RIVALS]
     drives = [
         _DRIVE.format(
             law=law,
             header="bristle",
             start="start_rival(P, 0, X, 0)",
-            step=_STATIC_STEP if law == "static" else _STEP.format(law=law),
+            step=_STEP.format(law=law),
         )
         for law in laws
     ]

@@ -167,8 +167,8 @@ def integrated_slide(
     S: float,
     S_t: Tangent,
     dx: float,
-    dx_t: Tangent,
 ) -> None:
+    dx_t = ZERO
     n = P[p + integrated.EXPONENT]
     k = p + integrated.KNOTS
     last = int(P[k]) - 1
@@ -303,7 +303,6 @@ def integrated_step(
     h: int,
     s: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -317,15 +316,9 @@ def integrated_step(
             integrated_reverse(P, P_t, p, X, X_t, h, s, direction)
         X[h + memory.DIRECTION] = direction
         side = p + integrated.POSITIVE if dq > 0.0 else p + integrated.NEGATIVE
-        y1 = abs(dq)
-        dx_t = scaled(math.copysign(1.0, dq), dq_t)
-        dx = y1
-        if dt > 0.0:
-            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
-        else:
-            y2, y2_t = 0.0, ZERO
-        S, S_t = rules.stribeck_level(P, P_t, side, y2, y2_t)
-        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx, dx_t)
+        dx = abs(dq)
+        S, S_t = rules.stribeck_level(P, P_t, side, dx / dt if dt > 0.0 else 0.0, ZERO)
+        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx)
 
 
 @compiled
@@ -368,7 +361,6 @@ def static_step(
     dq: float,
     dt: float,
     v: float,
-    v_t: Tangent,
 ) -> None:
     X[h + bristle.DIRECTION] = 0.0
     put(X_t, h + bristle.RATE, ZERO)
@@ -378,25 +370,18 @@ def static_step(
         X[h + bristle.FH] = 0.0
     else:
         direction = 1.0 if v > 0.0 else -1.0
-        y1 = abs(v)
-        S, S_t = rules.stribeck_level(
-            P, P_t, bristle.side(p, direction), y1, scaled(math.copysign(1.0, v), v_t)
-        )
-        y2 = abs(v)
-        if y2 / P[p + static.V0] >= 1.0:
-            y3, y3_t = 1.0, ZERO
+        S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), abs(v), ZERO)
+        if abs(v) / P[p + static.V0] >= 1.0:
+            y1, y1_t = 1.0, ZERO
         else:
-            y3, y3_t = (
-                y2 / P[p + static.V0],
-                sum2(
-                    1.0 / P[p + static.V0] * math.copysign(1.0, v),
-                    v_t,
-                    -(y2 / P[p + static.V0]) * (1.0 / P[p + static.V0]),
-                    at(P_t, p + static.V0),
+            y1, y1_t = (
+                abs(v) / P[p + static.V0],
+                scaled(
+                    -(abs(v) / P[p + static.V0]) * (1.0 / P[p + static.V0]), at(P_t, p + static.V0)
                 ),
             )
-        put(X_t, h + bristle.FH, sum2(y3 * direction, S_t, direction * S, y3_t))
-        X[h + bristle.FH] = direction * S * y3
+        put(X_t, h + bristle.FH, sum2(y1 * direction, S_t, direction * S, y1_t))
+        X[h + bristle.FH] = direction * S * y1
 
 
 @compiled
@@ -409,7 +394,6 @@ def armstrong_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -426,25 +410,12 @@ def armstrong_step(
         f_t = scaled(now, Fh_t)
         f = now * Fh
         if sliding == 0.0:
-            y1 = abs(dq)
-            f_t = sum3(
-                1.0,
-                f_t,
-                y1,
-                at(P_t, p + armstrong.SIGMA0),
-                P[p + armstrong.SIGMA0] * math.copysign(1.0, dq),
-                dq_t,
-            )
-            f = f + P[p + armstrong.SIGMA0] * y1
+            f_t = sum2(1.0, f_t, abs(dq), at(P_t, p + armstrong.SIGMA0))
+            f = f + P[p + armstrong.SIGMA0] * abs(dq)
             if f >= P[side_ + stribeck.FS]:
                 sliding = 1.0
         if sliding == 1.0:
-            if dt > 0.0:
-                y2 = abs(dq)
-                y3, y3_t = y2 / dt, scaled(1.0 / dt * math.copysign(1.0, dq), dq_t)
-            else:
-                y3, y3_t = 0.0, ZERO
-            f, f_t = rules.stribeck_level(P, P_t, side_, y3, y3_t)
+            f, f_t = rules.stribeck_level(P, P_t, side_, abs(dq) / dt if dt > 0.0 else 0.0, ZERO)
         Fh_t = scaled(now, f_t)
         Fh = now * f
     put(X_t, h + bristle.FH, Fh_t)
@@ -465,7 +436,6 @@ def dahl_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -480,17 +450,14 @@ def dahl_step(
         Fc = P[bristle.side(p, direction) + stribeck.FC]
         i_t = at(P_t, p + dahl.EXPONENT)
         i = P[p + dahl.EXPONENT]
-        y1 = abs(dq)
         w, w_t = rules.remaining(
             1.0 - direction * Fh / Fc,
             sum2(-(1.0 / Fc * direction), Fh_t, -(-(direction * Fh / Fc) * (1.0 / Fc)), Fc_t),
-            P[p + dahl.SIGMA0] * y1 / Fc,
-            sum3(
-                1.0 / Fc * y1,
+            P[p + dahl.SIGMA0] * abs(dq) / Fc,
+            sum2(
+                1.0 / Fc * abs(dq),
                 at(P_t, p + dahl.SIGMA0),
-                1.0 / Fc * (P[p + dahl.SIGMA0] * math.copysign(1.0, dq)),
-                dq_t,
-                -(P[p + dahl.SIGMA0] * y1 / Fc) * (1.0 / Fc),
+                -(P[p + dahl.SIGMA0] * abs(dq) / Fc) * (1.0 / Fc),
                 Fc_t,
             ),
             i,
@@ -499,9 +466,9 @@ def dahl_step(
         Fh_t = sum2((1.0 - w) * direction, Fc_t, -(direction * Fc), w_t)
         Fh = direction * Fc * (1.0 - w)
         if w > 0.0:
-            y2 = w**i
-            rate_t = sum2(i * y2 / w, w_t, y2 * math.log(w), i_t)
-            rate = y2
+            y1 = w**i
+            rate_t = sum2(i * y1 / w, w_t, y1 * math.log(w), i_t)
+            rate = y1
         else:
             rate_t = ZERO
             rate = 0.0
@@ -522,7 +489,6 @@ def dahl_stribeck_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -531,9 +497,7 @@ def dahl_stribeck_step(
     rate_t = at(X_t, a + bristle.RATE)
     rate = X[a + bristle.RATE]
     direction = X[a + bristle.DIRECTION]
-    y1 = abs(dq)
-    dx_t = scaled(math.copysign(1.0, dq), dq_t)
-    dx = y1
+    dx = abs(dq)
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
         Fs_t = at(P_t, bristle.side(p, direction) + stribeck.FS)
@@ -544,11 +508,9 @@ def dahl_stribeck_step(
             1.0 - direction * z,
             scaled(-direction, z_t),
             P[p + dahl_stribeck.SIGMA0] * dx / Fs,
-            sum3(
+            sum2(
                 1.0 / Fs * dx,
                 at(P_t, p + dahl_stribeck.SIGMA0),
-                1.0 / Fs * P[p + dahl_stribeck.SIGMA0],
-                dx_t,
                 -(P[p + dahl_stribeck.SIGMA0] * dx / Fs) * (1.0 / Fs),
                 Fs_t,
             ),
@@ -558,19 +520,15 @@ def dahl_stribeck_step(
         z_t = scaled(-direction, w_t)
         z = direction * (1.0 - w)
         if w > 0.0:
-            y2 = w**i
-            rate_t = sum2(i * y2 / w, w_t, y2 * math.log(w), i_t)
-            rate = y2
+            y1 = w**i
+            rate_t = sum2(i * y1 / w, w_t, y1 * math.log(w), i_t)
+            rate = y1
         else:
             rate_t = ZERO
             rate = 0.0
-    if dt > 0.0:
-        y3, y3_t = dx / dt, scaled(1.0 / dt, dx_t)
-    else:
-        y3, y3_t = 0.0, ZERO
-    y4, y4_t = rules.stribeck_level(P, P_t, bristle.side(p, z), y3, y3_t)
-    Fh_t = sum2(y4, z_t, z, y4_t)
-    Fh = z * y4
+    y2, y2_t = rules.stribeck_level(P, P_t, bristle.side(p, z), dx / dt if dt > 0.0 else 0.0, ZERO)
+    Fh_t = sum2(y2, z_t, z, y2_t)
+    Fh = z * y2
     put(X_t, h + bristle.FH, Fh_t)
     X[h + bristle.FH] = Fh
     put(X_t, h + bristle.RATE, rate_t)
@@ -590,7 +548,6 @@ def lugre_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -601,28 +558,22 @@ def lugre_step(
     direction = X[a + bristle.DIRECTION]
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
-        y1 = abs(dq)
-        dx_t = scaled(math.copysign(1.0, dq), dq_t)
-        dx = y1
-        if dt > 0.0:
-            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
-        else:
-            y2, y2_t = 0.0, ZERO
-        S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), y2, y2_t)
+        dx = abs(dq)
+        S, S_t = rules.stribeck_level(
+            P, P_t, bristle.side(p, direction), dx / dt if dt > 0.0 else 0.0, ZERO
+        )
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
-        y3 = math.expm1(-P[p + lugre.SIGMA0] * dx / S)
-        f_t = sum4(
-            1.0 + y3,
+        y1 = math.expm1(-P[p + lugre.SIGMA0] * dx / S)
+        f_t = sum3(
+            1.0 + y1,
             f_t,
-            -(y3 + (S - f) * ((y3 + 1.0) * (-(-P[p + lugre.SIGMA0] * dx / S) * (1.0 / S)))),
+            -(y1 + (S - f) * ((y1 + 1.0) * (-(-P[p + lugre.SIGMA0] * dx / S) * (1.0 / S)))),
             S_t,
-            dx * (1.0 / S) * (y3 + 1.0) * (S - f),
+            dx * (1.0 / S) * (y1 + 1.0) * (S - f),
             at(P_t, p + lugre.SIGMA0),
-            P[p + lugre.SIGMA0] * (1.0 / S) * (y3 + 1.0) * (S - f),
-            dx_t,
         )
-        f = f - (S - f) * y3
+        f = f - (S - f) * y1
         Fh_t = scaled(direction, f_t)
         Fh = direction * f
         rate_t = sum2(-(1.0 / S), f_t, -(-(f / S) * (1.0 / S)), S_t)
@@ -746,7 +697,6 @@ def elastoplastic_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -758,14 +708,8 @@ def elastoplastic_step(
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
         levels = bristle.side(p, direction)
-        y1 = abs(dq)
-        dx_t = scaled(math.copysign(1.0, dq), dq_t)
-        dx = y1
-        if dt > 0.0:
-            y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
-        else:
-            y2, y2_t = 0.0, ZERO
-        S, S_t = rules.stribeck_level(P, P_t, levels, y2, y2_t)
+        dx = abs(dq)
+        S, S_t = rules.stribeck_level(P, P_t, levels, dx / dt if dt > 0.0 else 0.0, ZERO)
         f_t = scaled(direction, Fh_t)
         f = direction * Fh
         f_ba_t = sum2(
@@ -777,56 +721,56 @@ def elastoplastic_step(
         f_ba = P[p + elastoplastic.BREAKAWAY] * P[levels + stribeck.FC]
         r_ba_t = sum2(1.0 / S, f_ba_t, -(f_ba / S) * (1.0 / S), S_t)
         r_ba = f_ba / S
-        left_t = sum2(dx, at(P_t, p + elastoplastic.SIGMA0), P[p + elastoplastic.SIGMA0], dx_t)
+        left_t = scaled(dx, at(P_t, p + elastoplastic.SIGMA0))
         left = P[p + elastoplastic.SIGMA0] * dx
         if f_ba - f <= 0.0:
-            y3, y3_t = 0.0, ZERO
+            y1, y1_t = 0.0, ZERO
         else:
-            y3, y3_t = f_ba - f, sum2(1.0, f_ba_t, -1.0, f_t)
-        if left <= y3:
-            y4, y4_t = left, left_t
+            y1, y1_t = f_ba - f, sum2(1.0, f_ba_t, -1.0, f_t)
+        if left <= y1:
+            y2, y2_t = left, left_t
         else:
-            y4, y4_t = y3, y3_t
-        elastic_t = y4_t
-        elastic = y4
+            y2, y2_t = y1, y1_t
+        elastic_t = y2_t
+        elastic = y2
         f_t = sum2(1.0, f_t, 1.0, elastic_t)
         f = f + elastic
         left_t = sum2(1.0, left_t, -1.0, elastic_t)
         left = left - elastic
         if left > 0.0:
             if f >= S:
-                y5 = math.expm1(-left / S)
+                y3 = math.expm1(-left / S)
                 f_t = sum3(
-                    1.0 + y5,
+                    1.0 + y3,
                     f_t,
-                    -(y5 + (S - f) * ((y5 + 1.0) * (-(-left / S) * (1.0 / S)))),
+                    -(y3 + (S - f) * ((y3 + 1.0) * (-(-left / S) * (1.0 / S)))),
                     S_t,
-                    1.0 / S * (y5 + 1.0) * (S - f),
+                    1.0 / S * (y3 + 1.0) * (S - f),
                     left_t,
                 )
-                f = f - (S - f) * y5
+                f = f - (S - f) * y3
             else:
                 if f / S >= r_ba:
-                    y6, y6_t = f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t)
+                    y4, y4_t = f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t)
                 else:
-                    y6, y6_t = r_ba, r_ba_t
-                y7, y7_t = elastoplastic_transition(
-                    y6,
-                    y6_t,
+                    y4, y4_t = r_ba, r_ba_t
+                y5, y5_t = elastoplastic_transition(
+                    y4,
+                    y4_t,
                     r_ba,
                     r_ba_t,
                     left / S,
                     sum2(1.0 / S, left_t, -(left / S) * (1.0 / S), S_t),
                 )
-                f_t = sum2(y7, S_t, S, y7_t)
-                f = S * y7
+                f_t = sum2(y5, S_t, S, y5_t)
+                f = S * y5
         Fh_t = scaled(direction, f_t)
         Fh = direction * f
-        y8, y8_t = elastoplastic_plastic_share(
+        y6, y6_t = elastoplastic_plastic_share(
             f / S, sum2(1.0 / S, f_t, -(f / S) * (1.0 / S), S_t), r_ba, r_ba_t
         )
-        rate_t = sum3(-(1.0 / S * f), y8_t, -(1.0 / S * y8), f_t, -(-(y8 * f / S) * (1.0 / S)), S_t)
-        rate = 1.0 - y8 * f / S
+        rate_t = sum3(-(1.0 / S * f), y6_t, -(1.0 / S * y6), f_t, -(-(y6 * f / S) * (1.0 / S)), S_t)
+        rate = 1.0 - y6 * f / S
     put(X_t, h + bristle.FH, Fh_t)
     X[h + bristle.FH] = Fh
     put(X_t, h + bristle.RATE, rate_t)
@@ -844,7 +788,6 @@ def maxwell_slip_step(
     a: int,
     h: int,
     dq: float,
-    dq_t: Tangent,
     dt: float,
     v: float,
 ) -> None:
@@ -856,22 +799,18 @@ def maxwell_slip_step(
         return
     direction = 1.0 if dq > 0.0 else -1.0
     turned = X[a + bristle.DIRECTION] != direction
-    y1 = abs(dq)
-    dx_t = scaled(math.copysign(1.0, dq), dq_t)
-    dx = y1
-    if dt > 0.0:
-        y2, y2_t = dx / dt, scaled(1.0 / dt, dx_t)
-    else:
-        y2, y2_t = 0.0, ZERO
-    S, S_t = rules.stribeck_level(P, P_t, bristle.side(p, direction), y2, y2_t)
-    y3 = math.expm1(-P[p + maxwell_slip.ATTRACTION] * dt / S)
+    dx = abs(dq)
+    S, S_t = rules.stribeck_level(
+        P, P_t, bristle.side(p, direction), dx / dt if dt > 0.0 else 0.0, ZERO
+    )
+    y1 = math.expm1(-P[p + maxwell_slip.ATTRACTION] * dt / S)
     missing_t = sum2(
-        -(dt * (1.0 / S) * (y3 + 1.0)),
+        -(dt * (1.0 / S) * (y1 + 1.0)),
         at(P_t, p + maxwell_slip.ATTRACTION),
-        (y3 + 1.0) * (-(-P[p + maxwell_slip.ATTRACTION] * dt / S) * (1.0 / S)),
+        (y1 + 1.0) * (-(-P[p + maxwell_slip.ATTRACTION] * dt / S) * (1.0 / S)),
         S_t,
     )
-    missing = y3
+    missing = y1
     Fh_t = ZERO
     Fh = 0.0
     sticking_t = ZERO
@@ -890,7 +829,7 @@ def maxwell_slip_step(
             if f >= level:
                 slips = True
             else:
-                f_t = sum3(1.0, f_t, dx, k_t, k, dx_t)
+                f_t = sum2(1.0, f_t, dx, k_t)
                 f = f + k * dx
                 if f >= maxwell_slip.AT_LEVEL * level:
                     f_t = level_t
@@ -924,7 +863,6 @@ def drive_integrated(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -944,10 +882,7 @@ def drive_integrated(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dq_t, dt, dq / dt)
+            integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, dq / dt)
             memory_make_room(X, X_t, 0, memory.HEADER)
             H[k], rate[k] = X[memory.FH], X[memory.RATE]
             for i in range(len(H_t)):
@@ -960,7 +895,6 @@ def drive_static(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -980,10 +914,7 @@ def drive_static(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt, scaled(1.0 / dt, dq_t))
+            static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -995,7 +926,6 @@ def drive_armstrong(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1015,10 +945,7 @@ def drive_armstrong(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -1030,7 +957,6 @@ def drive_dahl(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1050,10 +976,7 @@ def drive_dahl(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -1065,7 +988,6 @@ def drive_dahl_stribeck(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1085,10 +1007,7 @@ def drive_dahl_stribeck(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            dahl_stribeck_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            dahl_stribeck_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -1100,7 +1019,6 @@ def drive_lugre(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1120,10 +1038,7 @@ def drive_lugre(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -1135,7 +1050,6 @@ def drive_elastoplastic(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1155,10 +1069,7 @@ def drive_elastoplastic(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
@@ -1170,7 +1081,6 @@ def drive_maxwell_slip(
     P_t: Tangents,
     time: Vector,
     position: Vector,
-    position_t: Tangents,
     edges: Index,
     H: Vector,
     H_t: Array,
@@ -1190,10 +1100,7 @@ def drive_maxwell_slip(
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            dq_t = ZERO
-            if len(position_t) > 0:
-                dq_t = sum2(1.0, at(position_t, k), -1.0, at(position_t, k - 1))
-            maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dq_t, dt, dq / dt)
+            maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[bristle.FH], X[bristle.RATE]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[bristle.FH, i], X_t[bristle.RATE, i]
