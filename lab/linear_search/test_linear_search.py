@@ -3,6 +3,10 @@ not, and nothing hangs on the last bit. Logs are computed here, from equations o
 
 import numpy as np
 import pytest
+
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
 from linear_search.columns import WiderFall, causes
 from linear_search.decisions import DETERMINED
 from linear_search.experiment import experiment
@@ -11,10 +15,6 @@ from linear_search.find import find
 from linear_search.law_basis import LawBasis, elements
 from linear_search.score import gain
 from linear_search.traced import traced
-
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.log import JointLog
 
 INERTIA, GRAVITY, NOISE = 0.05, 2.0, 0.004
 ARM = GRAVITY / 9.81
