@@ -212,6 +212,9 @@ def test_notes_that_differ_in_the_law_alone_are_one():
     notes = [f"With the law {law} {x} N m would be left." for law, x in (("lugre", 1), ("dahl", 2))]
     (note,) = summarise(good(notes=notes)).notes
     assert note == f"{notes[0]} (The same holds, with other numbers, for dahl.)"
+    notes = [f"{j}: With the law {law} 1 N m is left." for j in "ab" for law in ("lugre", "dahl")]
+    (note,) = summarise(good(notes=notes)).notes
+    assert note == f"{notes[0]} (The same holds, with other numbers, for b.)"
 
 
 def test_a_verdict_agrees_with_what_was_added(content):

@@ -95,14 +95,18 @@ def export(
     for lost in done.lost:
         typer.echo(f"Lost: {lost}")
     if done.losses:
-        table = Table("joint", "friction", "lost", "loop error, ours", "exported", "apart")
+        table = Table(
+            "joint", "friction", "torque error", "loop error, ours", "exported", "difference"
+        )
         for x in done.losses:
             share = f" ({x.torque_lost / x.torque:.0%})" if x.torque else ""
             torques = (f"{x.torque:.3g} {x.unit}", f"{x.torque_lost:.3g} {x.unit}{share}")
             errors = (f"{1e3 * e:.3g} m{x.unit_of_position}" for e in x.errors)
             table.add_row(x.joint, *torques, *errors)
         console().print(table)
-        typer.echo(f"All rms, along {'; '.join(sorted({x.motion for x in done.losses}))}.")
+        typer.echo(
+            f"All values are rms, along {'; '.join(sorted({x.motion for x in done.losses}))}."
+        )
 
 
 def _range(text: str | None) -> tuple[float, float] | None:

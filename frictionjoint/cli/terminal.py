@@ -98,10 +98,11 @@ def show_report(report: "Report | RobotReport") -> None:
 
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
-    """Parameters with their errors and units."""
-    from frictionjoint.report.wording import three, unit, value
+    """Parameters with meaning, errors and units; one row where both directions are equal."""
+    from frictionjoint.report.numbers import law_numbers
 
-    table = Table("parameter", "value", "standard error", "unit")
-    for name, x in rows:
-        table.add_row(name, value(x), three(x.stderr), unit(x.unit))
+    table = Table("parameter", "symbol", "value ± standard error")
+    for x in law_numbers(dict(rows)):
+        text = f"{x.text} (fixed)" if x.status == "fixed" else x.qualified
+        table.add_row(x.meaning, x.name, text)
     console().print(table)

@@ -145,8 +145,8 @@ def _constraint_note(fitted: Fit) -> tuple[str, ...]:
         return ()
     lead = f"{1e3 * fitted.shape.lead:.2g} ms"
     return (
-        f"Torque leads position by {lead}: probably a sampling offset between the two signals. "
-        "MuJoCo's own frictionloss looks the same.",
+        f"Torque leads position by {lead}: probably the two signals are sampled at different "
+        "times. A log simulated with MuJoCo's own frictionloss looks the same.",
     )
 
 

@@ -94,7 +94,7 @@ def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[
     c, w = s.curve, s.window
     name, unit = _drive(report), report.units[0]
     predicted = [("before", c.before)] if before and report.changed else []
-    predicted.append(("after" if report.changed else "friction law", c.after))
+    predicted.append(("after" if report.changed else "predicted", c.after))
     above = [over_time(_source(report), c.time[w], c.measured[w], "measured")]
     below = []
     for label, y in predicted:

@@ -115,13 +115,13 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
 
 
 def threshold_of(content: Content, effects: tuple[EffectRow, ...]) -> str:
-    """What an effect normally needs, and which of those shown have less."""
+    """When an effect is normally added, and which of those shown were added with less."""
     limits = content.get("thresholds")
     if not limits:
         return ""
     text = (
-        f"An effect normally needs {limits['gain']:.0%} of the squared residual and p of at most "
-        f"{limits['p_value']:g}."
+        f"An effect is normally added only if it removes at least {limits['gain']:.0%} of the "
+        f"squared residual and p is at most {limits['p_value']:g}."
     )
     less = [
         f"{e.title} ({e.gain:.1%}, p {three(e.p_value)})"

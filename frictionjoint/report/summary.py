@@ -60,7 +60,7 @@ class Summary:
         position_first: whether position leads, as for servos. changed: whether the result is
             another model than the base fit. friction: the numbers an engineer asks for first.
         parameters: what model.xml contains. steps: candidates of each step of the search.
-        threshold: what an effect normally needs, in a sentence.
+        threshold: when an effect is normally added, in a sentence.
     """
 
     joint: str
