@@ -166,7 +166,7 @@ def exchange_bent(state: State) -> bool:
 
 
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:
-    """Try others in the place of each effect of the drive, beside all that was named since.
+    """Try to replace each effect of the drive, with all later effects in the model.
 
     The drive comes first, with a law that bends for want of the rest: of two forms of one effect,
     or of an effect of the drive and one of the joint, the wrong one may then be nearer. One that

@@ -174,7 +174,7 @@ def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
 
 
 def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) -> Screen:
-    """The columns of a fit and of candidates, ready to be asked."""
+    """Inner products of the columns of a fit and of candidates."""
     w = fitted.weight[:, None]
     layout, free = fitted.layout, fitted.open.copy()
     for i in range(len(fitted.terms)):

@@ -130,7 +130,7 @@ class OtherLaws:
         return np.asarray(towards @ shares[:, None])
 
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
-        """Every valley of the law that leaves hardly more than a fit, with its effects.
+        """Local minima of the law that fit nearly as well as a given fit, with its effects.
 
         As a coarse look has them, which is near enough to be simulated.
         """

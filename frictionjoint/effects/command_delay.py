@@ -13,7 +13,7 @@ _DELAYS = (0.004, 0.012, 0.03, 0.08)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """The controller block with a later target."""
+    """The controller block whose target arrives later."""
     return block, delay + shape[0]
 
 

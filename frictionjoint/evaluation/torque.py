@@ -1,4 +1,4 @@
-"""The torque that a model takes along a measured motion, and its states on the way.
+"""The torque that a model needs along a measured motion, and the states of its friction.
 
 MuJoCo's inverse dynamics of the model with all its friction. What friction remembers, ours or
 MuJoCo's own, is carried along the motion.

@@ -78,7 +78,7 @@ class Bundle(Generic[_Log]):
 
     @cached_property
     def tracks(self) -> Tracks:
-        """For laws to be driven along."""
+        """Motions along which laws are evaluated."""
         paths, starts = zip(*((log.path, log.start) for log in self.logs), strict=True)
         return Tracks(paths, starts)
 

@@ -163,7 +163,7 @@ class Fit:
 
     @property
     def has_level(self) -> bool:
-        """Whether the logs show a Coulomb level; without one its bound is all that is left."""
+        """Whether the logs show a Coulomb level; if not, the level is at its bound."""
         return float(self.beta[self.names.index("Fc")]) > 2.0 * LEAST_LEVEL
 
     def term_coefficients(self, i: int) -> Array:

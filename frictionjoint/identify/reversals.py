@@ -1,4 +1,4 @@
-"""Reversals between two samples of a grid: friction turns there, and a point of it says not when.
+"""Reversals between two samples: friction changes sign there, at a time that samples do not show.
 
 Where a contact is stiff, friction goes from one level to the other within a fraction of a step. A
 sample of it just before or just after is wrong by up to both levels for that step. The path of a

@@ -39,7 +39,7 @@ def best_of(items: Sequence[_T], cost: Callable[[_T], float]) -> _T:
 
 
 def first_least(costs: Array) -> Index:
-    """Row of the least cost in each column, of equal costs the first, shape (m,).
+    """First row with the least cost in each column, shape (m,).
 
     Args:
         costs: not negative, shape (k, m).

@@ -371,7 +371,7 @@ class Search:
         return np.asarray(found)
 
     def result(self, x: Array) -> Fit:
-        """The fit at a point."""
+        """The fit at one point of the search."""
         X, y, beta, acting, _ = self.solved(x)
         shape, terms = self.split(x)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0

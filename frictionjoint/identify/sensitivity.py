@@ -1,4 +1,4 @@
-"""How a fitted model's torque moves with each of its parameters, along any motion."""
+"""Derivatives of a fitted model's torque by its parameters, along any motion."""
 
 from dataclasses import replace
 

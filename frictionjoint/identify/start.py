@@ -116,7 +116,7 @@ def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
 
 
 def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: Array) -> Prepared:
-    """The logs with the swings that a term would find in them if it came in.
+    """The logs with the free oscillations that a term would have if it were added.
 
     Args:
         term: not of the fit. columns: of the term, shape (n, 1). free: its `swing_columns`, two

@@ -44,7 +44,7 @@ class Term(Protocol):
         ...
 
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
-        """The same term with other shape numbers."""
+        """The term with other shape numbers."""
         ...
 
     @property

@@ -33,7 +33,7 @@ class Start(NamedTuple):
 
 @dataclass(frozen=True)
 class Tracks:
-    """Motions of logs for laws to be driven along.
+    """Motions of logs along which laws are evaluated.
 
     Attributes:
         paths, starts: one a log.

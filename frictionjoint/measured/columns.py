@@ -26,7 +26,7 @@ _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
 
 
 def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[str, str]:
-    """Our column name -> the file's, for all columns of a file.
+    """The file's column name by our column name, for all columns of a file.
 
     Raises:
         LogError: there is no header, a column appears twice, or a mapped column does not exist.

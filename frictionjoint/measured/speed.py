@@ -1,4 +1,4 @@
-"""A velocity column against the slope of the position."""
+"""Compare a velocity column with the derivative of the position."""
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid

@@ -25,7 +25,7 @@ _INFORMED = 0.5
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """The report with how much its numbers differ between recordings; samples spread as much more.
+    """Add the difference of numbers between recordings to a report and to its samples.
 
     Args:
         logs: recordings, with measured drives; fewer than three say nothing.

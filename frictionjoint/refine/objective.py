@@ -56,7 +56,7 @@ class Objective:
         return self.units(self.vector.low) - 1e-9, self.units(self.vector.high) + 1e-9
 
     def errors(self, z: Array) -> Array:
-        """Simulated less measured position, rad (m), samples of all logs in turn."""
+        """Simulated minus measured position, rad (m), of all logs one after the other."""
         return np.concatenate(self.errors_of(self.vector.fit(self.numbers(z))))
 
     def errors_of(self, fitted: Fit) -> list[Array]:

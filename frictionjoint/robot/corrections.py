@@ -104,7 +104,7 @@ class Corrections:
 
     @classmethod
     def none(cls, model: mujoco.MjModel) -> "Corrections":
-        """The model as it is."""
+        """No correction: the model as given."""
         return cls(of_model(model), np.array(model.opt.gravity))
 
     def moves_alike(self, other: "Corrections") -> bool:
@@ -112,7 +112,7 @@ class Corrections:
         return self.offset == other.offset and np.array_equal(self.gravity, other.gravity)
 
     def with_body(self, body: int, phi: Array) -> "Corrections":
-        """With other parameters of one body."""
+        """The correction with other parameters of one body."""
         changed = self.phi.copy()
         changed[body] = phi
         return replace(self, phi=changed)

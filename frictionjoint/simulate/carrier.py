@@ -302,7 +302,7 @@ def _check_block(
 
 
 def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
-    """The effects of an effects' block: their count, then each one's id, length and numbers.
+    """Read a block of effects: their count, then id, length and numbers of each.
 
     Raises:
         ModelError: damaged, in `where`.

@@ -121,7 +121,7 @@ class Scope:
         return [(left, over_time), (right, loop)]
 
     def text(self, sample: Sample) -> tuple[str, str]:
-        """Names and values, a line each, as an overlay wants them."""
+        """Names and values for an overlay, one line each."""
         position, torque = self._units
         rows = {
             self.joint: "sticks" if sample.sticks else "SLIPS",

@@ -40,7 +40,7 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
 
 
 def carrying(spec: mujoco.MjSpec) -> list[str]:
-    """Names of the joints that carry friction."""
+    """Names of the joints that have friction."""
     found = (_carrier(numeric.name) for numeric in spec.numerics)
     return [name for name in found if name is not None]
 
