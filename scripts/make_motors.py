@@ -11,16 +11,26 @@ the table of the whole library, is written again each time.
 import argparse
 import hashlib
 import json
+import math
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import mujoco
+
 from frictionjoint.motors.library import Motor, list_motors, motor_text
+from frictionjoint.parameters import FrictionParameters
+from frictionjoint.report.numbers import (
+    effect_estimates,
+    law_numbers,
+    result_estimates,
+    status_of,
+)
 from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -45,7 +55,8 @@ Errors on held-out data, with the law alone and with the effects that were found
 For a robot the second number belongs to the MJCF with corrected bodies; see the remarks.
 `frictionjoint motors list --json` also prints the command, the commit, the digest of the logs, the
 standard errors, and the numbers of effects of the drive and the load. A number is not determined if
-its standard error is more than half of its value.
+its standard error is more than half of its value. Every motor holds a load at rest. A stiffness or
+a damping that had to be assumed for that is named below.
 
 """
 TAIL = (
@@ -53,11 +64,24 @@ TAIL = (
     "",
     "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. If the",
     "controller is known, the numbers are refined by simulation (`--refine`). Without it the loop",
-    "error is 0.0296 rad for the STS3215, 0.0398 rad for the XL330, and the same for EMPS.",
+    "error is 0.0398 rad for the XL330, and the same for EMPS. `--keep NAME` leaves the numbers of",
+    "a machine or a motor as they are.",
     "",
 )
-# a number whose standard error is more than this part of it counts as not determined
-LOOSE = 0.5
+
+
+@dataclass(frozen=True)
+class Presliding:
+    """What is assumed of a joint before it slides.
+
+    Attributes:
+        damping: over the critical one of the joint's own inertia in its model.
+        length: displacement to the breakaway torque at the first stiffness, rad, which the encoder
+            does not resolve; None: as fitted.
+    """
+
+    damping: float
+    length: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,6 +93,8 @@ class Source:
         held_out: such patterns, or the fraction of each log's end.
         model: MJCF in models/, or PATTERN=MJCF by the names of the logs. joint: None for a robot.
         address, licence: of the logs. controller: preset or file in models/. remark: of the author.
+        assumed: what is assumed before sliding, by joint, where the fitted numbers are not
+            determined and would not hold a load at rest.
     """
 
     title: str
@@ -80,6 +106,7 @@ class Source:
     licence: str
     controller: str = ""
     remark: str = ""
+    assumed: Mapping[str, Presliding] = field(default_factory=dict)
 
 
 NO_LICENCE = "none stated"
@@ -100,6 +127,7 @@ SOURCES = {
         "Apache-2.0",
         controller="xl330",
         remark="Held out: firmware gain 400. Presliding is below the encoder's count.",
+        assumed={"pendulum": Presliding(0.3, 4.4e-4)},
     ),
     "sts3215": Source(
         "Feetech STS3215 servo, 12 V",
@@ -111,6 +139,7 @@ SOURCES = {
         NO_LICENCE,
         controller="sts3215",
         remark=f"Held out: firmware gain 8. Presliding is below the encoder's count. {NOT_SHIPPED}",
+        assumed={"pendulum": Presliding(0.1)},
     ),
     "emps": Source(
         "EMPS, electro-mechanical positioning system",
@@ -132,6 +161,7 @@ SOURCES = {
         "https://github.com/marcocognetti/FrankaEmikaPandaDynModel",
         "GPL-3.0",
         remark="Torque was measured behind the gear.",
+        assumed={"joint1": Presliding(0.1, 1.3e-4), "joint2": Presliding(0.1, 1.3e-4)},
     ),
     "tx40": Source(
         "Staubli TX40",
@@ -141,6 +171,7 @@ SOURCES = {
         None,
         "https://github.com/thanhndv212/figaroh-examples",
         "Apache-2.0",
+        assumed={"joint_1": Presliding(0.1, 1.5e-5)},
     ),
     "ur10": Source(
         "Universal Robots UR10",
@@ -243,7 +274,10 @@ def added(report: dict[str, Any]) -> dict[str, dict[str, float]]:
 
 
 def remarks(
-    source: Source, whole: dict[str, Any], report: dict[str, Any], friction: JointFriction
+    source: Source,
+    whole: dict[str, Any],
+    report: dict[str, Any],
+    friction: JointFriction,
 ) -> str:
     """What to know before using a motor."""
     said = [source.remark] if source.remark else []
@@ -262,19 +296,27 @@ def remarks(
             "Refined by simulation: the loop error is that of the refined numbers, torque and "
             "replay errors are those of the fit before."
         )
-    numbers = parameters(report).items()
-    loose = [
-        name
-        for name, x in numbers
-        if x["stderr"] is not None and x["stderr"] > LOOSE * abs(x["value"])
-    ]
     kept = errors(report)
     worse = [key for key in kept if f"{key}_before" in kept and kept[key] > kept[f"{key}_before"]]
     if worse:
         said.append(f"Worse than the law alone: {', '.join(worse)}.")
-    if loose:
-        said.append(f"Not determined by these logs: {', '.join(loose)}.")
+    said += [f"{text}: {', '.join(names)}." for text, names in unsure(report).items() if names]
     return " ".join(said)
+
+
+def unsure(report: dict[str, Any]) -> dict[str, list[str]]:
+    """Names of the numbers that the logs do not determine, and of those that are assumed."""
+    found: dict[str, list[str]] = {"Not determined by these logs": [], "Assumed": []}
+    rows = [(row.name, row.status) for row in law_numbers(result_estimates(report))]
+    for added in report["added"]:
+        sizes = effect_estimates(report, added).items()
+        rows += [(f"{added['effect']} {name}", status_of(name, x)) for name, x in sizes]
+    for name, status in rows:
+        if status == "not determined":
+            found["Not determined by these logs"].append(name)
+        elif status == "assumed":
+            found["Assumed"].append(name)
+    return found
 
 
 def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Motor]:
@@ -311,6 +353,29 @@ def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Moto
         )
 
 
+def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
+    """A motor with what is assumed of it before sliding; one that has it stays as it is."""
+    law = motor.friction.parameters
+    if known is None or "Assumed before sliding" in motor.remark:
+        return motor
+    assert isinstance(law, FrictionParameters)
+    fitted = law.Fs_pos / law.stiffness
+    length = known.length or fitted
+    law = replace(law, knots=tuple((z * length / fitted, force) for z, force in law.knots))
+    model = mujoco.MjModel.from_xml_path(str(ROOT / "models" / motor.model))
+    inertia = 1.0 / float(model.dof_invweight0[model.joint(motor.joint).dofadr[0]])
+    sigma1 = 2.0 * known.damping * math.sqrt(law.stiffness * inertia)
+    stiffness = f"a stiffness of {law.stiffness:.3g} N m/rad and " if known.length else ""
+    said = (
+        f"Assumed before sliding: {stiffness}a damping sigma1 of {sigma1:.3g} N m s/rad. These "
+        "logs do not determine them, and as fitted the joint would ring under a load; the errors "
+        "are those of the fit."
+    )
+    kept = {k: x for k, x in motor.stderr.items() if k not in ("stiffness", "sigma1")}
+    friction = replace(motor.friction, parameters=replace(law, sigma1=sigma1))
+    return replace(motor, friction=friction, stderr=kept, remark=f"{motor.remark} {said}")
+
+
 def page(library: Sequence[Motor]) -> str:
     """The table of all motors, and what to know of each."""
     lines = [
@@ -344,9 +409,8 @@ def _remarks(library: Sequence[Motor]) -> list[str]:
 
 
 def _sentences(remark: str) -> list[str]:
-    """Each with its full stop; what is loose in both directions is named once."""
-    short = re.sub(r"(\w+)_pos, \1_neg", r"\1", remark)
-    return re.findall(r".+?\.(?=\s|$)", short.replace(". ", ".\n"))
+    """Each with its full stop."""
+    return re.findall(r".+?\.(?=\s|$)", remark.replace(". ", ".\n"))
 
 
 def main() -> None:
@@ -355,14 +419,26 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only", action="append", choices=SOURCES)
+    parser.add_argument(
+        "--keep", action="append", default=[], help="a machine or a motor whose numbers stay"
+    )
     asked = parser.parse_args()
     for name in asked.only or SOURCES:
         folder = asked.out.resolve() / name
-        if not (folder / "report.json").exists():
-            run(SOURCES[name], asked.data, folder)
-        for motor in motors(name, SOURCES[name], asked.data, folder):
+        source = SOURCES[name]
+        if name in asked.keep:
+            made = [motor for motor in list_motors() if motor.name.partition("_")[0] == name]
+        else:
+            if not (folder / "report.json").exists():
+                run(source, asked.data, folder)
+            made = [
+                motor
+                for motor in motors(name, source, asked.data, folder)
+                if motor.name not in asked.keep
+            ]
+        for motor in made:
             out = LIBRARY / f"{motor.name}.toml"
-            out.write_text(motor_text(motor))
+            out.write_text(motor_text(with_presliding(motor, source.assumed.get(motor.joint))))
             print(f"Wrote {out.relative_to(ROOT)}", flush=True)
     PAGE.write_text(page(list_motors()))
 

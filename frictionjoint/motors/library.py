@@ -63,9 +63,10 @@ class Motor:
     friction: JointFriction
 
 
-def list_motors() -> list[Motor]:
-    """All motors, by name."""
-    found = (x for x in files("frictionjoint.motors").iterdir() if x.name.endswith(".toml"))
+def list_motors(folder: Traversable | None = None) -> list[Motor]:
+    """All motors of the library, or of another folder, by name."""
+    folder = folder or files("frictionjoint.motors")
+    found = (x for x in folder.iterdir() if x.name.endswith(".toml"))
     return [_read(x) for x in sorted(found, key=lambda x: x.name)]
 
 
