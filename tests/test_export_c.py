@@ -190,7 +190,7 @@ def test_a_joint_that_asks_for_its_surroundings_says_so(tmp_path):
 
 def test_only_what_the_joints_need_is_in_the_header():
     text = header({"j": JointFriction(INTEGRATED[0])}, "friction.h")
-    assert "fj_law_integrated_step" in text
+    assert "fj_law_integrated_usual_step" in text
     assert "fj_law_lugre_step" not in text
     assert "effect_torque" not in text
     assert "fj_law_lugre_step" in header({"j": JointFriction(LUGRE)}, "friction.h")

@@ -176,15 +176,16 @@ def _slide(
             target = b + scale * knot_torque(P, k, j - 1) if j > 0 else -math.inf
         K = slope(P, k, j)
         stop = (target - origin) / span
-        end = advance(r, dx * K / span, n)
         # where the step ends clearly short of the target its distance need not be known
-        if abs(end - r) + SHORT < abs(stop - r):
+        near = abs(stop - r) <= SHORT
+        end = r if near else advance(r, dx * K / span, n)
+        if not near and abs(end - r) + SHORT < abs(stop - r):
             r = end
             f = origin + r * span
             break
         reach = distance(r, stop, n) * span / K
         if dx < reach:
-            r = end
+            r = advance(r, dx * K / span, n) if near else end
             f = origin + r * span
             break
         # Rounding can put a target a bit behind f; it is then reached at once.
@@ -200,6 +201,20 @@ def _slide(
     X[h + RATE] = rate(r, n)
 
 
+@in_line
+def _move(P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, S: float) -> None:
+    """Header `h` after the displacement dq from header `a` at the level S."""
+    if h != a:
+        for i in range(HEADER):
+            X[h + i] = X[a + i]
+    if dq != 0.0:
+        direction = 1.0 if dq > 0.0 else -1.0
+        if X[h + DIRECTION] == -direction:
+            _reverse(P, p, X, h, s, direction)
+        X[h + DIRECTION] = direction
+        _slide(P, p, X, h, s, direction, S, abs(dq))
+
+
 @compiled
 def step(
     P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
@@ -212,18 +227,11 @@ def step(
         s (0 only with dq = 0 or for a start), v in rad/s.
     Returns: F in N m, opposing the motion.
     """
-    if h != a:
-        for i in range(HEADER):
-            X[h + i] = X[a + i]
+    S = 0.0
     if dq != 0.0:
-        direction = 1.0 if dq > 0.0 else -1.0
-        if X[h + DIRECTION] == -direction:
-            _reverse(P, p, X, h, s, direction)
-        X[h + DIRECTION] = direction
         side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
-        dx = abs(dq)
-        S = stribeck_level(P, side, dx / dt if dt > 0.0 else 0.0)
-        _slide(P, p, X, h, s, direction, S, dx)
+        S = stribeck_level(P, side, abs(dq) / dt if dt > 0.0 else 0.0)
+    _move(P, p, X, a, h, s, dq, S)
     sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
     return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v
 
@@ -255,8 +263,11 @@ def _undisturbed(
         target = min(target, b + scale * knot_torque(P, k, j))
     if not wiped:
         target = min(target, reset_torque)
+    left = abs((target - origin) / span - r)
+    if left <= SHORT:
+        return math.nan
     end = advance(r, dx * slope(P, k, j) / span, P[p + EXPONENT])
-    return end if abs(end - r) + SHORT < abs((target - origin) / span - r) else math.nan
+    return end if abs(end - r) + SHORT < left else math.nan
 
 
 @compiled
@@ -267,6 +278,7 @@ def usual_step(
 
     Nothing goes through memory on the way. The result is that of `step` but for rounding.
     """
+    S = 0.0
     if dq != 0.0:
         direction = 1.0 if dq > 0.0 else -1.0
         side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
@@ -286,4 +298,6 @@ def usual_step(
             X[h + RATE] = slip
             sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
             return Fh + (P[p + SIGMA1] * slip + sigma2) * v
-    return step(P, p, X, a, h, s, dq, dt, v)
+    _move(P, p, X, a, h, s, dq, S)
+    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
+    return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v

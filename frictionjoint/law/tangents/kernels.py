@@ -247,16 +247,26 @@ def integrated_slide(
             span_t,
         )
         stop = (target - origin) / span
-        end, end_t = rules.advance(
-            r,
-            r_t,
-            dx * K / span,
-            sum3(
-                1.0 / span * K, dx_t, 1.0 / span * dx, K_t, -(dx * K / span) * (1.0 / span), span_t
-            ),
-            n,
-        )
-        if abs(end - r) + integrated.SHORT < abs(stop - r):
+        near = abs(stop - r) <= integrated.SHORT
+        if near:
+            end_t = r_t
+            end = r
+        else:
+            end, end_t = rules.advance(
+                r,
+                r_t,
+                dx * K / span,
+                sum3(
+                    1.0 / span * K,
+                    dx_t,
+                    1.0 / span * dx,
+                    K_t,
+                    -(dx * K / span) * (1.0 / span),
+                    span_t,
+                ),
+                n,
+            )
+        if not near and abs(end - r) + integrated.SHORT < abs(stop - r):
             r_t = end_t
             r = end
             f_t = sum3(1.0, origin_t, span, r_t, r, span_t)
@@ -268,8 +278,24 @@ def integrated_slide(
         )
         reach = y3 * span / K
         if dx < reach:
-            r_t = end_t
-            r = end
+            if near:
+                r, r_t = rules.advance(
+                    r,
+                    r_t,
+                    dx * K / span,
+                    sum3(
+                        1.0 / span * K,
+                        dx_t,
+                        1.0 / span * dx,
+                        K_t,
+                        -(dx * K / span) * (1.0 / span),
+                        span_t,
+                    ),
+                    n,
+                )
+            else:
+                r_t = end_t
+                r = end
             f_t = sum3(1.0, origin_t, span, r_t, r, span_t)
             f = origin + r * span
             break
@@ -292,6 +318,32 @@ def integrated_slide(
     X[h + memory.RATE] = y4
 
 
+@in_line
+def integrated_move(
+    P: Vector,
+    P_t: Tangents,
+    p: int,
+    X: Vector,
+    X_t: Tangents,
+    a: int,
+    h: int,
+    s: int,
+    dq: float,
+    S: float,
+    S_t: Tangent,
+) -> None:
+    if h != a:
+        for i in range(memory.HEADER):
+            put(X_t, h + i, at(X_t, a + i))
+            X[h + i] = X[a + i]
+    if dq != 0.0:
+        direction = 1.0 if dq > 0.0 else -1.0
+        if X[h + memory.DIRECTION] == -direction:
+            integrated_reverse(P, P_t, p, X, X_t, h, s, direction)
+        X[h + memory.DIRECTION] = direction
+        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, abs(dq))
+
+
 @compiled
 def integrated_step(
     P: Vector,
@@ -306,19 +358,12 @@ def integrated_step(
     dt: float,
     v: float,
 ) -> None:
-    if h != a:
-        for i in range(memory.HEADER):
-            put(X_t, h + i, at(X_t, a + i))
-            X[h + i] = X[a + i]
+    S_t = ZERO
+    S = 0.0
     if dq != 0.0:
-        direction = 1.0 if dq > 0.0 else -1.0
-        if X[h + memory.DIRECTION] == -direction:
-            integrated_reverse(P, P_t, p, X, X_t, h, s, direction)
-        X[h + memory.DIRECTION] = direction
         side = p + integrated.POSITIVE if dq > 0.0 else p + integrated.NEGATIVE
-        dx = abs(dq)
-        S, S_t = rules.stribeck_level(P, P_t, side, dx / dt if dt > 0.0 else 0.0, ZERO)
-        integrated_slide(P, P_t, p, X, X_t, h, s, direction, S, S_t, dx)
+        S, S_t = rules.stribeck_level(P, P_t, side, abs(dq) / dt if dt > 0.0 else 0.0, ZERO)
+    integrated_move(P, P_t, p, X, X_t, a, h, s, dq, S, S_t)
 
 
 @compiled
