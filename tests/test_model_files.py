@@ -238,7 +238,7 @@ def test_all_refuses_joints_without_names(tmp_path):
     (tmp_path / "arm.xml").write_text(text)
     done = run("install", "arm.xml", "--all", "f.toml", "--out", "with.xml", cwd=tmp_path)
     assert done.returncode == 2
-    assert "a joint of body 'link' has no name" in done.stderr
+    assert "no other hinge or slide joint with a name" in done.stderr
     done = run("install", "arm.xml", "--out", "with.xml", cwd=tmp_path)
     assert done.returncode == 2
     assert "--joint NAME=TOML, or --all TOML" in done.stderr

@@ -75,6 +75,11 @@ def test_force_overwrites_it(home: Path) -> None:
         assert written.read_bytes() != before
 
 
-def test_an_older_result_is_replaced(home: Path) -> None:
+def test_an_older_result_is_replaced_with_force_only(home: Path) -> None:
     assert run(*ADD, "new.xml", cwd=home).returncode == 0
-    assert run(*ADD, "new.xml", cwd=home).returncode == 0
+    older = (home / "new.xml").read_bytes()
+    refused = run(*ADD, "new.xml", cwd=home)
+    assert refused.returncode == 2
+    assert "--force" in refused.stderr
+    assert (home / "new.xml").read_bytes() == older
+    assert run(*ADD, "new.xml", "--force", cwd=home).returncode == 0
