@@ -67,7 +67,7 @@ def close_loop(
     law: str | None = None,
     fixed: "Mapping[str, Pose] | None" = None,
     controller: "GivenController | None" = None,
-    refine: bool = False,
+    refine: bool = True,
     jobs: int | None = 1,
 ) -> "Report | RobotReport":
     """Identify friction from logs and find what the model lacks.
@@ -82,11 +82,12 @@ def close_loop(
         seed: equal seeds give equal reports.
         progress: called with a text that says what is being done.
         law: name of the friction law, one of ``frictionjoint.law.names.LAWS``; None: the
-            integrated law, or another one in the result where that is clearly better.
+            integrated law.
         fixed: positions of joints that the logs do not contain, by name, rad (m).
         controller: what drove the joints to their targets: a `Controller`, its file, the name of a
             preset, one per joint by name, or "mjcf" for the model's own position servos.
-        refine: fit all numbers of the result to simulated motion in the end; for one joint.
+        refine: whether logs with a target and a controller also fit all numbers of the result to
+            simulated motion in the end; those are taken if they predict unlike logs better.
         jobs: processes for the joints of a robot; None: one per core. With more than one, a script
             needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:
@@ -109,8 +110,6 @@ def close_loop(
     from frictionjoint.robot.close_loop import close_loop_robot
     from frictionjoint.robot.logs import read_robot
 
-    if refine:
-        raise ParameterError("refine is for one joint: give its name as joint")
     if isinstance(model, Mapping):
         raise ParameterError("several joints share one model: give its path, without patterns")
     kept = [] if isinstance(held_out, float | int) else list(held_out)
@@ -119,7 +118,7 @@ def close_loop(
         raise LogError("the logs of a robot are files: give paths, or the name of one joint")
     kept_files = held_out if isinstance(held_out, float | int) else files[len(logs) :]
     read = read_robot(files[: len(logs)], model, kept_files, joint)
-    return close_loop_robot(read, model, seed, say, law, fixed, jobs, controller=controller)
+    return close_loop_robot(read, model, seed, say, law, fixed, jobs, None, controller, refine)
 
 
 def identify(

@@ -40,9 +40,7 @@ def ours(paths: list[Path], gain: int) -> Row:
     held = {path: log for path, log in logs.items() if log.metadata["kp"] == gain}
     begin = time.process_time()
     fitted = [log for path, log in logs.items() if path not in held]
-    report = close_loop(
-        fitted, STS3215, JOINT, list(held.values()), controller=PRESETS["sts3215"], refine=True
-    )
+    report = close_loop(fitted, STS3215, JOINT, list(held.values()), controller=PRESETS["sts3215"])
     seconds = time.process_time() - begin
     assert report.refined
     assert report.closed_loops

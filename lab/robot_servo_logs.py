@@ -1,7 +1,7 @@
 """A whole robot driven to its targets: every joint through the loop, then all of them at once.
 
     python lab/robot_servo_logs.py LOG... --model MJCF --controller FILE|PRESET
-        [--joint NAME]... [--names LOG=MJCF]... [--until LOG=S]... [--held-out LOG]... [--refine]
+        [--joint NAME]... [--names LOG=MJCF]... [--until LOG=S]... [--held-out LOG]... [--no-refine]
 
 The MJCF is read without its meshes and with its base held, so that Menagerie's file alone will do
 (github.com/google-deepmind/mujoco_menagerie, for instance `unitree_go2/go2.xml` and
@@ -269,7 +269,7 @@ def main() -> None:
     parser.add_argument("--controller", required=True)
     parser.add_argument("--joint", action="append", help="to explain; default: all")
     parser.add_argument("--held-out", type=Path, action="append", default=[])
-    parser.add_argument("--refine", action="store_true")
+    parser.add_argument("--no-refine", action="store_true")
     parser.add_argument("--names", action="append", default=[], metavar="LOG=MJCF")
     parser.add_argument("--until", action="append", default=[], metavar="LOG=S")
     asked = parser.parse_args()
@@ -305,7 +305,7 @@ def explain(asked: argparse.Namespace, path: Path) -> None:
     print("|---|---|---|---|---|---|---|", flush=True)
     for name in asked.joint or names:
         report = close_loop(
-            fit[name], path, name, kept[name], controller=known, refine=asked.refine
+            fit[name], path, name, kept[name], controller=known, refine=not asked.no_refine
         )
         reports[name] = report
         loops = [f"{x.mae.held_out:.4f}" for x in report.closed_loops or ()] or ["", ""]

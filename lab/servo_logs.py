@@ -70,7 +70,6 @@ class Split:
             "carriage" if axis else "pendulum",
             self.held_out,
             controller=MODELS / "emps.controller.toml" if axis else PRESETS[self.servo],
-            refine=True,
             progress=lambda text: print(f"    {time.perf_counter() - begin:5.0f} s  {text}"),
         )
         loops = [*(r.closed_loops or ()), *([r.refined.loops] if r.refined else ())]

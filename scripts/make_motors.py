@@ -63,7 +63,7 @@ TAIL = (
     "## How they were made",
     "",
     "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. If the",
-    "controller is known, the numbers are refined by simulation (`--refine`). Without it the loop",
+    "controller is known, the numbers are refined by simulation. Without it the loop",
     "error is 0.0398 rad for the XL330, and the same for EMPS. `--keep NAME` leaves the numbers of",
     "a machine or a motor as they are.",
     "",
@@ -196,7 +196,6 @@ def arguments(source: Source, logs: Sequence[str], held_out: Sequence[str]) -> l
     if source.controller:
         file = source.controller.endswith(".toml")
         made += ["--controller", f"models/{source.controller}" if file else source.controller]
-        made += ["--refine"]
     for log in held_out:
         made += ["--held-out", log]
     return made

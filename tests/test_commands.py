@@ -81,8 +81,6 @@ def test_several_joints_are_a_robot():
     log = fj.read_log(DEMO / "ramps.csv")
     with pytest.raises(LogError, match="files"):
         fj.close_loop([log], DEMO / "joint.xml", ["a", "b"])
-    with pytest.raises(ParameterError, match="one joint"):
-        fj.close_loop([DEMO / "ramps.csv"], DEMO / "joint.xml", None, refine=True)
 
 
 def test_a_stiffness_stands_in_for_knots():

@@ -89,11 +89,12 @@ def close_loop_command(
     refine: Annotated[
         bool,
         typer.Option(
-            "--refine",
-            help="At the end, fit all numbers of the result to the simulated motion, and use them "
-            "if they predict logs better that are left out.",
+            "--refine/--no-refine",
+            help="Where the logs have a target and the controller is known: fit all numbers of the "
+            "result to the simulated motion at the end, and use them if they predict logs better "
+            "that are left out.",
         ),
-    ] = False,
+    ] = True,
     gain: Gain = None,
     column: Columns = None,
     signal: Signals = None,
@@ -153,12 +154,10 @@ def close_loop_command(
     if robot or joint is None or len(joint) != 1:
         reading = Reading.of("", column, signal, wrap, gain, unit, paths.joined, drop_nan)
         mjcf = models_of(model)
-        if refine:
-            raise ModelError("--refine is for one joint: name it with --joint")
         if isinstance(mjcf, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out, Path(mjcf), joint or [], reading)
-        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler, controller)
+        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler, controller, refine)
         if robot:
             close_loop_of_units(request, robots_of(robot), wanted)
         else:

@@ -79,7 +79,7 @@ class Wanted:
 
     Attributes:
         out, force: folder of the report, and whether it may be overwritten. as_json: on stdout.
-        seed, law, fixed, scheduler, controller: see `close_loop_robot`.
+        seed, law, fixed, scheduler, controller, refine: see `close_loop_robot`.
     """
 
     out: Path
@@ -90,11 +90,12 @@ class Wanted:
     as_json: bool
     scheduler: str | None = None
     controller: str | None = None
+    refine: bool = True
 
     @property
     def search(self) -> dict[str, Any]:
         """Arguments of the search by name."""
-        names = ("seed", "law", "fixed", "scheduler", "controller")
+        names = ("seed", "law", "fixed", "scheduler", "controller", "refine")
         return {name: getattr(self, name) for name in names}
 
 

@@ -45,7 +45,6 @@ from frictionjoint.diagnose.report_parts import (
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
-from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
@@ -93,7 +92,7 @@ def close_loop(
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
     controller: GivenController | None = None,
-    refine: bool = False,
+    refine: bool = True,
 ) -> Report:
     """Fit, trace, add, refit and report.
 
@@ -110,7 +109,8 @@ def close_loop(
         controller: what drove the joint to its target, its file, or the name of a preset; or one
             for each joint by its name; or "mjcf", the model's own position servo. Logs without
             torque, voltage or current need it; all are simulated with it.
-        refine: fit all numbers of the named model to simulated motion in the end.
+        refine: whether logs with a target and a controller also fit all numbers of the result to
+            simulated motion in the end; those are taken if they predict unlike logs better.
     Raises:
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument is of a wrong type.
@@ -142,9 +142,9 @@ def explain(
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     controller: Controller | None = None,
-    refine: bool = False,
-) -> tuple[Report, Trace]:
-    """The loop on logs that were read: the report, and what the search found.
+    refine: bool = True,
+) -> tuple[Report, Trace, Fit]:
+    """The loop on logs that were read: the report, what the search found, and the fit to simulate.
 
     Args:
         held_out: may be none. bodies: the model around the joint. Others: see `close_loop`.
@@ -155,8 +155,6 @@ def explain(
     mine, theirs = bodies.of(logs), bodies.of(held_out)
     body = mine[0]
     joint = body.joint
-    if refine:
-        _check_refinable(controller, (*logs, *held_out))
     said = bodies.check(logs, held_out)
     if controller:
         said += tuple(note for log in (*logs, *held_out) for note in check_drive(log, controller))
@@ -278,7 +276,7 @@ def explain(
         ),
         positions=positions,
     )
-    return report, found
+    return report, found, best if scaled else found.final
 
 
 def _fitted_and_held_out(
@@ -311,13 +309,3 @@ def _posterior(
         return JointFriction(law_parameters(one), tuple(simulated_effects(one)))
 
     return Posterior.of(values, spread, made)
-
-
-def _check_refinable(controller: Controller | None, logs: Sequence[JointLog]) -> None:
-    if controller is None:
-        raise ParameterError(
-            "refine: simulated motion needs what drove the joint, give its controller"
-        )
-    for log in logs:
-        if log.target is None:
-            raise LogError(f"{log.name}: no target to simulate, add target_rad or leave out refine")

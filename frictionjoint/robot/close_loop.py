@@ -55,6 +55,7 @@ def close_loop_robot(
     jobs: int | None = None,
     scheduler: str | None = None,
     controller: GivenController | None = None,
+    refine: bool = True,
 ) -> RobotReport:
     """Fit every joint, find what they show together, then what each lacks; report.
 
@@ -67,6 +68,7 @@ def close_loop_robot(
         jobs: processes; None: one for each core. The result does not depend on it.
         scheduler: address of a Dask scheduler whose workers take the joints instead.
         controller: of all joints or of each, for logs of targets, see `diagnose.close_loop`.
+        refine: see `diagnose.close_loop`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -78,6 +80,7 @@ def close_loop_robot(
         n: Task(
             *(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law),
             controller=controller_of(controller, n, [compiled]),
+            refine=refine,
         )
         for n in logs.joints
     }
@@ -104,7 +107,7 @@ def close_loop_robot(
     excitation = next_trajectory(settled, logs.moving, known, seed)
     progress("simulating all joints together")
     poses = _poses(next(iter(fitted.values())))
-    spec = _with_friction(corrected, {n: x.after.fit for n, x in done.items()})
+    spec = _with_friction(corrected, {n: x.simulated for n, x in done.items()})
     spec.compile()
     results = {n: x.result for n, x in done.items()}
     return RobotReport(

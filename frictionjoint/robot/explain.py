@@ -1,7 +1,7 @@
 """One joint of a robot under the corrected model, and what it was before."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,7 @@ class Task:
         user: the model as it is. corrected: with all shared causes; without: with all but one
             that acts on this joint, by its number.
         shape: of the law fitted under the user's model. controller: of logs without a torque.
+        refine: see `diagnose.close_loop`.
     """
 
     joint: str
@@ -70,6 +71,7 @@ class Task:
     without: Mapping[int, State] = field(default_factory=dict)
     shape: Shape | None = None
     controller: Controller | None = None
+    refine: bool = True
 
 
 @dataclass(frozen=True)
@@ -87,12 +89,14 @@ class Explained:
 
     Attributes:
         before, after: fits under the user's model and under the corrected one.
+        simulated: the fit that the robot's model carries: that of `after`, or refined.
         without: torque errors of the law without each shared cause; with_all: with all of them.
     """
 
     result: JointResult
     before: Fitted
     after: Fitted
+    simulated: Fit
     without: dict[int, Rms]
     with_all: Rms
 
@@ -113,13 +117,14 @@ def explain_joint(task: Task) -> Explained | str:
 def _explained(task: Task) -> Explained:
     assert task.corrected is not None
     body = task.corrected.body(task.joint, task.fixed)
-    report, trace = explain(
+    report, trace, simulated = explain(
         task.logs,
         task.held_out,
         Bodies.one(body),
         task.seed,
         law=task.law,
         controller=task.controller,
+        refine=task.refine,
     )
     final = stated_covariance(trace.prepared, trace.final)
     left = errors_elsewhere(trace.prepared, trace.final, final)
@@ -137,7 +142,7 @@ def _explained(task: Task) -> Explained:
     if report.after_torque.worse_than(torque):
         increase["torque_rms"] = _torque_increase(before, after)
     if report.after_replay.worse_than(place):
-        increase["replay_rms"] = _replay_increase(before, after, task)
+        increase["replay_rms"] = _replay_increase(before, replace(after, fit=simulated), task)
     result = JointResult(
         report=report,
         base=law_estimates(base, cov, body.slide),
@@ -150,7 +155,7 @@ def _explained(task: Task) -> Explained:
     without = {
         i: _torque(_law_alone(task, state, trace, left), trace) for i, state in task.without.items()
     }
-    return Explained(result, before, after, without, report.before_torque)
+    return Explained(result, before, after, simulated, without, report.before_torque)
 
 
 def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepared | None:

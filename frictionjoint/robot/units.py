@@ -112,6 +112,7 @@ def close_loop_units(
     jobs: int | None = None,
     scheduler: str | None = None,
     controller: GivenController | None = None,
+    refine: bool = True,
 ) -> UnitsReport:
     """`close_loop_robot` of each unit; one that cannot be explained stops no other.
 
@@ -129,7 +130,7 @@ def close_loop_units(
 
         try:
             found[name] = close_loop_robot(
-                logs, model, seed, say, law, fixed, jobs, scheduler, controller
+                logs, model, seed, say, law, fixed, jobs, scheduler, controller, refine
             )
         except FrictionJointError as error:
             failed[name] = str(error)
