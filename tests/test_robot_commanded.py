@@ -9,6 +9,7 @@ import pytest
 from frictionjoint.report.write_robot import write_robot_report
 from frictionjoint.robot.close_loop import close_loop_robot
 from frictionjoint.robot.logs import read_robot
+from frictionjoint.simulate.carrier import read_friction
 
 # s: of the plant and its controller; a target comes, and a row is logged, once in so many
 TICK, EVERY = 5e-4, 10
@@ -94,3 +95,10 @@ def test_each_joints_controller_is_written(report, tmp_path):
     for name, kp in KP.items():
         assert f"kp = {kp}\n" in (tmp_path / f"joint_{name}.controller.toml").read_text()
     assert json.loads((tmp_path / "report.json").read_text())["schema"] == "frictionjoint/report-2"
+
+
+def test_the_model_carries_what_was_refined(report):
+    carried = read_friction(mujoco.MjSpec.from_string(report.mjcf).compile())
+    for name, joint in report.joints.items():
+        assert joint.report.refined is not None
+        assert carried[name] == joint.report.carried
