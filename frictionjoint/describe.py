@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from frictionjoint.effects.quantities import quantity_of
+
 if TYPE_CHECKING:
     from frictionjoint.parameters import Friction
     from frictionjoint.simulate.carrier import JointFriction
@@ -66,7 +68,8 @@ def law_values(parameters: "Friction", slide: bool = False) -> tuple[Value, ...]
         parameters: of any law. slide: whether the joint is one: N and m in place of N m and rad.
     """
     numbers = {k: x for k, x in parameters.to_dict().items() if isinstance(x, float)}
-    numbers |= {"stiffness": parameters.stiffness}
+    if parameters.stiffness > 0.0:
+        numbers |= {"stiffness": parameters.stiffness}
     found = []
     for name, x in numbers.items():
         base, _, side = name.rpartition("_")
@@ -98,7 +101,10 @@ def effect_texts(joint: "JointFriction", slide: bool = False) -> tuple[str, ...]
         units = (*effect.units, *effect.shape_units)
         values = (*one.coefficients, *one.shape)
         rows = zip(names, values, units, strict=True)
-        numbers = (f"{n} {Value(n, '', x, spelled(u, slide)).text}" for n, x, u in rows)
+        numbers = (
+            f"{quantity_of(effect.name, n)} {Value(n, '', x, spelled(u, slide)).text}"
+            for n, x, u in rows
+        )
         found.append(f"{effect.title or effect.name}: {', '.join(numbers)}")
     return tuple(found)
 

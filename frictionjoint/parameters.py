@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.describe import short
+from frictionjoint.describe import meaning, short
 from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
 
@@ -281,7 +281,8 @@ def check_keys(cls: type, given: Mapping[str, Any]) -> None:
         name for name, f in fields.items() if f.default is dataclasses.MISSING and name not in given
     ]
     if missing:
-        raise ParameterError(f"missing parameter {', '.join(missing)}: add it")
+        named = [f"{name} ({meaning(name)})" for name in missing]
+        raise ParameterError(f"missing parameter {', '.join(named)}: add it")
 
 
 def _segments(knots: Knots) -> Iterator[tuple[float, float, float]]:

@@ -10,6 +10,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.files import toml_text
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.compare import compared, draw
+from frictionjoint.rivals import StaticParameters
 from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
@@ -50,7 +51,21 @@ def test_effects_are_named():
         CATALOGUE[0], (1.0,) * len(CATALOGUE[0].shape), (0.1,) * len(CATALOGUE[0].coefficients)
     )
     (a,) = compared({"a": JointFriction(A, (effect,))})
-    assert a.figures["effects, not drawn"] == CATALOGUE[0].name
+    assert a.figures["effects, not drawn"] == CATALOGUE[0].title
+
+
+def test_a_law_that_creeps_leaves_the_loops_of_others_as_they_are():
+    creeping = StaticParameters.from_dict(
+        {"Fs": 1.2, "Fc": 1.0, "Vs": 0.05, "sigma2": 0.1, "V0": 1e-3}
+    )
+    alone, (a, b) = (
+        compared({"a": JointFriction(A)})[0],
+        compared({"a": JointFriction(A), "b": JointFriction(creeping)}),
+    )
+    work = "work of one presliding loop, J"
+    assert a.figures[work] == alone.figures[work] > 0.0
+    assert work not in b.figures
+    assert b.figures["at rest"] == "creeps"
 
 
 @pytest.mark.parametrize(("kind", "begins"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])

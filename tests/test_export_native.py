@@ -104,12 +104,20 @@ def test_native_has_the_friction_of_steady_sliding(one_joint, tmp_path):
 def test_what_is_lost_is_named(one_joint, tmp_path):
     native, _ = written(one_joint, Target.NATIVE, tmp_path / "a", speeds=(0.1, 2.0))
     urdf, _ = written(one_joint, Target.URDF, tmp_path / "b", speeds=(0.1, 2.0))
-    assert "effect position-periodic" in native.lost[0]
+    assert "cogging" in native.lost[0]
     assert "spring" not in native.lost[0]
     for word in ("a spring of 2", "a constant torque of", "rotor inertia 0.05"):
         assert word in urdf.lost[0]
     # a plain joint that slides loses little, without spring and bias much
     assert native.losses[0].torque_lost < urdf.losses[0].torque_lost
+
+
+def test_sliding_of_coulomb_friction_loses_nothing(tmp_path):
+    law = fj.FrictionParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, stiffness=3000.0)
+    native, _ = written(arm(tmp_path, {"turn": law}), Target.NATIVE, tmp_path / "out")
+    (loss,) = native.losses
+    assert loss.sliding_lost < 0.01 * loss.torque < 0.1 * loss.torque_lost
+    assert native.lost == ("turn: presliding with its memory",)
 
 
 def test_it_does_not_creep(tmp_path):

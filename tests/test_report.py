@@ -12,6 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
+from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.report import charts, presliding, wording
 from frictionjoint.report.page import render
 from frictionjoint.report.write import made
@@ -257,7 +258,7 @@ def test_an_interval_of_next_to_no_samples_is_not_stated(found):
 def test_law_and_rest_of_the_model_make_up_what_is_measured_behind_a_turn(found):
     # the law's torque runs from one Coulomb level to the other behind a turn
     curve = found.curves[0]
-    windows = presliding.turns(curve, 6.0 * presliding.length(found.laws[1]))
+    windows = presliding.turns(curve, 6.0 * presliding_distance(found.laws[1], 0.9))
     assert windows
     law = found.laws[1]
     for w in windows:

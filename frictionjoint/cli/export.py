@@ -96,17 +96,31 @@ def export(
         typer.echo(f"Lost: {lost}")
     if done.losses:
         table = Table(
-            "joint", "friction", "torque error", "loop error, ours", "exported", "difference"
+            "joint",
+            "friction",
+            "error in sliding",
+            "error in all",
+            "loop error, ours",
+            "exported",
+            "difference",
         )
         for x in done.losses:
-            share = f" ({x.torque_lost / x.torque:.0%})" if x.torque else ""
-            torques = (f"{x.torque:.3g} {x.unit}", f"{x.torque_lost:.3g} {x.unit}{share}")
+            errors = (_error(lost, x.torque, x.unit) for lost in (x.sliding_lost, x.torque_lost))
+            torques = (f"{x.torque:.3g} {x.unit}", *errors)
             errors = (f"{1e3 * e:.3g} m{x.unit_of_position}" for e in x.errors)
             table.add_row(x.joint, *torques, *errors)
         console().print(table)
         typer.echo(
-            f"All values are rms, along {'; '.join(sorted({x.motion for x in done.losses}))}."
+            f"All values are rms, along {'; '.join(sorted({x.motion for x in done.losses}))}. "
+            "Sliding: away from rest and reversals."
         )
+
+
+def _error(error: float | None, torque: float, unit: str) -> str:
+    """A torque error and its fraction of the friction torque."""
+    if error is None:
+        return "no sliding"
+    return f"{error:.3g} {unit}" + (f" ({error / torque:.0%})" if torque else "")
 
 
 def _range(text: str | None) -> tuple[float, float] | None:

@@ -73,6 +73,8 @@ def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str,
     from frictionjoint.describe import effect_texts, law_values
 
     law = f"law {joint.parameters.law}"
+    if joint.parameters.stiffness <= 0.0:
+        law += ", which creeps under load instead of holding at rest"
     if slide is None:
         law += ", units of a hinge (for a slide read N for N m and m for rad)"
     return {

@@ -55,7 +55,7 @@ def plot(
     `frictionjoint plot arm.csv --joint elbow --column time_s=t --out elbow.html`
     """
     from frictionjoint.plotting import plot_text
-    from frictionjoint.report.log_plot import described
+    from frictionjoint.report.log_plot import described, unit_doubt
     from frictionjoint.report.write import write_files
 
     found = log_paths(logs, [], join)
@@ -73,7 +73,7 @@ def plot(
         write_files(target.parent, {target.name: plot_text(read, target.suffix.lower())})
     for log in read:
         typer.echo(described(log))
-        for note in log.notes:
+        for note in filter(None, (unit_doubt(log), *log.notes)):
             typer.echo(f"* {note}")
     typer.echo(f"Wrote {target}")
     if open_it:

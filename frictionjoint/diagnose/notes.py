@@ -54,7 +54,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *found.hints,
         *stiffness_note(found.final, found.prepared.slide),
         *_laws_note(found),
-        *_constraint_note(found.final),
+        *_constraint_note(found),
         *_sight_note(found),
     )
 
@@ -112,12 +112,14 @@ def _hold_note(found: Trace) -> tuple[str, ...]:
 
 def _laws_note(found: Trace) -> tuple[str, ...]:
     """What the other laws leave with the same effects: a comparison, no choice."""
+    if not found.other_laws:
+        return ()
     unit, _ = units_of(found.final, found.prepared.slide)
     own, mine = law_parameters(found.final).law, found.final.rms_in_motion
-    return tuple(
-        f"With the law {law} and the same effects, the error in motion on fitted logs would be "
-        f"{left:.3g} {unit}; with {own} it is {mine:.3g} {unit}."
-        for law, left in found.other_laws
+    others = ", ".join(f"{law} {left:.3g}" for law, left in found.other_laws)
+    return (
+        f"Error in motion on fitted logs with each friction law and the same effects, {unit}: "
+        f"{own} {mine:.3g} (used), {others}.",
     )
 
 
@@ -139,11 +141,17 @@ def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
     )
 
 
-def _constraint_note(fitted: Fit) -> tuple[str, ...]:
+def _constraint_note(found: Trace) -> tuple[str, ...]:
     """That friction acts as a solver's constraint does."""
-    if not isinstance(fitted.shape, ConstraintShape):
+    shape = found.final.shape
+    if not isinstance(shape, ConstraintShape):
         return ()
-    lead = f"{1e3 * fitted.shape.lead:.2g} ms"
+    lead = f"{1e3 * shape.lead:.2g} ms"
+    if found.prepared.commanded:
+        return (
+            f"Friction changes direction {lead} before the logged velocity does: probably target "
+            "and position are sampled at different times, or the controller file lacks a delay.",
+        )
     return (
         f"Torque leads position by {lead}: probably the two signals are sampled at different "
         "times. A log simulated with MuJoCo's own frictionloss looks the same.",

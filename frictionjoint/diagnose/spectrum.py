@@ -10,7 +10,7 @@ from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import TIME, H, Q, V
+from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import FEWEST_WAVES
@@ -20,6 +20,9 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 # cells of the travel that a spectrum in position is made of
 _POSITION_BINS = 4096
+# fraction of a wave in time that is a function of the motion: above it, the wave is no dependence
+# on time
+_OF_MOTION = 0.5
 # strongest lines of a spectrum that are tried
 _PEAKS = 2
 # length over which a change of the friction level is reached, over the travel: where a fit starts
@@ -55,8 +58,31 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     turned = [_at_mean_speed(s) for s in prepared.segments]
     if _of_wave(fitted, turned, frequency) >= APART * -float(found.fun):
         return [], 1.0
-    wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments))
+    moved = _part_of_motion(fitted, prepared, times, frequency)
+    if moved > _OF_MOTION:
+        return [], 1.0
+    wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments), moved)
     return [wave], max(1.0, len(power) / 2.0)
+
+
+def _part_of_motion(fitted: Fit, prepared: Prepared, times: list[Array], frequency: float) -> float:
+    """Largest fraction of a wave in time that is a function of a log's motion and load, 0 to 1.
+
+    A joint that moves at the frequency, or at half or a third of it, has such a wave in its own
+    torque; then the logs do not show that it comes from elsewhere.
+    """
+    parts = []
+    for i, (segment, t) in enumerate(zip(prepared.segments, times, strict=True)):
+        w = fitted.weight[fitted.log_index == i][:, None]
+        q, v, a, load = segment.at_kept(segment.signals[:, [Q, V, A, LOAD]]).T
+        motion = np.column_stack([q, v, a, load, np.sign(v), q * q, v * np.abs(v), v * v, q**3])
+        angle = 2.0 * np.pi * frequency * t[:, None]
+        wave = np.hstack([np.sin(angle), np.cos(angle)])
+        X, y = (w * (x - np.average(x, axis=0, weights=w[:, 0] ** 2)) for x in (motion, wave))
+        left = y - X @ np.linalg.lstsq(X, y, rcond=1e-9)[0]
+        whole = np.sum(y * y, axis=0)
+        parts.append(float(np.max(1.0 - np.sum(left * left, axis=0) / np.where(whole, whole, 1.0))))
+    return max(parts)
 
 
 def _at_mean_speed(segment: Segment) -> Array:

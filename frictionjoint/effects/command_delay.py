@@ -29,6 +29,7 @@ def _delays(logs: Sequence[Commands]) -> list[Shape]:
 
 EFFECT = Effect(
     name="command-delay",
+    title="command delay",
     effect_id=0,
     coefficients=(),
     units=(),

@@ -34,6 +34,7 @@ def _rates(logs: Sequence[Commands]) -> list[Shape]:
 
 EFFECT = Effect(
     name="command-rate",
+    title="speed limit of the target",
     effect_id=0,
     coefficients=(),
     units=(),

@@ -51,6 +51,7 @@ def _bands(logs: Sequence[Commands], quantiles: Sequence[float] | Array) -> list
 
 EFFECT = Effect(
     name="deadband",
+    title="dead band of the controller",
     effect_id=0,
     coefficients=(),
     units=(),

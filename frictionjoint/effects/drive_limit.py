@@ -33,6 +33,7 @@ def _limits(logs: Sequence[Commands]) -> list[Shape]:
 
 EFFECT = Effect(
     name="drive-limit",
+    title="limit of the drive",
     effect_id=0,
     coefficients=(),
     units=(),

@@ -64,6 +64,7 @@ def _starts(watched: Sequence[Array]) -> list[Shape]:
 
 EFFECT = Effect(
     name="duty-drop",
+    title="output reduced at large error",
     effect_id=0,
     coefficients=(),
     units=(),

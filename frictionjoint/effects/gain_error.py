@@ -32,6 +32,7 @@ def _factors(logs: Sequence[Commands]) -> list[Shape]:
 
 EFFECT = Effect(
     name="gain-error",
+    title="wrong controller gain",
     effect_id=0,
     coefficients=(),
     units=(),

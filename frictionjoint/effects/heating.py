@@ -27,6 +27,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="heating",
+    title="heating by friction",
     effect_id=28,
     coefficients=(),
     units=(),

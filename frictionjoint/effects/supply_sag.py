@@ -41,6 +41,7 @@ def _emfs(logs: Sequence[Commands]) -> list[Shape]:
 
 EFFECT = Effect(
     name="supply-sag",
+    title="supply voltage that falls under load",
     effect_id=0,
     coefficients=(),
     units=(),

@@ -35,6 +35,7 @@ class Loss:
     Attributes:
         joint, motion: names. unit: of the torques.
         torque: rms of the friction torque, ours. torque_lost: rms of exported less ours.
+        sliding_lost: the same in sliding alone, away from rest and reversals; None: no sliding.
         error: rms position error of the loop with our friction, rad (m). error_exported: with the
             exported one. apart: rms distance of the two runs.
     """
@@ -44,6 +45,7 @@ class Loss:
     unit: str
     torque: float
     torque_lost: float
+    sliding_lost: float | None
     error: float
     error_exported: float
     apart: float
@@ -69,10 +71,12 @@ def losses(
     exported: mujoco.MjModel,
     motions: Mapping[str, Motion],
     actuators: Mapping[str, Array],
+    presliding: Mapping[str, float],
 ) -> list[Loss]:
     """The losses of each joint along its motion.
 
     Args:
+        presliding: distance from a reversal beyond which a joint slides, rad (m).
         ours: carries friction. bare: the same without. exported: the same with what was exported;
             it may have actuators of its own, which act. Their flags and steps are changed.
         actuators: torque along the motion, by joint, of those that act as friction, which inverse
@@ -96,6 +100,7 @@ def losses(
                 f"{exported.opt.timestep:g} s, take a smaller one"
             )
         slide = ours.jnt_type[ours.joint(joint).id] == mujoco.mjtJoint.mjJNT_SLIDE
+        sliding = motion.from_reversal > presliding[joint]
         found.append(
             Loss(
                 joint=joint,
@@ -103,6 +108,7 @@ def losses(
                 unit="N" if slide else "N m",
                 torque=_rms(here),
                 torque_lost=_rms(there - here),
+                sliding_lost=_rms((there - here)[sliding]) if sliding.any() else None,
                 error=_rms(run - motion.position),
                 error_exported=_rms(other - motion.position),
                 apart=_rms(other - run),

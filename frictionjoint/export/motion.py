@@ -47,6 +47,16 @@ class Motion:
         speed = np.abs(self.velocity)
         return np.asarray(speed[speed > _MOVING * speed.max()])
 
+    @property
+    def from_reversal(self) -> Array:
+        """Distance travelled from the last reversal or to the next one, rad (m), shape (n,)."""
+        step = np.diff(self.position, prepend=self.position[0])
+        path, sign = np.cumsum(np.abs(step)), np.sign(step)
+        turned = np.flatnonzero(sign[1:] * sign[:-1] <= 0.0)
+        corners = np.concatenate([path[:1], path[turned], path[-1:]])
+        after = np.searchsorted(corners, path, side="right").clip(1, len(corners) - 1)
+        return np.asarray(np.minimum(path - corners[after - 1], np.abs(corners[after] - path)))
+
 
 def stated_motion(
     parameters: Friction, start: float, speeds: tuple[float, float] | None, unit: str = "rad"

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
 from frictionjoint.export.losses import Loss, losses, mass_at_start
@@ -20,11 +20,13 @@ from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import TERMS, add_plain, without_friction
 from frictionjoint.export.sliding import (
     PlainFriction,
+    levels,
     plain_friction,
     speeds_above_stribeck,
 )
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
+from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import said_of_waves
@@ -41,6 +43,8 @@ class Target(StrEnum):
     ISAAC = "isaac"
 
 
+# part of the change of friction behind a reversal after which a joint counts as sliding
+_SLIDING = 0.99
 # law and effects as they are
 _WHOLE = (Target.C, Target.MJLAB)
 # a constant torque, a spring
@@ -148,7 +152,10 @@ def export(
         softened = {name: x.softened for name, x in springs.items()}
     else:
         text, model = _PLAIN[target](task, plain)
-    found = losses(task.rigid(), bare, model, motions, actuators)
+    before_sliding = {
+        name: presliding_distance(friction[name].parameters, _SLIDING) for name in motions
+    }
+    found = losses(task.rigid(), bare, model, motions, actuators, before_sliding)
     return Exported(text, (*_lost(task, plain, bare, softened), *waves), tuple(found))
 
 
@@ -253,19 +260,24 @@ def _lost(
     """Sentences, a joint after the other."""
     found = []
     for name, p in plain.items():
-        what = ["presliding with its memory", "friction that falls with speed"]
+        law, what = task.friction[name].parameters, []
         if task.lugre:
-            what = ["the memory of reversals"]
-        elif task.yielding:
-            what = ["friction that falls with speed"]
-            if softened[name] > 1.0:
-                what.append(
-                    f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
-                )
-        elif task.target is Target.ISAAC:
-            what = ["presliding with its memory", "the fall of friction between rest and sliding"]
+            what.append("the memory of reversals")
+        elif not task.yielding and law.stiffness > 0.0:
+            what.append("presliding with its memory")
+        if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in levels(law).values()):
+            isaac = task.target is Target.ISAAC
+            what.append(
+                "the fall of friction between rest and sliding"
+                if isaac
+                else "friction that falls with speed"
+            )
+        if task.yielding and softened[name] > 1.0:
+            what.append(
+                f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
+            )
         kept = _MECHANICAL if task.target is Target.NATIVE else frozenset()
-        what += [f"effect {effect}" for effect in p.lost if effect not in kept]
+        what += [title(effect) for effect in p.lost if effect not in kept]
         if task.target not in _SPRINGS:
             if p.preload != 0.0:
                 what.append(f"a constant torque of {p.preload:.4g}")
@@ -274,7 +286,8 @@ def _lost(
         armature = float(bare.dof_armature[bare.joint(name).dofadr[0]]) + p.armature
         if task.target is Target.URDF and armature != 0.0:
             what.append(f"rotor inertia {armature:.4g}")
-        found.append(f"{name}: {', '.join(what)}")
+        if what:
+            found.append(f"{name}: {', '.join(what)}")
     return found
 
 

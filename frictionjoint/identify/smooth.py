@@ -22,7 +22,9 @@ VARIABLES = {
     "time": TIME,
     "temperature_c": TEMP,
 }
-# quantities whose own multiple a model holds: the torque's gain, viscous friction
+# fraction of a wave in time above which the motion may be its cause
+_MOVED = 0.1
+# quantities of which a model contains a multiple: the torque's gain, viscous friction
 _PROPORTIONAL = ("load", "velocity")
 
 
@@ -215,13 +217,15 @@ class TunedTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class WaveTerm(TunedTerm):
-    """A wave in time whose phase belongs to each log.
+    """A wave in time whose phase differs between logs.
 
     Attributes:
-        at: frequency, Hz. within: those of its line in the spectrum. logs: their names, in turn.
+        at: frequency, Hz. within: range of its line in the spectrum. logs: names, in order.
+        moved: fraction of the wave that the motion itself can produce, 0 to 1.
     """
 
     logs: tuple[str, ...]
+    moved: float = 0.0
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -238,10 +242,13 @@ class WaveTerm(TunedTerm):
     def says(self, coefficients: Array, unit: str) -> str:
         """Its size and frequency."""
         size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
-        return (
-            f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz, "
-            "whatever the motion: something outside the joint drives it."
-        )
+        torque = f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz"
+        if self.moved > _MOVED:
+            return (
+                f"{torque}. The joint also moves at that frequency, so these logs do not show "
+                "whether the torque depends on time or on the motion."
+            )
+        return f"{torque}, whatever the motion: something outside the joint causes it."
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.report_data import Curve, Report, SimulatedPosition
 from frictionjoint.law.motion import friction_torque
+from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
-from frictionjoint.report.presliding import length, turns
+from frictionjoint.report.presliding import turns
 from frictionjoint.report.wording import axis
 
 Kind = Literal["line", "points"]
@@ -193,7 +194,7 @@ def presliding(report: Report) -> Chart | None:
 
     All turns are drawn as if the joint went on in the positive direction.
     """
-    size = _REACH * length(report.laws[1])
+    size = _REACH * presliding_distance(report.laws[1], 0.9)
     found = [(c, window) for c in report.curves for window in turns(c, size)]
     if not found:
         return None

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ParameterError
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
@@ -47,7 +48,8 @@ class Compared:
     """One parameter set.
 
     Attributes:
-        name: of its file. curves: (x, y) of each of `PANELS`, shape (n,) each.
+        name: of its file. curves: (x, y) of the first of `PANELS`, shape (n,) each: all three, only
+            sliding for a law without presliding, none without a scale in N m.
         figures: by name with its unit; text or a number.
     """
 
@@ -58,12 +60,13 @@ class Compared:
 
 def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
     """Drive each set of parameters through the three motions, the same for all of them."""
-    pulls = {name: _pull(joint.parameters) for name, joint in read.items()}
-    if not pulls:
+    if not read:
         return []
+    # a law without a stiffness creeps at rest: it has no presliding to draw
+    pulls = {n: _pull(x.parameters) for n, x in read.items() if x.parameters.stiffness > 0.0}
     lengths = [length for _, length in pulls.values()]
     fastest = max(_fastest(joint.parameters) for joint in read.values())
-    return [_one(name, joint, pulls[name], lengths, fastest) for name, joint in read.items()]
+    return [_one(name, joint, pulls.get(name), lengths, fastest) for name, joint in read.items()]
 
 
 def joints_of_report(path: Path) -> dict[str, dict[str, Any]]:
@@ -101,26 +104,38 @@ def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:
 
 
 def _one(
-    name: str, joint: JointFriction, pull: tuple[Array, float], lengths: list[float], fastest: float
+    name: str,
+    joint: JointFriction,
+    pull: tuple[Array, float] | None,
+    lengths: list[float],
+    fastest: float,
 ) -> Compared:
-    F, length = pull
     speed, sliding = _sliding(joint.parameters, fastest)
-    q, loop = _reversals(joint.parameters, 0.5 * min(lengths))
-    shown = 3.0 * max(lengths) >= _PULLED
-    least = int(np.argmin(sliding[speed > 0]))
+    curves = [(speed, sliding)]
     figures: dict[str, float | str] = {
         "law": joint.parameters.law,
-        "breakaway torque, N m": float(F.max()),
-        "breakaway displacement, rad": length,
-        "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
+        "at rest": "sticks" if pull else "creeps",
+    }
+    if pull:
+        F, length = pull
+        q, loop = _reversals(joint.parameters, 0.5 * min(lengths))
+        shown = 3.0 * max(lengths) >= _PULLED
+        curves += [(q, loop), (_PULLED[shown], F[shown])]
+        figures |= {
+            "breakaway torque, N m": float(F.max()),
+            "breakaway displacement, rad": length,
+            "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
+            "work of one presliding loop, J": _loop_work(q, loop),
+        }
+    least = int(np.argmin(sliding[speed > 0]))
+    figures |= {
         "least sliding torque, N m": float(sliding[speed > 0][least]),
         "at velocity, rad/s": float(speed[speed > 0][least]),
         f"torque at {fastest:.3g} rad/s, N m": float(sliding[-1]),
         f"torque at -{fastest:.3g} rad/s, N m": float(sliding[0]),
-        "work of one presliding loop, J": _loop_work(q, loop),
-        "effects, not drawn": ", ".join(e.effect.name for e in joint.effects) or "none",
+        "effects, not drawn": ", ".join(title(e.effect.name) for e in joint.effects) or "none",
     }
-    return Compared(name, ((speed, sliding), (q, loop), (_PULLED[shown], F[shown])), figures)
+    return Compared(name, tuple(curves), figures)
 
 
 def _pull(parameters: Friction) -> tuple[Array, float]:
@@ -204,11 +219,12 @@ def _picture(found: list[Compared], kind: str) -> bytes:
 
 
 def _panel(axes: Axes, found: list[Compared], k: int) -> None:
-    drawn = [x for x in found if x.curves]
-    for i, (x, colour) in enumerate(zip(drawn, _COLOURS * len(found), strict=False)):
+    drawn = [x for x in zip(found, _COLOURS * len(found), strict=False) if len(x[0].curves) > k]
+    for i, (x, colour) in enumerate(drawn):
         # dashes let equal curves be seen
         line = "-" if i % 2 == 0 else "--"
         axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
-    axes.legend(fontsize=8)
+    if drawn:
+        axes.legend(fontsize=8)
     axes.set_xlabel(PANELS[k][1])
     axes.set_ylabel(PANELS[k][2])

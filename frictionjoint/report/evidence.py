@@ -74,7 +74,7 @@ def effect_of(content: Content, added: Content) -> EffectRow:
         name=name,
         title=title(name),
         cause=added.get("cause", ""),
-        size=size_of(parameters, content.get("slide", False)),
+        size=size_of(name, parameters, content.get("slide", False)),
         gain=gain,
         p_value=p,
         frequency=evidence["selection_frequency"],

@@ -1,8 +1,12 @@
 """A log as it was measured, drawn before anything is fitted."""
 
+import numpy as np
+
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.charts import Chart, Series, over_time, thinned
 
+# travel of a hinge, rad, and its largest speed, rad/s, above which positions may be in degrees
+_TURNS, _FAST = 20.0, 60.0
 # pages draw this many points of a log
 _POINTS = 4000
 
@@ -50,4 +54,17 @@ def described(log: JointLog) -> str:
     return (
         f"{log.name}, joint {log.joint}: {len(log.time)} samples, {log.duration:.3g} s, "
         f"{rate:.4g} Hz, position {low:.4g} to {high:.4g} {unit}"
+    )
+
+
+def unit_doubt(log: JointLog) -> str:
+    """That the positions may be in degrees, if the joint turns far or fast; else empty."""
+    travel = float(np.ptp(log.position))
+    steps = np.abs(np.diff(log.position)) / np.diff(log.time)
+    speed = float(np.quantile(steps, 0.99))
+    if log.slide or (travel < _TURNS and speed < _FAST):
+        return ""
+    return (
+        f"The joint travels {travel:.3g} rad ({travel / (2.0 * np.pi):.2g} turns) at up to "
+        f"{speed:.3g} rad/s. If the file is in degrees, give --unit position=deg."
     )

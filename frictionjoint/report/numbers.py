@@ -5,11 +5,12 @@ Everything is read from the content of report.json.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from frictionjoint.describe import meaning
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
+from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
 
@@ -23,8 +24,6 @@ LOOSE = 0.5
 _BEYOND = 2.0
 # what a factor is where there is no effect; of any other number it is 0
 _NULL = {"factor": 1.0}
-# names of numbers that are formulas
-_PLAIN = {"kt2_over_R": "kt²/R"}
 # an exact copy in two files
 _SAME = 1e-9
 _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
@@ -84,11 +83,11 @@ def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
             continue
         other = law.get(f"{base}_neg") if side == "pos" else None
         if other is None:
-            found.append(_number(name, meaning(name), x))
+            found.append(_number(name, law))
         elif _equal(x, other):
-            found.append(_number(base, meaning(base), x))
+            found.append(replace(_number(name, law), name=base, meaning=meaning(base)))
         else:
-            found += [_number(n, meaning(n), y) for n, y in ((name, x), (f"{base}_neg", other))]
+            found += [_number(n, law) for n in (name, f"{base}_neg")]
     return tuple(found)
 
 
@@ -103,8 +102,8 @@ def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
     )
 
 
-def _number(name: str, meaning: str, x: Estimate) -> Number:
-    return Number(name, meaning, with_unit(x), status_of(name, x))
+def _number(name: str, law: Mapping[str, Estimate]) -> Number:
+    return Number(name, meaning(name), with_unit(law[name]), status_of(name, law))
 
 
 def with_unit(x: Estimate) -> str:
@@ -113,9 +112,15 @@ def with_unit(x: Estimate) -> str:
     return wording.value(x, spread=x.stderr is not None) + unit
 
 
-def status_of(name: str, x: Estimate) -> Status:
-    """How well the logs determine a parameter of a law."""
-    symbol = name.partition("_")[0]
+def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
+    """How well the logs determine a parameter of a law.
+
+    Friction rises from Fc to Fs below the Stribeck velocity, so Fs is open where that velocity is.
+    """
+    x, (symbol, _, side) = law[name], name.partition("_")
+    stribeck = f"Vs_{side}" if side else "Vs"
+    if symbol == "Fs" and stribeck in law and status_of(stribeck, law) == "not determined":
+        return "not determined"
     if x.stderr is None or not math.isfinite(x.stderr):
         if symbol == "stiffness":
             return "assumed"
@@ -127,7 +132,7 @@ def _equal(a: Estimate, b: Estimate) -> bool:
     return math.isclose(a.value, b.value, rel_tol=_SAME) and a.stderr == b.stderr
 
 
-def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
+def size_of(effect: str, parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
     """Numbers of an effect in words; a wave is an amplitude, a count per turn and a
     phase; the direction (cx, cy) of a first moment is that of the model's own."""
     left = dict(parameters)
@@ -139,7 +144,7 @@ def size_of(parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
             found.append(_wave(sine, cosine, count, slide))
     along = "cx" in left and "cy" in left
     found += [
-        f"{_PLAIN.get(name, name.replace('_', ' '))} {with_unit(x)}"
+        f"{quantity_of(effect, name)} {with_unit(x)}"
         for name, x in left.items()
         if name not in ("cx", "cy")
     ]
@@ -209,6 +214,6 @@ def carried(content: Content) -> tuple[Number, ...]:
         where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
         rows += [
             Number(name, text + where, text, "determined")
-            for text in size_of(own, content.get("slide", False))
+            for text in size_of(added["effect"], own, content.get("slide", False))
         ]
     return tuple(rows)

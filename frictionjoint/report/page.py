@@ -78,8 +78,8 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
 
 def _shows_presliding(report: Report) -> bool:
     """Whether the logs determine the presliding stiffness."""
-    stiffness = report.final.get("stiffness")
-    return stiffness is not None and status_of("stiffness", stiffness) == "determined"
+    law = report.final
+    return "stiffness" in law and status_of("stiffness", law) == "determined"
 
 
 def _widest(s: Summary) -> float:

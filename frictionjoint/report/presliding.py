@@ -1,25 +1,13 @@
-"""Where logs show presliding: the samples behind turning points, and how far presliding reaches."""
+"""Where logs show presliding: the samples behind turning points."""
 
 from itertools import pairwise
 
 import numpy as np
 
 from frictionjoint.diagnose.report_data import Curve
-from frictionjoint.law.motion import friction_torque
-from frictionjoint.parameters import Friction
 
 # samples that a window needs
 _LEAST_SAMPLES = 10
-_SLOW = 1e-6
-
-
-def length(law: Friction) -> float:
-    """Displacement, rad, behind a turn until friction has made nine tenths of its change."""
-    x = np.geomspace(1e-9, 1.0, 2000)
-    q = np.concatenate([[0.0], x, x[-1] - x])
-    F = friction_torque(law, np.arange(len(q)) / _SLOW, q)
-    back = F[len(x) + 1 :]
-    return float(x[np.argmax(back <= F[len(x)] + 0.9 * (back[-1] - F[len(x)]))])
 
 
 def turns(c: Curve, size: float) -> list[slice]:

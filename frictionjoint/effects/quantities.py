@@ -1,0 +1,67 @@
+"""What each number of an effect is, in words, for reports and `inspect`."""
+
+_QUANTITIES = {
+    "ambient": "ambient temperature",
+    "bias": "torque",
+    "damping_ratio": "damping ratio",
+    "deadband": "half width",
+    "emf": "voltage per speed",
+    "factor": "factor of kp",
+    "flank_resonance": "resonance frequency of the flanks",
+    "gain": "relative error of the torque",
+    "gap_times_inertia": "gap times inertia",
+    "inertia": "inertia that the model lacks",
+    "kt2_over_R": "kt²/R",
+    "left": "fraction of the output that remains",
+    "limit": "largest output",
+    "link_inertia": "inertia of the link",
+    "moment": "mass times distance",
+    "moment_x": "mass times distance along x",
+    "moment_y": "mass times distance along y",
+    "rate": "largest speed",
+    "reach": "presliding distance",
+    "resistance": "thermal resistance",
+    "resonance": "resonance frequency",
+    "rotor_inertia": "inertia of the rotor",
+    "sag": "supply resistance over winding resistance",
+    "scale": "temperature rise that lowers friction to 37%",
+    "share": "fraction of the load behind the gap",
+    "slip": "distance of sliding that undoes it",
+    "T0": "reference temperature",
+    "tau": "time constant",
+    "time_constant": "thermal time constant",
+    "viscous_scale": "temperature rise that lowers viscous friction to 37%",
+    "vs": "Stribeck velocity of the load-dependent friction",
+}
+_OF_EFFECT = {
+    ("direction-asymmetry", "level"): "half the difference in Coulomb friction",
+    ("direction-asymmetry", "viscous"): "half the difference in viscous friction",
+    ("dwell-time", "level"): "largest rise of friction",
+    ("dwell-time", "tau"): "time constant of the rise",
+    ("frictional-lag", "level"): "friction that lags",
+    ("frictional-lag", "Vs"): "Stribeck velocity",
+    ("load-dependent", "c"): "friction per unit of load",
+    ("load-dependent", "cs"): "additional friction at low speed per unit of load",
+    ("motor-saturation", "s"): "coefficient of the cubed torque",
+    ("motor-temperature", "a"): "relative change of torque per kelvin",
+    ("nonlinear-viscous", "c"): "coefficient",
+    ("nonlinear-viscous", "p"): "exponent of speed",
+    ("spring", "preload"): "torque at zero position",
+    ("temperature-dependent", "level"): "Coulomb friction that falls with temperature",
+    ("temperature-dependent", "viscous"): "viscous friction that falls with temperature",
+    ("warm-up-drift", "level"): "additional Coulomb friction when cold",
+    ("warm-up-drift", "viscous"): "additional viscous friction when cold",
+    ("warm-up-drift", "scale"): "distance of sliding that warms the joint",
+}
+
+
+def quantity_of(effect: str, number: str) -> str:
+    """What a number of an effect is.
+
+    Args:
+        effect: canonical name. number: of a coefficient or shape number.
+    Returns:
+        for a number that is not known here, its name with spaces.
+    """
+    own = _OF_EFFECT.get((effect, number)) or _QUANTITIES.get(number)
+    return own or number.replace("_", " ")
