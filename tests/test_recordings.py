@@ -4,7 +4,7 @@ The joints are MuJoCo's own: friction of its `dcmotor`, with numbers that change
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
@@ -126,6 +126,13 @@ def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Pat
 
 
 @dataclass(frozen=True)
+class Named:
+    """An effect of a report."""
+
+    effect: str
+
+
+@dataclass(frozen=True)
 class Stated:
     """The part of a report that recordings are compared by."""
 
@@ -134,6 +141,7 @@ class Stated:
     posterior: Posterior
     notes: tuple[str, ...] = ()
     recordings: tuple[dict, ...] = ()
+    added: tuple[Named, ...] = ()
 
 
 def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
@@ -147,10 +155,24 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     assert rows["Fc"]["deviation"] == pytest.approx(np.std(levels, ddof=1), rel=0.15)
     assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
     assert [x["log"] for x in rows["Fc"]["recordings"]] == [log.name for log in logs]
-    assert any(note.startswith("Between recordings Fc differs by 0.05") for note in found.notes)
+    assert any(
+        note.startswith("Between recordings, Coulomb friction varies by 0.05")
+        for note in found.notes
+    )
     drawn = [x.parameters.Fc_pos for x in found.posterior.sample(300)]
     assert np.std(drawn) == pytest.approx(np.std(levels, ddof=1), rel=0.25)
     assert with_recordings(stated, logs[:2]) is stated
+    # a torque that the result corrects is not compared as measured
+    (note,) = with_recordings(replace(stated, added=(Named("torque-gain"),)), logs).notes
+    assert "wrong motor constant" in note
+    # what the report does not determine cannot differ
+    loose = np.diag(np.abs(numbers_in(k.content)))
+    assert (
+        with_recordings(
+            replace(stated, posterior=Posterior(dict(k.content), loose)), logs
+        ).recordings
+        == ()
+    )
 
 
 def test_a_target_alone_has_no_numbers() -> None:

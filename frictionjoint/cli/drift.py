@@ -72,8 +72,14 @@ def drift(
         typer.echo(json.dumps(content, indent=2))
     else:
         table = Table("number", "report", "new logs", "standard error", "result")
-        for x in rows:
-            table.add_row(x.name, f"{x.before:.4g}", f"{x.now:.4g}", f"{x.stderr:.2g}", x.state)
+        for number, x in zip(known.numbers, rows, strict=True):
+            table.add_row(
+                f"{number.words}, {x.name}",
+                f"{x.before:.4g}",
+                f"{x.now:.4g}",
+                f"{x.stderr:.2g}",
+                x.state,
+            )
         console().print(table)
     if changed:
         raise typer.Exit(DRIFTED)

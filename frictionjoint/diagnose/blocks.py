@@ -1,8 +1,9 @@
-"""Blocks of time, and the kinds of motion they are of.
+"""Blocks of time, and the kinds of motion they belong to.
 
-Samples of a log are correlated, blocks several correlation times long are nearly not. A claim is
-tested on motion unlike that it was fitted to: on other logs where there are three or more, else on
-another kind of motion: blocks alike in speed, acceleration, position and direction.
+Samples of a log are correlated; blocks several correlation times long are nearly independent. A
+candidate is tested on motion unlike the motion it was fitted to: on other logs if there are three
+or more, else on another kind of motion, which is a group of blocks alike in speed, acceleration,
+position and direction.
 """
 
 from dataclasses import dataclass, field
@@ -36,31 +37,36 @@ _HALVES = 50
 
 
 class Folds(NamedTuple):
-    """Which fold each block belongs to.
+    """Assignment of blocks to folds.
 
     Attributes:
-        place: shape (B,), 0 to F - 1. inside: 1 where a block is in a fold, else 0, shape (F, B).
+        place: fold of each block, 0 to F - 1, shape (B,). inside: 1 where a block is in a fold,
+            else 0,
+            shape (F, B).
     """
 
     place: Index
     inside: Array
 
     def sums(self, x: Array) -> Array:
-        """Over the blocks of each fold, of numbers of shape (B, ...), shape (F, ...)."""
+        """Sum numbers of shape (B, ...) over the blocks of each fold; shape (F, ...)."""
         flat = self.inside @ x.reshape(len(x), -1)
         return np.asarray(flat.reshape(len(self.inside), *x.shape[1:]))
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Which block each sample belongs to, and which fold each block.
+    """Assignment of samples to blocks and of blocks to folds.
 
     Attributes:
-        of_sample: shape (n,). fold: logs or kinds of motion, shape (B,).
-        halves: first and second half of each log, for what acts in one fold alone, shape (B,).
-        log: shape (B,). noise: variance of white noise of the torque instrument's density, N m^2.
-        floor: square that the instruments' noise leaves of a sample of each log, N m^2, shape (k,).
-        law_errors: directions in which the law may be wrong, N m, shape (n, m), see
+        of_sample: block of each sample, shape (n,). fold: log or kind of motion of each block,
+            (B,).
+        halves: first or second half of its log, for effects that act in one fold only, shape (B,).
+        log: log of each block, shape (B,). noise: variance of white noise with the spectral density
+            of
+            the torque instrument, (N m)^2.
+        floor: mean square that instrument noise contributes to a sample of each log, (N m)^2, (k,).
+        law_errors: directions of possible errors of the law, N m, shape (n, m), see
             `OtherLaws.errors`.
     """
 
@@ -84,12 +90,12 @@ class Blocks:
 
     @cached_property
     def half_folds(self) -> Folds:
-        """Each cut into halves of its logs."""
+        """Folds made of the halves of each log."""
         return folds_of(2 * self.fold + self.halves)
 
     @cached_property
     def _edges(self) -> Index:
-        """Of the blocks that have samples."""
+        """First sample of each block that has samples."""
         changes = np.flatnonzero(np.diff(self.of_sample, prepend=-1))
         return np.append(changes, len(self.of_sample))
 
@@ -97,7 +103,8 @@ class Blocks:
         """Gram matrix of some columns of U in each block.
 
         Args:
-            U: shape (n, c), each column of one piece in memory. at: of the columns, shape (m,).
+            U: shape (n, c), each column contiguous in memory. at: indices of the columns, shape
+                (m,).
         Returns:
             shape (B, m, m), zeros for blocks without samples.
         """
@@ -110,7 +117,7 @@ class Blocks:
 
 
 def folds_of(fold: Index) -> Folds:
-    """Of blocks by the number of the fold of each, shape (B,)."""
+    """Folds from the fold number of each block, shape (B,)."""
     names, place = np.unique(fold, return_inverse=True)
     return Folds(place, (np.arange(len(names))[:, None] == place).astype(float))
 
@@ -130,8 +137,10 @@ def gram_matrices(U: Array, at: Index, edges: Index, out: Array) -> None:
 
 
 def halves(count: int, rng: np.random.Generator) -> Array:
-    """Complementary halves of so many blocks, 1 or 0, shape (halves, count) (Shah and Samworth
-    2013)."""
+    """Random complementary halves of the blocks as 1 or 0, shape (halves, count).
+
+    Source: Shah and Samworth (2013).
+    """
     first = [rng.permutation(count) < count // 2 for _ in range(_HALVES)]
     return np.array([half for chosen in first for half in (chosen, ~chosen)], dtype=float)
 
@@ -151,14 +160,15 @@ def correlation_time(residual: Array) -> float:
 
 
 def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array:
-    """Columns behind the filter that predicts a residual's next sample (Yule and Walker).
+    """Columns filtered by the predictor of a residual's next sample (Yule and Walker).
 
-    What the balance's filter took away stays away: up there the position's noise, which is in the
-    columns too, outdoes the torque's.
+    Frequencies that the torque filter removed stay removed: above them the noise of the position,
+    which
+    the columns contain too, exceeds that of the torque.
 
     Args:
-        U: shape (n, k); residual: shape (n,); both of logs in turn.
-        noise: variance of white noise of the torque instrument's density.
+        U: shape (n, k). residual: shape (n,). Both contain the logs in order.
+        noise: variance of white noise with the spectral density of the torque instrument.
     """
     lags = np.zeros(_AR_ORDER + 1)
     parts = [residual[log_index == i] for i in np.unique(log_index)]
@@ -178,8 +188,8 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
 def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     """Cut the logs into blocks, and sort the blocks into folds.
 
-    Blocks span several correlation times of the residual, as far as enough blocks remain: what
-    makes a residual correlated for longer is the effect that is looked for.
+    Blocks span several correlation times of the residual, as long as enough blocks remain. A longer
+    correlation comes from the missing effect itself.
     """
     e, log_index = fitted.residual * fitted.weight, fitted.log_index
     logs = np.unique(log_index)

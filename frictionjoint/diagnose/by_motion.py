@@ -1,10 +1,11 @@
-"""Effects that the simulated motion asks for, and the balance of torques is too rough to name.
+"""Effects found by simulated motion, too small for the torque balance to name.
 
-The balance is of a narrow band and leaves out what the position does not determine; whole motions
-in closed loop hold more. So after a refinement every effect is screened on the simulated motion of
-the logs, to first order in its coefficients and in all numbers of the model, and the leaders are
-fitted and refined with it. One is taken where logs are predicted better by what was fitted to other
-kinds of logs, and where it is about as large as all that is left beside it.
+The torque balance covers a narrow band and leaves out samples whose torque the position does not
+determine; whole motions in closed loop contain more. So after a refinement every effect is screened
+on the simulated motion of the logs, to first order in its coefficients and in all numbers of the
+model. The best ones are fitted and refined. An effect is accepted if it improves the prediction of
+logs of kinds that it was not fitted to, and if its contribution is about as large as the remaining
+error.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -51,10 +52,10 @@ def named_by_motion(
     armature: float,
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Trace, Refined]:
-    """What was found with what the motion asks for besides, and its refinement.
+    """Findings together with the effects that the simulated motion supports, and their refinement.
 
     Args:
-        found: by the balance. courses: of the logs it was found in. armature: of the MJCF.
+        found: outcome of the search by torque. courses: the fitted logs. armature: of the MJCF.
     """
     found, now = _asked_for(found, courses, armature, progress)
     return found, _with_armature(found, now, courses, progress)
@@ -63,7 +64,7 @@ def named_by_motion(
 def _asked_for(
     found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
 ) -> tuple[Trace, Refined]:
-    """With the effects that whole motions ask for."""
+    """The model with the effects that whole motions support."""
     cov = stated_covariance(found.prepared, found.final)
     now = refine(found.prepared, found.final, cov, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
@@ -98,11 +99,11 @@ def _asked_for(
 def _with_armature(
     found: Trace, now: Refined, courses: Sequence[Course], progress: Callable[[str], None]
 ) -> Refined:
-    """Refined with the armature of the MJCF free, where that predicts logs left out better.
+    """Refine with the armature of the MJCF free, if that improves the prediction of left-out logs.
 
-    A rotor's inertia is rarely measured, and the balance can mistake it for a delay. But it stands
-    in for much that whole motions ask for, and so it comes after that; and as of an effect, it is
-    asked of windows too.
+    A rotor's inertia is rarely measured, and the torque balance can mistake it for a delay. But it
+    can
+    also imitate effects that whole motions show, so it is tried after them, and on windows too.
     """
     if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
         return now
@@ -129,10 +130,10 @@ def _tried(
 
 
 def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
-    """Where a model with one effect more begins: where the balance has it, and refined numbers.
+    """Start of a model with one more effect: its fit to torque, and the refined numbers.
 
     Args:
-        coefficients: of that effect, the last one, beside the refined numbers, N m.
+        coefficients: of that effect, the last one, next to the refined numbers, N m.
     """
     x = vector.carried(now.vector, now.values)
     name = vector.fitted.effects[-1].name
@@ -142,11 +143,11 @@ def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
 
 
 def told(term: Term, other: Tried, now: Refined) -> Look:
-    """What logs of kinds left out say of an effect, a block a log.
+    """Evidence for an effect from held-out kinds of logs, one block per log.
 
-    In windows from the measured motion, where the effect was screened: a joint that sticks once too
-    early or too late is somewhere else for the rest of a whole log, by either model, and one such
-    log of many decides.
+    It is taken from windows that start at the measured motion, where the effect was screened. In a
+    whole log, a joint that sticks once too early or too late stays at another position for the rest
+    of the log with either model, and a single log of this kind would decide.
     """
     own, without = other.near, now.near
     p_value = sign_flips(without - own, np.random.default_rng(0))
@@ -156,20 +157,21 @@ def told(term: Term, other: Tried, now: Refined) -> Look:
 
 
 def taken(other: Tried, now: Refined) -> float:
-    """Mean square of the logs, each in windows, that an effect takes, rad^2 (m^2).
+    """Mean square error that an effect removes from the windows of the logs, rad^2 (m^2).
 
-    By what was fitted to all logs. Without a kind both models also lose a number that they share
-    and that the other kinds do not determine (what brakes at speeds which only that kind reaches);
-    that loss is no part of what an effect leaves, and would hide it.
+    The models were fitted to all logs. If a kind of logs is left out, both models also lose
+    parameters
+    that only this kind determines, such as viscous friction at its speeds; that loss would hide
+    what
+    the effect removes.
     """
     return float(np.mean(now.near_fitted**2 - other.near_fitted**2))
 
 
 def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
-    """Whether an effect takes as much as the balance asks for.
+    """Whether an effect removes as much as the search by torque requires, and one encoder count.
 
-    And a count of the encoder: no law is exact, and of what is smaller than that the logs do not
-    tell whether it is an effect or the law's own error.
+    No law is exact: below that the logs do not show whether it is an effect or an error of the law.
     """
     nearer = taken(other, now)
     count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
@@ -179,12 +181,14 @@ def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
 def _promising(
     found: Trace, now: Refined, courses: Sequence[Course], armature: float
 ) -> list[tuple[Fit, Array]]:
-    """Models of the balance with one effect more that move nearest, best first.
+    """Models with one more effect whose simulated motion is nearest to the logs, best first.
 
-    Of those effects that promise something, to first order beside the refined numbers or in the
-    balance; with their coefficients there, N m. That order alone would not do: numbers that have
-    stood in for an effect must first move out of its way, and with it the balance has them
-    elsewhere.
+    An effect is tried if it reduces the error to first order, next to the refined numbers or in the
+    torque balance, with the coefficients found there, N m. First order with the refined numbers
+    alone
+    is not enough: numbers that compensate for a missing effect must first return to their values,
+    and
+    the torque balance with the effect has them there.
     """
     prepared, final = found.prepared, found.final
     objective = Objective(now.vector, courses, WINDOW_S, now.values)
@@ -212,7 +216,7 @@ def _promising(
 
 
 def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
-    """Effects that the balance shows, and not by as much as it must to name them."""
+    """Effects that the torque balance shows, but not clearly enough to be named."""
     blocks = make_blocks(prepared, final)
     candidates = effects(prepared, final, blocks)
     if not candidates:
@@ -229,7 +233,7 @@ def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
 def _beside(
     prepared: Prepared, now: Refined, objective: Objective, armature: float
 ) -> list[tuple[EffectTerm, Array]]:
-    """Effects that would take some of the squares which the refined motion leaves."""
+    """Effects that would reduce the squared error of the refined motion."""
     x = now.values
     fitted = now.vector.fit(x)
     z = objective.units(x)
@@ -256,10 +260,8 @@ def _beside(
 def _changed(
     prepared: Prepared, fitted: Fit, armature: float
 ) -> Iterator[tuple[EffectTerm, list[Fit], Array]]:
-    """Every effect on its grid that a simulation holds, with a fit for each coefficient moved.
-
-    And by how much each was, N m.
-    """
+    """A fit for each coefficient of each effect on its grid, and the change of that coefficient, N
+    m."""
     signals = signals_of(prepared, fitted)
     for term in effect_terms(prepared, signals, fitted.terms):
         if not isinstance(term, EffectTerm):
@@ -276,16 +278,16 @@ def _changed(
 
 
 def _without(law: Array, X: Array) -> Array:
-    """Columns without what orthonormal ones of the model explain."""
+    """Columns after removing their projection on the orthonormal columns of the model."""
     return np.asarray(X - law @ (law.T @ X))
 
 
 def _gain(r: Array, C: Array) -> tuple[float, Array]:
-    """Fraction of the squares r'r that columns C take, to first order, by which changes."""
+    """Fraction of r'r that columns C remove to first order, and the changes that do so."""
     change = np.asarray(np.linalg.lstsq(C, -r, rcond=1e-8)[0])
     return float(1.0 - np.sum((r + C @ change) ** 2) / np.sum(r**2)), change
 
 
 def _moved(findings: Sequence[Finding], fitted: Fit) -> tuple[Finding, ...]:
-    """Findings with their terms as a later fit has them."""
+    """Findings with the terms of a later fit."""
     return tuple(replace(f, term=t) for f, t in zip(findings, fitted.effects, strict=False))

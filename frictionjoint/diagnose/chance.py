@@ -1,10 +1,9 @@
-"""How likely chance explains as much as a candidate: p-values over the whole family of candidates.
+"""P-values of candidates over the whole family of candidates.
 
-A score comes of the products of a candidate's columns with the residual, summed over blocks of
-time. What it would be by chance follows from the part of the residual that the candidate, fitted to
-other motion, does not predict: with random signs for the blocks. So an effect that stands alone
-does not count as its own noise, and one that explains only the motion it was fitted to gains
-nothing.
+A score is made of the products of a candidate's columns with the residual, summed over blocks of
+time. Its distribution under chance follows from the part of the residual that the candidate, fitted
+to other motion, does not predict, with random signs for the blocks. So the signal of a true effect
+does not count as noise, and an effect that explains only the motion it was fitted to gains nothing.
 """
 
 from collections.abc import Sequence
@@ -25,20 +24,23 @@ _GRID, _LEAST_TAIL = 100, 1e-300
 def p_values(
     found: Screen, among: Sequence[float], rng: np.random.Generator
 ) -> tuple[Array, float]:
-    """Of each candidate, the largest surprise of the family under random signs as its null.
+    """P-value of each candidate, from the largest score of the family under random signs, and the
+    score
+    that one in twenty of those maxima exceeds.
 
-    With the surprise that one in twenty of those exceeds.
-
-    A score is the squares that coefficients within their range explain: a sign that is impossible
-    is no surprise. Scores of many coefficients and of single ones are put on one scale by the tail
-    of the distribution each would have (Westfall and Young 1993, with an approximate marginal: it
-    weighs the candidates against each other, the signs make the p-value). Each is the larger of
-    that of the residual as it is, where what is slow shows, and whitened, where what acts seldom
-    shows.
+    A score is the reduction of the squared error by coefficients within their bounds; an impossible
+    sign scores nothing. Scores of one and of several coefficients are put on one scale by the tail
+    of
+    their approximate marginal distributions (Westfall and Young 1993); the signs make the p-value.
+    Each
+    score is the larger of two: of the residual as it is, which shows slow effects, and of the
+    whitened
+    residual, which shows rare ones.
 
     Args:
-        among: lines of a spectrum that a candidate is the largest of, which random signs do not
-            search again.
+        among: number of lines of a spectrum of which a candidate is the largest; random signs do
+            not
+            search the spectrum again.
     """
     if not found.candidates:
         return np.zeros(0), 0.0
@@ -59,10 +61,10 @@ def p_values(
 
 
 def over_family(surprises: Array) -> Array:
-    """P-values of candidates, shape (c,): of what they reach, what the best reaches by chance.
+    """P-values of candidates, shape (c,): their scores against the largest score by chance.
 
     Args:
-        surprises: of each, and by chance, shape (c, 1 + flips).
+        surprises: score of each candidate, and its scores by chance, shape (c, 1 + flips).
     """
     null = surprises[:, 1:].max(axis=0)
     return np.array([(1 + np.sum(null >= x)) / (1 + len(null)) for x in surprises[:, 0]])
@@ -77,14 +79,17 @@ def surprise(
     signs: Array,
     log: Columns,
 ) -> Array:
-    """How far out a candidate's score is, and by chance, in nats, shape (1 + flips,).
+    """Negative log tail probability of a candidate's score, observed and under sign flips.
 
     Args:
-        A: Gram matrices of its columns, shape (B, k, k). b: their products with the residual,
-            (B, k). elsewhere: coefficients of each block, fitted to other folds, (B, k).
-        total: A of all blocks, with the precision of a prior, (k, k).
+        A: Gram matrices of its columns, shape (B, k, k). b: their products with the residual, (B,
+            k).
+        elsewhere: coefficients for each block, fitted to the other folds, (B, k).
+        total: A summed over all blocks, with the precision of a prior, (k, k).
         ranges: least and largest coefficients, (k,) each.
         signs: of each block, shape (flips, B). log: of each block, (B,).
+    Returns:
+        shape (1 + flips,).
     """
     own = b - (A @ elsewhere[..., None])[..., 0]
     scores = np.vstack([b.sum(axis=0), signs @ own])
@@ -110,9 +115,9 @@ def surprise(
 
 
 def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
-    """Less the logarithm of the tail beyond each of many statistics, between points of a grid.
+    """Negative log tail probability of many statistics, interpolated on a grid.
 
-    The tail of one takes as long as all else that is done with it.
+    Computing one tail exactly takes as long as everything else.
     """
     # in the square root of a statistic it is smooth down to zero
     root = np.sqrt(statistic)
@@ -122,6 +127,6 @@ def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
 
 
 def _independent(grams: Array, inverse: Array) -> float:
-    """Blocks that determine the coefficients, counted by how much each of them does."""
+    """Effective number of blocks that determine the coefficients."""
     part = np.einsum("bij,ji->b", grams, inverse)
     return float(part.sum() ** 2 / max(np.sum(part**2), 1e-300))

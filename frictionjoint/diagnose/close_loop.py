@@ -1,4 +1,4 @@
-"""From logs and an MJCF to a report: the whole loop in one call."""
+"""Identify the friction of one joint and search for missing effects: from logs to a report."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -94,26 +94,27 @@ def close_loop(
     controller: GivenController | None = None,
     refine: bool = True,
 ) -> Report:
-    """Fit, trace, add, refit and report.
+    """Identify the friction of one joint and search for missing effects.
 
     Args:
-        logs: to fit and to choose on, at least one; logs or their files.
-        model: path or text of the MJCF the user believes in; where the logs are of different loads,
-            one by a pattern of the logs' names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
+        logs: to fit and to choose effects on, at least one; logs or their files.
+        model: path or text of the MJCF; for logs with different loads, one per pattern of log
+            names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
         joint: its name.
-        held_out: logs used for neither, or the fraction to cut off every log's end.
+        held_out: logs used for neither, or the fraction of each log to hold out at its end.
         seed: equal seeds give equal reports.
-        progress: called with what is being done.
+        progress: called with a description of the current step.
         law: name of the friction law, see `law.names.LAWS`; None for the integrated law.
         fixed: positions of joints that are not in the logs, by name, rad (m).
-        controller: what drove the joint to its target, its file, or the name of a preset; or one
-            for each joint by its name; or "mjcf", the model's own position servo. Logs without
-            torque, voltage or current need it; all are simulated with it.
-        refine: whether logs with a target and a controller also fit all numbers of the result to
-            simulated motion in the end; those are taken if they predict unlike logs better.
+        controller: what drove the joint to its target: a file, the name of a preset, one of these
+            per
+            joint by name, or "mjcf" for the model's own position servo. Required for logs without
+            torque, voltage or current; all logs are simulated with it.
+        refine: whether all numbers of the result are finally fitted to the simulated motion of logs
+            with a target and a controller; they are used if they predict unlike logs better.
     Raises:
         FrictionJointError: bad logs or model, in one line.
-        TypeError: an argument is of a wrong type.
+        TypeError: an argument has a wrong type.
     """
     require_logs(logs, held_out)
     require_seed(seed)
@@ -144,10 +145,10 @@ def explain(
     controller: Controller | None = None,
     refine: bool = True,
 ) -> tuple[Report, Trace, Fit]:
-    """The loop on logs that were read: the report, what the search found, and the fit to simulate.
+    """Report, findings and final fit for logs that have been read.
 
     Args:
-        held_out: may be none. bodies: the model around the joint. Others: see `close_loop`.
+        held_out: may be empty. bodies: the model around the joint. Others: see `close_loop`.
     Raises:
         FrictionJointError: bad logs, in one line.
     """
@@ -282,7 +283,7 @@ def explain(
 def _fitted_and_held_out(
     logs: Sequence[LogLike], held_out: Sequence[LogLike] | float, joint: str
 ) -> tuple[list[JointLog], list[JointLog]]:
-    """Logs to fit and logs held out, read where they are files."""
+    """Fitted and held-out logs; files are read."""
     fitted = [_read(log, joint) for log in logs]
     if not isinstance(held_out, float | int):
         return bounded(fitted), bounded([_read(log, joint) for log in held_out])
@@ -297,7 +298,7 @@ def _read(log: LogLike, joint: str) -> JointLog:
 def _posterior(
     prepared: Prepared, fitted: Fit, cov: Array, body: RigidBody, refined: Refined | None
 ) -> Posterior:
-    """Of the model that is the result."""
+    """Posterior of the resulting model."""
     vector = Vector(prepared, fitted, cov, body.armature)
     values, spread = vector.start, vector.covariance(cov)
     if refined and refined.taken:

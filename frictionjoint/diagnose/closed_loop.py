@@ -1,7 +1,7 @@
-"""Whole logs in closed loop: the target goes in, the position comes out.
+"""Whole logs in closed loop: simulated from the target alone.
 
-Controller, motor, friction and load are simulated; nothing of the measured motion is given but
-where the joint was at first. This is what a user of the model will see of it.
+Controller, motor, friction and load are simulated. Of the measured motion only the initial state is
+used, as in a user's simulation.
 """
 
 import math
@@ -39,13 +39,13 @@ _LOAD_STRIDE = 4
 
 @dataclass(frozen=True)
 class Course:
-    """A log ready to be simulated.
+    """A log prepared for simulation.
 
     Attributes:
         name: of the log. time, position: as measured, shape (n,). target: of the log.
-        run: for the controller as given. motion: measured position and velocity on its steps.
-        delay: of the controller, s. figures: what distinguishes logs by kind, by name: figures that
-            came with the log, its motion, its load.
+        run: for the controller as given. motion: measured position and velocity at its steps.
+        delay: of the controller, s. figures: quantities that distinguish kinds of logs, by name:
+            metadata of the log, its motion, its load.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Course:
     figures: dict[str, float | str]
 
     def changed(self, changes: Sequence[Change]) -> Run:
-        """The run with a controller that effects of the drive have changed."""
+        """The same run with a controller changed by effects of the drive."""
         if not changes:
             return self.run
         block, delay = self.run.block.copy(), self.delay
@@ -79,14 +79,14 @@ class Course:
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """Errors of simulated positions, one array a log, rad (m), with what was simulated."""
+    """Errors of simulated positions, one array per log, rad (m), with the simulated positions."""
 
     courses: tuple[Course, ...]
     simulated: tuple[Array, ...]
 
     @property
     def errors(self) -> tuple[Array, ...]:
-        """Simulated less measured."""
+        """Simulated minus measured."""
         pairs = zip(self.courses, self.simulated, strict=True)
         return tuple(x - course.position for course, x in pairs)
 
@@ -102,7 +102,7 @@ class ClosedLoop:
 
     @property
     def replay(self) -> Replay:
-        """The logs as free runs, each from its first sample, where it is as measured."""
+        """The logs as free runs, each from its measured first sample."""
         errors = tuple(np.concatenate([[np.nan], e[1:]]) for e in self.errors)
         return Replay(errors, max(float(np.ptp(course.position)) for course in self.courses))
 
@@ -110,12 +110,12 @@ class ClosedLoop:
 def courses_of(
     logs: Sequence[JointLog], bodies: Sequence[RigidBody], controller: Controller
 ) -> tuple[Course, ...]:
-    """Logs ready to be simulated.
+    """Logs prepared for simulation.
 
     Args:
-        bodies: one a log.
+        bodies: one per log.
     Raises:
-        LogError: a log has no target, or lacks a figure of the controller.
+        LogError: a log has no target, or lacks metadata that the controller needs.
     """
     loads = list({id(body): body for body in bodies})
     return tuple(
@@ -169,9 +169,9 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
 
 
 def _step(duration: float, period: float) -> float:
-    """Longest step, s, of which a log or, where it is known, a controller's tick is a multiple.
+    """Longest step, s, that divides the sample time of the log and the controller's tick, if known.
 
-    Of a faster controller it is itself a multiple of the tick.
+    For a controller faster than the log, the step is a multiple of the tick.
     """
     if period == 0.0:
         return duration / max(1, math.ceil(duration / _STEP - _WHOLE))
@@ -181,7 +181,7 @@ def _step(duration: float, period: float) -> float:
 
 
 def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:
-    """Load at each step; among other joints, whose motion is smooth, from some of the steps."""
+    """Load at each step. With other joints, whose motion is smooth, it is interpolated."""
     at = np.arange(0, len(velocity), _LOAD_STRIDE)
     coarse = {name: (x[at], v[at], a[at]) for name, (x, v, a) in others.items()}
     load = load_of(body, velocity[at], coarse)
@@ -192,7 +192,7 @@ def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array
 
 
 def joint_model(fitted: Fit) -> JointModel:
-    """A fitted model as a simulation runs it."""
+    """A fitted model in the form that a simulation runs."""
     motor = motor_of(fitted)
     inertia = sum(
         float(fitted.term_coefficients(i)[0])
@@ -217,10 +217,10 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
 
 
 def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
-    """The controller with what a fit says of it, to be simulated.
+    """The controller with the values found by a fit.
 
     Args:
-        scaled: whether the logs determine what torque the drive makes, and so an unknown kp.
+        scaled: whether the logs determine the torque of the drive, and so an unknown kp.
     """
     found: dict[str, Any] = {}
     for term in changing_drive(fitted.terms):

@@ -1,4 +1,4 @@
-"""Signals of logs under a fit, and the columns that a term has on their kept samples."""
+"""Signals of logs under a fit, and the columns of a term on their kept samples."""
 
 import numpy as np
 
@@ -29,9 +29,9 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
 
 
 def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
-    """A term's columns on the kept samples of all logs.
+    """Columns of a term on the kept samples of all logs.
 
-    A delay, which moves the drive, has none; its first order is the rate of the drive.
+    A delay shifts the drive and has no column of its own; its first order is the rate of the drive.
     """
     if not term.coefficients:
         parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]

@@ -1,8 +1,8 @@
-"""The numbers that decide what is named.
+"""Thresholds that decide which effects are named.
 
-All other numbers of a search say how finely it looks or when it stops. The error of a friction law,
-by which samples at rest are weighted, stands in `identify/weights.py`; what counts as clearly less,
-in `identify/clearly.py`; the waves and frequencies that logs can show, in `identify/search.py`.
+All other constants of the search set its resolution or its stopping point. The error of a friction
+law, which weights samples at rest, is in `identify/weights.py`; the improvement that counts as
+clear in `identify/clearly.py`; the waves that logs can show in `identify/search.py`.
 """
 
 # rate of false alarms over the whole family of candidates

@@ -1,4 +1,4 @@
-"""Whether logs determine that an effect is there at all: its size, by its own standard errors."""
+"""Whether the logs determine the size of an effect, from its standard errors."""
 
 import numpy as np
 
@@ -12,10 +12,7 @@ from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 
 def undetermined(prepared: Prepared, fitted: Fit) -> list[Term]:
-    """The effects whose sizes are within two standard errors of none.
-
-    What comes first is known to be there: only its size is not.
-    """
+    """Effects whose sizes are within two standard errors of zero."""
     asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or comes_first(t))]
     if not asked:
         return []

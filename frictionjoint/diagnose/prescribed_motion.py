@@ -34,7 +34,7 @@ class Prescribed:
         return cls(model, data, list(known.values()), in_time)
 
     def put(self, k: int) -> None:
-        """Where they were at a sample, and how they moved."""
+        """Set their positions and velocities at a sample."""
         for (array, at), row in zip(self._moved, self._motion[k], strict=True):
             array[at] = row
 
@@ -42,11 +42,12 @@ class Prescribed:
 class Free:
     """Joints that are free to move; all others have the accelerations in the data.
 
-    Inverse dynamics with these joints' accelerations at zero gives the torque that everything else
-    takes; the rest accelerates them.
+    Inverse dynamics with zero acceleration of the free joints gives the torque of everything else;
+    the
+    difference to the applied torque accelerates them.
 
     Attributes:
-        dt: of a step, s.
+        dt: time step, s.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int]) -> None:
@@ -61,7 +62,7 @@ class Free:
         self._rows = np.empty_like(self._units)
 
     def step(self, torque: float) -> None:
-        """One semi-implicit step with a torque on the first of them."""
+        """One semi-implicit step with a torque on the first free joint."""
         self._qacc[self._dofs] = 0.0
         mujoco.mj_inverse(self._model, self._data)
         for row, unit in zip(self._rows, self._units, strict=True):

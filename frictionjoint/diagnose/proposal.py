@@ -1,4 +1,4 @@
-"""Which motion to record next: the shortest one expected to settle what the logs leave open."""
+"""Which motion to record next: the shortest one expected to resolve what the logs leave open."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -54,12 +54,12 @@ _SHARPER = 0.7
 
 @dataclass(frozen=True)
 class Proposal:
-    """A record to make.
+    """A recording to make.
 
     Attributes:
-        motion: cut to the duration proposed.
-        expected: with the record added to the logs, with the first effect true and with the second.
-        now: in the logs alone.
+        motion: cut to the proposed duration.
+        expected: evidence with this recording, if the first effect is true and if the second is.
+        now: evidence from the present logs.
     """
 
     motion: Motion
@@ -68,29 +68,29 @@ class Proposal:
 
     @property
     def distinguishes(self) -> bool:
-        """Whether it is expected to settle the tie, whichever effect is true."""
+        """Whether it is expected to resolve the tie, whichever effect is true."""
         return all(x.deviations >= LEVEL and x.share >= UNLIKE for x in self.expected)
 
     @property
     def nested(self) -> bool:
-        """Whether the second effect holds the first one as a special case."""
+        """Whether the second effect contains the first one as a special case."""
         first, second = self.expected
         return first.share < _NOTHING <= second.share
 
 
 class Sharpened(NamedTuple):
-    """A record that determines parameters: the motion, and their estimates expected with it."""
+    """A recording that determines parameters: the motion, and the estimates expected with it."""
 
     motion: Motion
     expected: dict[str, Estimate]
 
 
 class Planner:
-    """The logs and what was fitted to them, for deciding what to record next.
+    """The logs and their fit, used to plan the next recording.
 
     Args:
-        prepared: the logs the fit is of. fitted: with all effects found.
-        body: of the MJCF the logs were prepared with.
+        prepared: the fitted logs. fitted: with all effects found.
+        body: of the MJCF that the logs were prepared with.
     """
 
     def __init__(self, prepared: Prepared, fitted: Fit, body: RigidBody) -> None:
@@ -106,14 +106,15 @@ class Planner:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the logs hold no motion: speeds taken from them would be those of noise."""
+        """Whether the logs contain no motion; speeds taken from them would be noise."""
         return 2.0 * self.limits.reach <= least_travel(self.prepared)
 
     def distinguishing(self, i: int, other: Term) -> Proposal | None:
-        """The shortest record expected to distinguish term i of the fit from another term.
+        """The shortest recording expected to distinguish term i of the fit from another term.
 
-        Inside what the logs show where that is enough. Where nothing is, the one that comes
-        nearest (see `Proposal.distinguishes`); None where no motion can be tried.
+        It stays within the range of the logs if that is sufficient. If no motion suffices, it is
+        the one
+        that comes nearest (see `Proposal.distinguishes`); None if no motion can be tried.
         """
         J, own = self.fitted.jacobian, self._own(i)
         term = self.fitted.terms[i]
@@ -151,13 +152,13 @@ class Planner:
     def sharpening(
         self, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
     ) -> Sharpened | None:
-        """The record that determines most of some parameters, and those the best.
+        """The recording that determines most of some parameters, and determines them best.
 
         Args:
-            cov: of all parameters of the fit. names: of the law's numbers to determine.
-            law: their estimates now.
+            cov: of all parameters of the fit. names: of the law's parameters to determine.
+            law: their present estimates.
         Returns:
-            None where no record determines any of them.
+            None if no recording determines any of them.
         """
         best, most = None, (0, 0.0)
         noise = self._noise(self.limits)
@@ -176,11 +177,11 @@ class Planner:
         return best
 
     def _own(self, i: int) -> NDArray[np.int64]:
-        """Columns of the jacobian that belong to term i, its coefficients first."""
+        """Columns of the Jacobian of term i, coefficients first."""
         return np.array(self.fitted.layout.of_term(i), dtype=np.int64)
 
     def _rival(self, effect: Effect, other: Term, law: Array) -> Effect:
-        """The other effect with the coefficients it takes in place of the first one."""
+        """The other effect, with the coefficients it would have instead of the first one."""
         signals = signals_of(self.prepared, self.fitted)
         target = self.fitted.residual
         target = target + effect.columns(self.prepared, self.fitted)[:, -1]
@@ -203,7 +204,7 @@ class Planner:
         return Noise(self.fitted.residual, self.fitted.log_index, self.blocks, every)
 
     def _motions(self, limits: Limits) -> list[tuple[Motion, Prepared, Array]]:
-        """The family inside some limits, with the sensitivities of the fit along each motion."""
+        """Motions within given limits, with the sensitivities of the fit along each."""
         if limits not in self._tried:
             found = []
             carried = Carried(self.body, self.prepared, limits)
@@ -217,25 +218,25 @@ class Planner:
 
 
 def _durations(motion: Motion) -> list[float]:
-    """To be tried, s: all of the motion at least once, where there is time for that."""
+    """Durations to try, s: at least one whole motion, if the time suffices."""
     tried = [x for x in _DURATIONS if motion.once <= x <= motion.duration]
     return tried or [motion.duration]
 
 
 def _worth(x: Proposal) -> tuple[bool, float, float, float]:
-    """What distinguishes beats what does not; then the shorter, or the one that comes nearer."""
+    """Sort key: recordings that distinguish first, then the shorter or the nearer one."""
     near = min(min(y.deviations / LEVEL, y.share / UNLIKE) for y in x.expected)
     either = max(y.share for y in x.expected)
     return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, near, either
 
 
 def is_known(x: Estimate) -> bool:
-    """Whether a standard error says anything: at most the value itself."""
+    """Whether a standard error is informative: at most the value itself."""
     return x.stderr is not None and x.stderr <= abs(x.value)
 
 
 def _ratio(new: Estimate, old: Estimate) -> float:
-    """Of two standard errors; 0 where only the old one is unknown."""
+    """Ratio of two standard errors; 0 if only the old one is unknown."""
     if new.stderr is None:
         return float("inf")
     return 0.0 if old.stderr is None else new.stderr / old.stderr if old.stderr else float("inf")
@@ -247,12 +248,12 @@ def computed_proposals(
     cov: Array,
     law: Mapping[str, Estimate],
 ) -> tuple[str, ...]:
-    """One sentence for each tie, and for each group of parameters that is loosely determined.
+    """One sentence per tie, and per group of poorly determined parameters.
 
     Args:
-        ties: the number of a term of the fit, and an effect that the logs cannot distinguish
-            from it.
-        cov: of all parameters of the fit. law: its numbers.
+        ties: the index of a term of the fit, and an effect that the logs do not distinguish from
+            it.
+        cov: of all parameters of the fit. law: estimates of its parameters.
     """
     if planner.at_rest:
         return ("In these logs the joint moves no more than its position is noisy: record motion.",)
@@ -269,7 +270,7 @@ def computed_proposals(
 def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
     """What to record to distinguish term i of the fit from another effect, in one sentence.
 
-    None where the other effect holds this one as a special case, which no record can rule out.
+    None if the other effect contains this one as a special case: no recording can rule that out.
     """
     term = planner.fitted.terms[i]
     found = planner.distinguishing(i, other)

@@ -1,4 +1,4 @@
-"""Whole logs in closed loop by several models, and a refined model compared with the balance's."""
+"""Whole logs simulated in closed loop by several models, and the comparison of a refined model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from frictionjoint.refine.refine import Refined
 
 @dataclass(frozen=True)
 class LoopErrors:
-    """Whole logs in closed loop, those fitted and those held out."""
+    """Errors of whole logs in closed loop, fitted and held out."""
 
     fit: ClosedLoop | None
     held_out: ClosedLoop | None
@@ -34,14 +34,14 @@ class LoopErrors:
 
     @property
     def replays(self) -> "tuple[Replay, Replay | None]":
-        """As free runs of the logs fitted and of those held out, each log one run."""
+        """Fitted and held-out logs as free runs, one run per log."""
         assert self.fit is not None
         return self.fit.replay, self.held_out.replay if self.held_out else None
 
 
 @dataclass(frozen=True)
 class Loops:
-    """Courses of the logs fitted and of those held out."""
+    """Fitted and held-out logs prepared for simulation."""
 
     fit: tuple[Course, ...]
     held_out: tuple[Course, ...]
@@ -52,13 +52,13 @@ class Loops:
         pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
         controller: Controller,
     ) -> "Loops | None":
-        """Of logs with their bodies; None where a log has no target."""
+        """From logs and their bodies; None if a log has no target."""
         if any(log.target is None for logs, _ in pairs for log in logs):
             return None
         return cls(*(courses_of(logs, bodies, controller) for logs, bodies in pairs))
 
     def errors(self, fits: Sequence[Fit]) -> tuple[LoopErrors, ...]:
-        """Of each model."""
+        """Errors of each model."""
         return tuple(
             LoopErrors(*(closed_loop(c, f) if c else None for c in (self.fit, self.held_out)))
             for f in fits
@@ -67,11 +67,12 @@ class Loops:
 
 @dataclass(frozen=True)
 class RefinedModel:
-    """A refinement as a report has it.
+    """A refinement in a report.
 
     Attributes:
-        taken: whether it is the result: it predicted logs left out better than the balance's.
-        guard: mean absolute errors of those, before and after, rad (m).
+        taken: whether it is the result, because it predicted left-out logs better than the fit to
+            torque.
+        guard: mean absolute errors on left-out logs, before and after, rad (m).
         loops: whole logs in closed loop. parameters: by name, with standard errors.
     """
 
@@ -82,10 +83,11 @@ class RefinedModel:
 
     @classmethod
     def of(cls, outcome: Refined, loops: Loops, slide: bool, scaled: bool) -> "RefinedModel":
-        """From a refinement, whether it was taken or not.
+        """From a refinement, used or not.
 
         Args:
-            scaled: whether the gain of the drive is determined; else all is in units of the drive.
+            scaled: whether the gain of the drive is determined; otherwise all is in units of the
+                drive.
         """
         whole = outcome.vector.fit(outcome.values)
         cov = outcome.vector.own_covariance(whole, outcome.cov)

@@ -1,9 +1,9 @@
-"""Replay: MuJoCo runs restarted from measured states and driven by the measured torque.
+"""Replay: MuJoCo simulations restarted from measured states and driven by the measured torque.
 
-Every half second of the log the joint is put where it was measured, its friction memory as the
-law leaves it after the measured motion so far, and the simulation runs free until the next
-restart. Other joints of an arm follow their measured motion. A voltage-driven joint is driven by
-the measured voltage, and its motor is let go where it was.
+Every half second of the log the joint is set to its measured state, with the friction memory that
+the law has after the measured motion so far, and runs freely until the next restart. Other joints
+of an arm follow their measured motion. A voltage-driven joint is driven by the measured voltage;
+where the log says that its motor is off, no motor acts.
 """
 
 import itertools
@@ -41,9 +41,10 @@ class Replay:
     """Free runs of a model.
 
     Attributes:
-        errors: position error, m or rad, one array a log, NaN where nothing was run, infinite in
-            runs that became unstable.
-        travel: largest travel measured in a log, m or rad.
+        errors: position error, m or rad, one array per log, NaN where nothing was simulated,
+            infinite
+            in runs that became unstable.
+        travel: largest measured travel of a log, m or rad.
     """
 
     errors: tuple[Array, ...]
@@ -51,14 +52,14 @@ class Replay:
 
     @property
     def rms(self) -> float | None:
-        """Over all logs; None without a single run."""
+        """Over all logs; None if there is no run."""
         e = np.concatenate(self.errors) if self.errors else np.zeros(0)
         e = e[~np.isnan(e)]
         return float(np.sqrt(np.mean(e**2))) if e.size else None
 
     @property
     def runs(self) -> Array:
-        """Mean square error of each free run, shape (k,); no run is further off than all travel."""
+        """Mean square error of each free run, limited to the square of the travel, shape (k,)."""
         found = []
         for e in self.errors:
             inside = ~np.isnan(e)
@@ -71,25 +72,25 @@ class Replay:
 
     @property
     def diverges(self) -> bool:
-        """Whether the runs leave the measured motion by more than all its travel."""
+        """Whether the runs leave the measured motion by more than its whole travel."""
         return self.rms is not None and self.rms > self.travel
 
     @property
     def stated(self) -> float | None:
-        """The rms as it is reported; None where the runs diverge, for then it means nothing."""
+        """The rms for the report; None if the runs diverge, because it has no meaning then."""
         return None if self.diverges else self.rms
 
 
 def replay_rms(fit: Replay, held_out: Replay | None) -> Rms:
-    """As reported, of logs fitted and held out."""
+    """rms for the report, of fitted and held-out logs."""
     return Rms(fit.stated, held_out.stated if held_out else None)
 
 
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
-    """The fit's effects as a model carries them.
+    """The fit's effects as a model contains them.
 
-    An inertia error goes into the armature, the back-EMF into the motor. A saturation stays here:
-    the callback takes it off what an actuator is asked for.
+    An inertia error becomes armature, back-EMF becomes part of the motor. A saturation stays an
+    effect: the callback subtracts it from the actuator force.
     """
     found = []
     for i, term in enumerate(fitted.terms):
@@ -102,9 +103,9 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
 
 
 def motor_of(fitted: Fit) -> Motor | None:
-    """The motor of a fit to voltages or currents; None where the torque was measured.
+    """The motor of a fit to voltages or currents; None if the torque was measured.
 
-    It knows its saturation for runs in which its torque is applied and no actuator acts.
+    It includes its saturation, for runs in which its torque is applied directly.
     """
     if fitted.drive == "torque":
         return None
@@ -119,7 +120,9 @@ def motor_of(fitted: Fit) -> Motor | None:
 
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """Put a fitted model into a spec: law, effects, armature, and the motor of a voltage-driven
-    joint; native friction leaves the joint.
+    joint.
+
+    Native friction of the joint is removed.
     """
     target = spec.joint(joint)
     target.frictionloss = 0.0
@@ -138,7 +141,7 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 
 
 def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
-    """A text in the model, in the place of that of an earlier fit."""
+    """A text in the model that replaces the text of an earlier fit."""
     remove_assumed(spec, joint)
     if fitted.shape.assumed:
         text = spec.add_text()
@@ -148,10 +151,12 @@ def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 def replayed_whole(
     prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit
 ) -> Array | None:
-    """Mean square error of each free run that holds all that a fit says, m^2 or rad^2, shape (k,).
+    """Mean square error of each free run, if the simulation contains the whole fit; m^2 or rad^2,
+    (k,).
 
     Returns:
-        None where they do not: see `simulated_whole`; nor does a replay know a log's delay.
+        None if it does not, see `simulated_whole`; a replay does not include the delay of a log
+        either.
     """
     armature = (body if isinstance(body, RigidBody) else body[0]).armature
     late = any(isinstance(term, EffectTerm) and term.delay for term in fitted.terms)
@@ -161,14 +166,16 @@ def replayed_whole(
 
 
 def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) -> bool:
-    """Whether a simulation started from measured motion holds all that a fit says.
+    """Whether a simulation that starts from measured motion contains the whole fit.
 
-    Where a link is behind a gap when a run begins no log holds; behind a spring it follows from the
-    motion before. And an armature is never below nothing.
+    No log shows on which side of a gap a link is when a run begins; behind a spring, its state
+    follows
+    from the motion before. A negative armature cannot be simulated.
 
     Args:
-        armature: of the MJCF. in_closed_loop: by `one_joint`, which is given the temperature of the
-            log, and has no link behind the joint.
+        armature: of the MJCF. in_closed_loop: simulated by `one_joint`, which knows the temperature
+            of
+            the log and has no link behind the joint.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
@@ -182,10 +189,10 @@ def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) 
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:
-    """Run the windows of all logs.
+    """Simulate the windows of all logs.
 
     Args:
-        body: that the logs were prepared with, or one a log.
+        body: that the logs were prepared with, or one per log.
     """
     bodies = [body] * len(prepared) if isinstance(body, RigidBody) else body
     found: list[Array] = []
@@ -272,9 +279,10 @@ def _memories(
     ours: slice,
     link: int,
 ) -> list[tuple[Array, tuple[float, float]]]:
-    """State rows at the restarts: the callback driven along the measured motion.
+    """State rows at the restarts, from the callback driven along the measured motion.
 
-    Each with position and velocity of the joint `link` behind an elastic one, driven along too.
+    Each comes with position and velocity of the joint `link` behind an elastic one, which is driven
+    along as well.
     """
     rows = []
     # samples, not steps of a simulation: a gap of several time steps would start the memory afresh

@@ -1,4 +1,4 @@
-"""What the loop found, as plain data: the content of report.json and of the page."""
+"""Results of `close_loop` as plain data: the content of report.json and of the page."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
@@ -30,7 +30,7 @@ SCHEMA = "frictionjoint/report-1"
 
 @dataclass(frozen=True)
 class LogEntry:
-    """A log's line in the report."""
+    """A log in the report."""
 
     name: str
     samples: int
@@ -39,7 +39,7 @@ class LogEntry:
 
     @classmethod
     def of(cls, log: JointLog, role: Role) -> Self:
-        """The line of a log."""
+        """From a log."""
         return cls(log.name, len(log.time), log.duration, role)
 
     def to_dict(self) -> dict[str, Any]:
@@ -79,7 +79,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Added:
-    """An effect that joined the model; `cause` in the catalogue's words."""
+    """An effect that was added to the model; `cause` is the text of the catalogue."""
 
     effect: str
     cause: str
@@ -102,9 +102,11 @@ class Added:
 class Curve:
     """Time series of one log for the plots, each of shape (n,).
 
-    `before` and `after` are the predictions of `measured`, the drive of the final model; `given` is
-    that of the model before, which effects of the drive change; `friction` is the law's part of
-    `after`; `in_motion` the samples whose torque the position determines, those of the errors.
+    `before` and `after` are the predictions of `measured`, the drive of the final model. `given` is
+    the
+    drive of the model before, which effects of the drive change. `friction` is the law's part of
+    `after`. `in_motion` marks the samples whose torque the position determines; errors are of
+    these.
     """
 
     name: str
@@ -125,8 +127,9 @@ class Curve:
 class SimulatedPosition:
     """Measured and simulated position of one log, each of shape (n,), rad (m).
 
-    Without a controller the simulation restarts from the log every 0.5 s, where `before` and
-    `after` are NaN. With a controller it follows the target from the first sample on.
+    Without a controller the simulation restarts from the log every 0.5 s; there `before` and
+    `after`
+    are NaN. With a controller it follows the target from the first sample.
     """
 
     name: str
@@ -140,10 +143,10 @@ class SimulatedPosition:
 
 @dataclass(frozen=True)
 class Looked:
-    """A look at all candidates.
+    """One step of the search, with all candidates.
 
     Attributes:
-        chosen: the effect added then, runner_up: the next best one; None where there is none.
+        chosen: the effect that was added, runner_up: the next best; None if there is none.
         rows: (name, cross-validated gain, p-value) of each effect, best first.
     """
 
@@ -159,20 +162,26 @@ class Looked:
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """Outcome of `close_loop`.
+    """Result of `close_loop`.
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
-    page. `closed_loops`, before and after by the balance, and the controller as it was found are
-    None where none was given, `refined` where it was not asked for; `posterior` is None where the
-    logs determine no scale. Intervals are of the rms before and after, at 95%, on held-out logs
-    where there are any; None where these are too short for one. `reconstructed`: whether the drive
-    was not measured, but made from the controller.
-    `units` are those of torques and positions: N m and rad, N and m for a slide. Where the logs do
-    not determine the torque that a current or a voltage makes, torques are in A or V, or over a
-    controller's unknown kp in rad or m; there is no replay and the model carries no friction.
-    `carried` is the friction that model.xml contains; None where the model carries none.
-    `positions` are the simulated positions of the logs, empty where nothing was simulated.
-    `recordings` say how much each number differs between three recordings or more.
+    page.
+    `closed_loops` (before, and after without refinement) and the controller are None without a
+    controller; `refined` is None if it was not requested; `posterior` is None if the logs determine
+    no
+    torque scale. Intervals are those of the rms before and after, 95%, on held-out logs if there
+    are
+    any; None if these are too short. `reconstructed`: the drive was not measured but computed from
+    the
+    controller.
+    `units` are those of torque and position: N m and rad, or N and m for a slide. If the logs do
+    not
+    determine the torque per current or voltage, torques are in A or V, or divided by an unknown kp
+    in
+    rad or m; then there is no replay and the model contains no friction.
+    `carried` is the friction in model.xml; None if it contains none.
+    `positions` are the simulated positions of the logs; empty if nothing was simulated.
+    `recordings` states how each number varies between recordings, if there are three or more.
     """
 
     joint: str
@@ -226,10 +235,10 @@ class Report:
         return draw(self)
 
     def drive_rms(self, stage: Literal["before", "after"]) -> Rms:
-        """rms of the drive in motion, in the unit of torques; None for a role without logs.
+        """rms of the drive in motion, in the unit of torque; None for a role without logs.
 
-        Before it is the drive of the controller as its file says, after it is the drive as effects
-        of the drive have changed it.
+        Before: the drive of the controller as its file says. After: as changed by effects of the
+        drive.
         """
         values: dict[Role, float | None] = {}
         for role in get_args(Role):
@@ -261,14 +270,14 @@ class Report:
 
     @property
     def changed(self) -> bool:
-        """Whether the result is another model than the base fit: effects added, or another law."""
+        """Whether the result differs from the base fit: effects were added, or the law changed."""
         return bool(self.added) or self.laws[0].law != self.laws[1].law
 
     def samples(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
         """Parameter sets drawn from the uncertainty of the result, for `frictionjoint.install`.
 
         Raises:
-            ParameterError: the logs do not determine a scale; not at least one sample.
+            ParameterError: the logs determine no torque scale; fewer than one sample requested.
         """
         if self.posterior is None:
             raise ParameterError("no samples: the logs do not determine the friction's scale")
@@ -276,14 +285,15 @@ class Report:
 
     @property
     def result_loops(self) -> tuple[LoopErrors, ...]:
-        """Whole logs in closed loop, by the model before and by the result; none without them."""
+        """Whole logs in closed loop, by the model before and by the result; empty without a
+        controller."""
         if self.closed_loops is None:
             return ()
         before, after = self.closed_loops
         return before, self.refined.loops if self.refined and self.refined.taken else after
 
     def _closed_loop(self, which: int) -> dict[str, Any]:
-        """Of the model before (0) or after (1); nothing where no controller is known."""
+        """Errors of the model before (0) or after (1); empty without a controller."""
         if not self.result_loops:
             return {}
         found = self.result_loops[which]
@@ -298,7 +308,7 @@ class Report:
         return report_html(self)
 
     def _refined(self) -> dict[str, Any]:
-        """The refinement compared with the balance fit."""
+        """The refinement compared with the fit to torque."""
         assert self.refined is not None
         assert self.closed_loops is not None
         balance = self.closed_loops[1]

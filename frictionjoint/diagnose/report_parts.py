@@ -1,4 +1,4 @@
-"""Parts of a report, made of what the search found."""
+"""Parts of a report, made from the findings of the search."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -39,16 +39,17 @@ _FEWEST_BLOCKS = 5
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
-    """Of the torque in motion, N m, all by one gain of the drive: less of it makes none better."""
+    """Errors of the torque in motion, N m, all with one drive gain: a smaller gain improves no
+    model."""
     found: Prediction = predict(prepared, fitted)
     return np.asarray(found.error[found.in_motion] * (gain / fitted.scale))
 
 
 def torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
-    """rms of the torque in motion, fitted and held out, N m (N).
+    """rms error of the torque in motion, fitted and held out, N m (N).
 
     Args:
-        gain: of the drive, by which the errors of all models are stated.
+        gain: of the drive, used for the errors of all models.
     """
     held = _root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
     return Rms(_root_mean_square(_errors(fitted_on, f, gain)), held)
@@ -59,7 +60,7 @@ def _root_mean_square(e: Array) -> float:
 
 
 def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
-    """Of the torque's rms before and after; None of so few blocks that their spread is unknown."""
+    """Intervals of the torque's rms error before and after; None if there are too few blocks."""
     pair = []
     first = prepared.segments[0]
     length = max(1, round(_BLOCK_S / (first.dt * first.step)))
@@ -73,7 +74,7 @@ def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
 
 
 def replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
-    """Of the replay's rms before and after; each free run is a block of its own."""
+    """Intervals of the replay's rms error before and after; each free run is one block."""
     pair = []
     if not runs or any(r is not None and r.diverges for run in runs for r in run):
         return None
@@ -90,7 +91,8 @@ def replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals 
 def added(
     found: Trace, cov: Array, fitted_on: Prepared, kept_back: Prepared | None
 ) -> tuple[Added, ...]:
-    """One entry an effect; further harmonics of a periodic effect join the first one's."""
+    """One entry per effect; further harmonics of a periodic effect belong to the entry of the
+    first."""
     entries: dict[str, Added] = {}
     for i, step in enumerate(found.findings):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)
@@ -118,7 +120,7 @@ def _evidence(step: Finding) -> Evidence:
 
 
 def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
-    """Torque and its errors along every log, before and after."""
+    """Torque and its errors along each log, before and after."""
     curves = []
     groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
     for role, prepared in groups:
@@ -164,10 +166,10 @@ def simulated_positions(
     kept_back: Prepared | None,
     runs: Sequence[tuple[Replay, Replay | None]],
 ) -> tuple[SimulatedPosition, ...]:
-    """Measured and replayed position of every log.
+    """Measured and replayed position of each log.
 
     Args:
-        runs: before and after, of the logs fitted and of those held out; empty without a replay.
+        runs: before and after, of fitted and of held-out logs; empty without a replay.
     """
     if not runs:
         return ()
@@ -185,7 +187,7 @@ def simulated_positions(
 
 
 def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[SimulatedPosition, ...]:
-    """Target, measured and simulated position of every log in closed loop."""
+    """Target, measured and simulated position of each log in closed loop."""
     found = []
     groups: list[tuple[Role, ClosedLoop | None, ClosedLoop | None]] = [
         ("fit", before.fit, after.fit),
@@ -201,7 +203,7 @@ def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[Simulated
 
 
 def rankings(found: Trace) -> tuple[Looked, ...]:
-    """Candidates of each addition, or of the only look where nothing was added."""
+    """Candidates of each step of the search."""
     looks: list[tuple[str | None, str | None, Look]] = [
         (f.term.name, f.runner_up, f.look) for f in found.findings
     ]
@@ -216,12 +218,12 @@ def rankings(found: Trace) -> tuple[Looked, ...]:
 
 
 def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
-    """Each addition with an effect that explains as much."""
+    """Each added effect with an effect that explains as much."""
     return tuple((_effect(f), other) for f in found.findings for other in f.ties)
 
 
 def forms(found: Trace) -> tuple[tuple[Effect, Effect], ...]:
-    """Each addition with a form of it that explains as much."""
+    """Each added effect with another form of it that explains as much."""
     return tuple((_effect(f), other) for f in found.findings for other in f.forms)
 
 
@@ -233,7 +235,7 @@ def _effect(finding: Finding) -> Effect:
 
 
 def rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
-    """By the number of a term in the final fit: the effects that explain nearly as much."""
+    """Effects that explain nearly as much, by the index of a term in the final fit."""
     taken = {f.term.name for f in found.findings}
     return [
         (i, term)

@@ -1,13 +1,13 @@
-"""The evidence of each effect, restated on the final model.
+"""The evidence for each effect, recomputed on the final model.
 
-When an effect came in it was seen beside another law and other effects. In the end each is looked
-at as if it alone were missing, with all candidates beside it and the law as it was found, for one
-that is fitted without the effect has bent for want of it. The best candidates are fitted in its
-place. What predicts no motion that it was not fitted to, its shape neither, or what fewer than
-half of the halves of the data choose before these and before nothing, goes; a candidate that
-explains as much as the effect, or less by no more than the error of that, is a tie. What has a size
-within two standard errors of none goes before all, unless others leave it open. The p-value stays
-that by which the effect came in: beside a law that has bent for want of a slow effect that of the
+An effect was accepted with another law and other effects. Finally, each effect is examined as if it
+alone were missing: all candidates compete, with the law as found with the effect, because a law
+refitted without it would be biased. The best candidates are fitted in its place. An effect is
+dropped if neither its coefficient nor its shape predicts other motion, or if fewer than half of the
+random halves of the data choose it before these candidates and before nothing. A candidate that
+explains as much as the effect, within the standard error, is a tie. An effect whose size is within
+two standard errors of zero is dropped first, unless other effects leave it open. The p-value stays
+the one at which the effect was accepted: with a law biased by a missing slow effect, that of the
 final model says little.
 """
 
@@ -35,7 +35,7 @@ _MOST_RIVALS = 2
 
 
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
-    """What the model has, each effect with its evidence; what that does not bear out is dropped."""
+    """The effects of the model, each with its evidence; effects without support are dropped."""
     while True:
         unsure = _leave_out_undetermined(state)
         found = _of_terms(state)
@@ -49,13 +49,10 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
 
 
 def _leave_out_undetermined(state: State) -> list[Term]:
-    """Leave out, one after the other, effects whose sizes the logs do not determine.
+    """Remove, one after the other, effects whose sizes the logs do not determine.
 
-    Several may leave each other's sizes open, and carry the evidence together: then those without
-    which unlike motion is predicted worse stay.
-
-    Returns:
-        those that stay, which are ties of each other.
+    Several effects may leave each other's sizes open and carry the evidence together. Then those
+    without which the prediction of unlike motion gets worse stay.
     """
     changed = False
     while unsure := undetermined(state.prepared, state.fit):

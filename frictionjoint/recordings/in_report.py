@@ -1,4 +1,4 @@
-"""What a report says of the differences between its recordings, and what samples make of them."""
+"""Differences between the recordings of a report, and the spread that they add to its samples."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.held import Pose
 from frictionjoint.measured.log import JointLog
@@ -15,11 +16,16 @@ from frictionjoint.recordings.estimate import Estimates, Known, estimate
 if TYPE_CHECKING:
     from frictionjoint.diagnose.report_data import Report
 
-# recordings from which on they are compared
+# recordings that a comparison requires
 FEWEST = 3
 _SURE = 0.05
-# part of the knowledge of a number that must come from each recording
+# fraction of the information on a number that must come from each recording
 _INFORMED = 0.5
+# standard error, as a fraction of the value, above which a number is not determined at all
+_LOOSE = 0.5
+_MEASURED = {
+    e.name for e in CATALOGUE if e.entry in ("acts on the measurement", "acts on the motor")
+}
 
 
 def with_recordings(
@@ -36,6 +42,13 @@ def with_recordings(
     drives = [log for log in logs if log.torque is not None or log.voltage is not None]
     if posterior is None or len(drives) < FEWEST:
         return report
+    corrected = [x.effect for x in report.added if x.effect in _MEASURED]
+    if corrected:
+        note = (
+            "The recordings were not compared with each other: the comparison takes the measured "
+            f"torque as it is, and this result corrects it ({', '.join(map(title, corrected))})."
+        )
+        return replace(report, notes=(*report.notes, note))
     cov = posterior.factor @ posterior.factor.T
     known = Known(report.mjcf, report.joint, posterior.content, cov, fixed)
     try:
@@ -44,9 +57,10 @@ def with_recordings(
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))
     rows, columns, said = [], [posterior.factor], []
+    loose = known.stderr > _LOOSE * np.abs(known.values)
     for i, number in enumerate(known.numbers):
         own = [x for x in found if x.informed[i] > _INFORMED]
-        if len(own) < FEWEST:
+        if len(own) < FEWEST or loose[i]:
             continue
         over = _over(own, i)
         rows.append(_row(number.name, over, own, i))
@@ -55,7 +69,7 @@ def with_recordings(
             column = np.zeros((len(cov), 1))
             column[list(number.indices)] = over.deviation
             columns.append(column)
-            said.append(_sentence(number.name, over))
+            said.append(_sentence(number.words, over))
     return replace(
         report,
         recordings=tuple(rows),
@@ -91,10 +105,9 @@ def _row(name: str, over: Between, found: Sequence[Estimates], i: int) -> dict[s
 
 def _sentence(name: str, over: Between) -> str:
     share = f", {over.deviation / abs(over.mean):.0%} of it" if over.mean else ""
-    cause = (
-        f" Most of that goes with {over.cause} ({over.slope:.2g} per unit)." if over.cause else ""
-    )
+    cause = f" Most of it follows {over.cause} ({over.slope:.2g} per unit)." if over.cause else ""
     return (
-        f"Between recordings {name} differs by {over.deviation:.2g}{share}, beyond the error of "
-        f"each (p {over.p_value:.2g}).{cause} Samples of the parameters include this spread."
+        f"Between recordings, {name} varies by {over.deviation:.2g}{share} (standard deviation, "
+        f"without the error of each; p {over.p_value:.2g}).{cause} Samples of the parameters "
+        "include this variation."
     )

@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.describe import meaning
+from frictionjoint.effects.catalogue import title
+from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.files import joint_friction
 from frictionjoint.refine.posterior import is_number, numbers_in, with_numbers
 from frictionjoint.simulate.carrier import JointFriction
@@ -24,14 +27,23 @@ class Number:
     """A number of a friction.
 
     Attributes:
-        name: in words of the law or the effect. indices: where it is among the numbers of a
-            parameter file, two where it is the same in both directions.
-        of_law: whether it is the law's.
+        name: symbol, after the canonical name for a number of an effect. indices: of the
+            numbers of a parameter file, two if both directions share one.
+        of_law: whether it belongs to the law.
     """
 
     name: str
     indices: tuple[int, ...]
     of_law: bool
+
+    @property
+    def words(self) -> str:
+        """What it is."""
+        if not self.of_law:
+            effect, _, number = self.name.partition(" ")
+            return f"{quantity_of(effect, number)} ({title(effect)})"
+        symbol, above, _ = self.name.partition(" - ")
+        return meaning(symbol) + (" above Coulomb friction" if above else "")
 
 
 def numbers_of(content: Mapping[str, Any]) -> list[Number]:
