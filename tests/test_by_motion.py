@@ -9,7 +9,7 @@ from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import BLOCK
 from frictionjoint.control.kernel import COUNT as COUNT_AT
-from frictionjoint.diagnose.by_motion import is_large, named_by_motion, taken, told
+from frictionjoint.diagnose.by_motion import held_out_evidence, is_large, named_by_motion, taken
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
@@ -106,7 +106,7 @@ def test_a_whole_log_that_goes_astray_does_not_keep_an_effect_from_being_named()
     whole = near.copy()
     whole[3] = 0.2  # sticks once too early with the effect, by its numbers without that kind
     now, other = errors(near), errors(0.7 * near, 0.7 * whole)
-    seen = told(MOTOR[0], other, now)
+    seen = held_out_evidence(MOTOR[0], other, now)
     assert seen.gain(seen.rows[0]) == pytest.approx(1.0 - 0.7**2)
     assert seen.rows[0].p_value < 0.05
     assert is_large(other, now, [log_with_a_count()] * 12)
@@ -122,7 +122,7 @@ def test_what_all_models_lose_without_a_kind_does_not_hide_an_effect():
         errors(fitted + lost, fitted=fitted),
         errors(0.7 * fitted + lost, fitted=0.7 * fitted),
     )
-    seen = told(MOTOR[0], other, now)
+    seen = held_out_evidence(MOTOR[0], other, now)
     assert seen.gain(seen.rows[0]) < 0.3
     assert seen.rows[0].p_value < 0.05
     assert taken(other, now) == pytest.approx((1.0 - 0.7**2) * np.mean(fitted**2))

@@ -1,11 +1,11 @@
-"""What the model lacks: residual, search, findings.
+"""Search for what the model lacks.
 
-``blocks``   blocks of time, and the kinds of motion they are of
+``blocks``   blocks of time, and the kinds of motion they belong to
 ``library``  effects and unnamed dependences that the logs can test
-``gram``     all questions about candidates, answered from Gram matrices by block
+``gram``     scores of candidates from Gram matrices by block
 ``moves``    changes of a model, screened
-``score``    what a model predicts of unlike motion
-``laws``     which friction law the logs support
-``trace``    the search; ``finding`` what it found
+``score``    cross-validated score
+``laws``     friction laws that the logs support
+``trace``    the search; ``finding`` its outcome
 ``replay``   MuJoCo simulations restarted from measured states
 """

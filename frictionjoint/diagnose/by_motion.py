@@ -80,7 +80,7 @@ def _asked_for(
             progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
             if not is_large(other, now, courses):
                 continue
-            seen = told(term, other, now)
+            seen = held_out_evidence(term, other, now)
             (row,) = seen.rows
             gain = seen.gain(row)
             progress(f"checking {term.name} by the simulated motion: p {row.p_value:.3f}")
@@ -142,7 +142,7 @@ def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
     return [vector.start, np.clip(x, vector.low, vector.high)]
 
 
-def told(term: Term, other: Tried, now: Refined) -> Look:
+def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     """Evidence for an effect from held-out kinds of logs, one block per log.
 
     It is taken from windows that start at the measured motion, where the effect was screened. In a

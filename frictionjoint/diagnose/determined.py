@@ -21,14 +21,14 @@ def undetermined(prepared: Prepared, fitted: Fit) -> list[Term]:
 
 
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
-    """How many standard errors the i-th effect is from having no size.
+    """Distance of the i-th effect from zero size, in standard errors.
 
-    The size is its coefficients, the surest of them; of an effect without any it is its shape
-    numbers, of which each has a value that changes nothing, see `Effect.none`: 0 (or infinity,
-    which is as far), or 1 of a factor.
+    The size is that of its best determined coefficient. For an effect without coefficients it is
+    that
+    of its shape numbers, each of which has a value that changes nothing, see `Effect.none`.
 
     Args:
-        cov: of all parameters of the fit, in the order of its jacobian.
+        cov: of all parameters of the fit, in the order of its Jacobian.
     """
     term, layout = fitted.terms[i], fitted.layout
     at = layout.coefficients(i)

@@ -1,8 +1,8 @@
-"""What a controller does to the drive that its file does not say.
+"""Search for effects of the drive: what a controller does that its file does not say.
 
-A delay or a limit changes the drive itself, by far more than friction, and not in proportion to any
-number of it: no linear column predicts what it would leave. There are few such effects, so each is
-tried from all of its starts, on thinned logs, and the best few on all samples.
+A delay or a limit changes the drive by far more than friction, and not in proportion to its number,
+so no linear column predicts the residual. There are few such effects: each is fitted from all of
+its starts, on thinned logs, and the best few on all samples.
 """
 
 from collections.abc import Callable, Sequence
@@ -36,11 +36,11 @@ Ranked = tuple[float, DriveTerm]
 
 
 class Driven(NamedTuple):
-    """An effect of the drive added to a model.
+    """Effects of the drive that were tried on a model.
 
     Attributes:
-        look: all such effects, best first. tried: the leaders' terms with their scores, best first.
-        now: score of the model without.
+        look: all of them, best first. tried: terms of the leaders with their scores, best first.
+        now: score of the model without them.
     """
 
     look: Look
@@ -49,12 +49,13 @@ class Driven(NamedTuple):
 
 
 def part_left(fitted: Fit) -> float:
-    """rms of what a model leaves, over that of the drive as it then acts."""
+    """rms of a model's residual, divided by the rms of the drive as the model has it."""
     return fitted.drive_rms * fitted.error_unit / fitted.target_rms
 
 
 def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> Driven | None:
-    """Every effect of the drive added to a fit; None where the drive is measured, or none can be.
+    """Try every effect of the drive on a fit; None if the drive is measured, or there is none to
+    try.
 
     Args:
         prepared: the logs of the fit. rng: for sign flips and halves.
@@ -79,7 +80,7 @@ def judged(
     beside: Callable[[DriveTerm], Fit],
     rng: np.random.Generator,
 ) -> Driven | None:
-    """The leaders of some effects of the drive, fitted to all samples and scored.
+    """The leading effects of the drive, fitted to all samples and scored.
 
     Args:
         forms: of each effect, best first. beside: the model with one of them.
@@ -116,10 +117,11 @@ def judged(
 
 
 def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
-    """Models with another effect of the drive, or a form of this one, in the place of the i-th.
+    """Models with another effect of the drive, or another form, in place of the i-th effect.
 
-    Forms of this one first, in the order of the catalogue, then the best others. The rest of the
-    model is as it is beside that effect, not as it would bend for want of it.
+    Other forms come first, in the order of the catalogue, then the best other effects. The rest of
+    the
+    model is kept as fitted with the i-th effect, because a refit without it would be biased.
     """
     own = fitted.effects
     terms = drive_terms(prepared, all_but(own, own[i]))
@@ -145,10 +147,9 @@ def _is_first_of_its_name(k: int, ranked: Sequence[Ranked]) -> bool:
 def _best_of_each_form(
     coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm]
 ) -> list[Ranked]:
-    """Of each form of an effect the size that leaves least on thinned logs, best first.
+    """For each form of an effect, the size with the smallest residual on thinned logs, best first.
 
-    With the fraction of the drive's squares by which it leaves less than the fit that it starts
-    from.
+    Each comes with the reduction of the squared residual, as a fraction of the squared drive.
     """
 
     def begun(term: DriveTerm) -> Place:
@@ -183,13 +184,13 @@ def _best_of_each_form(
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:
-    """Chance of as large a gain where each block's could as well be a loss."""
+    """Probability of as large a gain if the sign of each block's gain were random."""
     flips = rng.choice([-1.0, 1.0], size=(_FLIPS, len(difference))) @ difference
     return float((1 + np.sum(flips >= difference.sum())) / (_FLIPS + 1))
 
 
 def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:
-    """How often each leaves least of a half of the blocks."""
+    """How often each is best on random halves of the blocks."""
     half = halves(len(squares[0]), rng)
     first = first_least(np.array(squares) @ half.T)
     return [float(x) for x in np.bincount(first, minlength=len(squares)) / len(half)]

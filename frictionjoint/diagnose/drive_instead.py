@@ -1,8 +1,8 @@
-"""Effects of the drive that would explain as much as an effect of the joint does.
+"""Effects of the drive that explain as much as an effect of the joint.
 
-What a controller does comes before what its joint does (see `trace`), but an effect of the drive
-may show only beside effects that were named after something had taken its place: a late target
-looks like a late encoder until the spring beside it is known.
+Effects of the drive are decided before those of the joint (see `trace`). But some can be detected
+only after another effect is in the model, when an effect of the joint may already have taken their
+place: a delayed target looks like a delayed encoder until the spring is known.
 """
 
 from functools import partial
@@ -33,12 +33,12 @@ from frictionjoint.identify.weights import reweighed
 
 
 def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
-    """Put an effect of the drive in the place of one of the joint that explains hardly more.
+    """Replace an effect of the joint by an effect of the drive if it explains hardly more.
 
-    Of no more numbers; the one that had the place is its tie.
+    The effect of the drive has no more numbers; the replaced effect becomes a tie.
 
     Returns:
-        whether one was put there.
+        whether one was replaced.
     """
     own = state.fit.effects
     for replaced in _replaceable(state):
@@ -69,7 +69,7 @@ def _as(finding: Finding, _: Finding) -> Finding:
 
 
 def _replaceable(state: State) -> list[Term]:
-    """Effects of the joint that are to be tried, those that the drive promises to replace."""
+    """Effects of the joint that an effect of the drive may replace."""
     own = state.fit.effects
     of_joint = [t for t in own if isinstance(t, EffectTerm) and not isinstance(t, DriveTerm)]
     named = [t for t in of_joint if not t.effect.first]
@@ -85,9 +85,10 @@ def _replaceable(state: State) -> list[Term]:
 
 
 def _promised(coarse: Prepared, start: Fit, term: Term) -> bool:
-    """Whether an effect of the drive explains, to first order, a good part of what another does.
+    """Whether an effect of the drive explains, to first order, much of what another effect
+    explains.
 
-    What it does to the balance is taken for a column.
+    Its change of the torque balance serves as a column.
     """
     rest = refit(coarse, all_but(start.effects, term), start.shape, ROUGH)
     balance = Balance(coarse, rest.shape, rest.terms)

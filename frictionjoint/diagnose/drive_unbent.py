@@ -1,9 +1,10 @@
-"""Effects of the drive that a bent law hides.
+"""Effects of the drive that a biased friction law hides.
 
-A law that was fitted without an effect of the drive has bent for want of it, and beside that law
-the effect may promise nothing: a wide hysteresis stands in for a dead band. So before a search ends
-each is tried at the starts of a law that nothing has bent. Those that leave much less there than
-the model does with that law at its best are fitted with the model's own law from everywhere.
+A law fitted without an effect of the drive is biased, and with that law the effect may seem to
+explain nothing: a wide hysteresis imitates a dead band. So before the search ends, each effect is
+tried with the unbiased starting values of a law. An effect that leaves a much smaller residual
+there
+than the model with its fitted law is then fitted jointly with the model's own law, from all starts.
 """
 
 import numpy as np
@@ -26,7 +27,7 @@ from frictionjoint.threads import side_by_side
 def look_at_hidden_drive(
     prepared: Prepared, fitted: Fit, rng: np.random.Generator
 ) -> Driven | None:
-    """Effects of the drive beside a law that nothing has bent; None where none promises anything.
+    """Effects of the drive tried with unbiased laws; None if none reduces the residual.
 
     Args:
         prepared: the logs of the fit. rng: for sign flips and halves.
@@ -44,10 +45,12 @@ def look_at_hidden_drive(
 
 
 def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
-    """Of each form of an effect the size that leaves least at a law's starts, best first.
+    """For each form of an effect, the size with the smallest residual at a law's starts, best
+    first.
 
-    With the fraction by which it leaves less than the model with that law at its best. The law is
-    one of few starts, whichever the model has.
+    Each comes with the reduction relative to the model with the best fit of that law, which is a
+    law
+    with few starts, whatever law the model has.
     """
     terms = drive_terms(prepared, fitted.effects)
     coarse, law = prepared.thinned(COARSE), prompt_maxwell_slip()

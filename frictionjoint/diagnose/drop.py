@@ -1,4 +1,4 @@
-"""Effects that a model predicts as well without."""
+"""Backward elimination of effects whose removal does not worsen held-out prediction."""
 
 from functools import partial
 
@@ -12,11 +12,12 @@ from frictionjoint.threads import side_by_side
 
 
 def drop_idle(state: State) -> None:
-    """Leave out, one after the other, what the model predicts as well without.
+    """Remove, one after the other, effects whose removal does not worsen held-out prediction.
 
-    A dependence without a name bends with the data and is no cause. So it makes no cause idle: each
-    is judged among causes alone. Nor do small losses add up to one that is not small: two causes of
-    which either is idle beside the other are not both left out where together they are needed.
+    Unnamed dependences adapt to the data and are no causes, so each effect is judged among named
+    effects alone. Small losses do not accumulate: if either of two effects can be removed but not
+    both,
+    one stays.
     """
     first = named_of(state.fit.effects)
     while state.fit.effects:

@@ -1,4 +1,4 @@
-"""Exchanges within a model: another form of an effect, another effect in its place."""
+"""Exchanges within a model: another form of an effect, or another effect in its place."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -44,12 +44,12 @@ _MOST = 2
 
 
 def best_forms(state: State) -> bool:
-    """Give each effect the form that predicts best: the first look saw them beside a bent law.
+    """Give each effect the form that predicts best; the initial screening used a biased law.
 
-    Of forms that predict as well the simplest.
+    Among forms that predict equally well, the simplest is used.
 
     Returns:
-        whether any has another form now: what stood in for that may be idle.
+        whether a form changed; then an effect that compensated for the wrong form may be redundant.
     """
     before = state.fit
     for i in range(len(state.fit.effects)):
@@ -69,11 +69,13 @@ def best_forms(state: State) -> bool:
 
 
 def weigh_others(state: State) -> None:
-    """Exchange each effect for the best other one of no more numbers, beside all others.
+    """Exchange each effect for the best other effect with no more numbers, next to all others.
 
-    A simpler one that explains as much stays, unless the model would do as well without it; one as
-    simple is a tie, of which the catalogue's first is named, but for an effect that alone leaves
-    much less than the other one does alone: beside that the rest would make up for it.
+    A simpler effect that explains as much replaces it, unless the model would do as well without
+    it.
+    An equally simple one is a tie, and the first in the catalogue is named, unless one of them
+    alone
+    explains much more than the other alone: next to the other, the rest of the model compensates.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -94,9 +96,9 @@ def weigh_others(state: State) -> None:
 
 
 def _alone_leaves_less(state: State, term: Term, other: Term, blocks: Blocks) -> bool:
-    """Whether one of several effects leaves much less than another, both without the rest.
+    """Whether one of several effects alone leaves a much smaller residual than another alone.
 
-    Beside what is known to be there and what its controller does to the drive.
+    Known effects and effects of the controller stay in the model.
     """
     own = state.fit.effects
     known = [t for t in own if t is not term and (comes_first(t) or isinstance(t, DriveTerm))]
@@ -112,7 +114,7 @@ def _alone_leaves_less(state: State, term: Term, other: Term, blocks: Blocks) ->
 def settle_ties(state: State) -> None:
     """Exchange each effect for a richer one that it is tied with, if that explains clearly more.
 
-    Before all effects are found the simpler one stands: what it leaves may be another effect.
+    Before all effects are found the simpler one stays: the rest may be another effect.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -130,12 +132,12 @@ def settle_ties(state: State) -> None:
 
 
 def exchange_bent(state: State) -> bool:
-    """Try others in the place of each effect that a law bends for, with the law fitted anew.
+    """Try other effects in place of each effect that biases the law, with the law fitted anew.
 
-    The law was fitted beside the one that was found first, and may have bent for the other.
+    The law was fitted together with the effect found first, and may have adapted to it.
 
     Returns:
-        whether one explains so much more.
+        whether another effect explains clearly more.
     """
     own = state.fit.effects
     for i, term in enumerate(own):
@@ -168,12 +170,14 @@ def exchange_bent(state: State) -> bool:
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:
     """Try to replace each effect of the drive, with all later effects in the model.
 
-    The drive comes first, with a law that bends for want of the rest: of two forms of one effect,
-    or of an effect of the drive and one of the joint, the wrong one may then be nearer. One that
-    explains nearly as much is a tie; of forms that do, the catalogue's first is taken.
+    Effects of the drive are found first, with a law that lacks the other effects and is biased, so
+    the
+    wrong form, or an effect of the drive instead of one of the joint, may fit better. An effect
+    that
+    explains nearly as much is a tie; among such forms the first in the catalogue is used.
 
     Returns:
-        whether one predicts so much more, another form of the same effect more, or a simpler one as
+        whether another effect predicts clearly more, another form more, or a simpler effect as
         much.
     """
     own = state.fit.effects
@@ -210,9 +214,9 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
 
 
 def _form_preferred(one: Term, score: Scored, other: Term, its: Scored) -> bool:
-    """Whether a form of an effect of the drive is taken before another, or as it was fitted anew.
+    """Whether one form of an effect of the drive is preferred to another, after refitting.
 
-    Forms that the logs do not tell apart go in the order of the catalogue.
+    Indistinguishable forms are ordered as in the catalogue.
     """
     assert isinstance(one, DriveTerm)
     assert isinstance(other, DriveTerm)
@@ -223,7 +227,7 @@ def _form_preferred(one: Term, score: Scored, other: Term, its: Scored) -> bool:
 
 
 def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
-    """Models with another effect of the drive in the place of the i-th, and where it was seen."""
+    """Models with another effect of the drive in place of the i-th, with the step that tried it."""
     name = state.fit.effects[i].name
     seen = next(f.look for f in state.findings if f.term.name == name)
     others = others_of_drive(state.prepared, state.fit, i)
@@ -231,7 +235,7 @@ def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
 
 
 def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
-    """The same with an effect of the joint of no more numbers, those that promise most."""
+    """The same with the most promising effects of the joint that have no more numbers."""
     own = state.fit.effects
     rest = replace(state, fit=without(state, own[i]))
     among = [
@@ -245,18 +249,18 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
 
 
 def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:
-    """Change the finding of an effect of the model."""
+    """Replace the finding of an effect of the model."""
     state.findings = with_changed(state.findings, state.fit.effects, term, change)
 
 
 def _take(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:
-    """Change the finding of an effect, and take a model with another one in its place."""
+    """Use a model with another effect in place of one, and replace its finding."""
     _change(state, term, change)
     state.prepared, state.fit = reweighed(state.prepared, other)
 
 
 def _first_of_tie(finding: Finding, candidate: Candidate) -> Finding:
-    """A finding of one effect as that of another one, with which it is tied."""
+    """The finding of an effect, restated for an effect that it is tied with."""
     return _instead(finding, candidate).tied_with(finding.term)
 
 
@@ -267,7 +271,7 @@ def _precedes(one: Term, other: Term) -> bool:
 
 
 def _with_form(finding: Finding, other: Term) -> Finding:
-    """A finding of an effect of the drive, with a form of it that explains as much."""
+    """A finding of an effect of the drive, restated for another form that explains as much."""
     assert isinstance(finding.term, DriveTerm)
     assert isinstance(other, DriveTerm)
     if other.effect in (finding.term.effect, *finding.forms):
@@ -276,10 +280,10 @@ def _with_form(finding: Finding, other: Term) -> Finding:
 
 
 def _instead(finding: Finding, candidate: Candidate, seen: Look | None = None) -> Finding:
-    """A finding of one effect as that of another one.
+    """A finding of one effect, restated for another effect.
 
     Args:
-        seen: the look that has seen it; None: that of the finding.
+        seen: the step that tried the other effect; None: the step of the finding.
     """
     look = seen or finding.look
     row = look.find(candidate)
@@ -290,14 +294,14 @@ def _instead(finding: Finding, candidate: Candidate, seen: Look | None = None) -
 def _in_place_of(
     state: State, blocks: Blocks, i: int, others: list[Candidate]
 ) -> tuple[Candidate, Fit]:
-    """The candidate that promises most in place of the i-th effect, and the model with it."""
+    """The most promising candidate in place of the i-th effect, and the model with it."""
     best = most_first(state, blocks, i, others)[0]
     terms = in_place(state.fit.effects, i, best.term)
     return best, compared(state.prepared, terms, state.fit.shape)
 
 
 def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
-    """Candidates for the place of the i-th effect, those that promise most first."""
+    """Candidates in place of the i-th effect, most promising first."""
     seen = screen(state.fit, blocks, others)
     rest = [at for k, at in enumerate(seen.terms) if k != i]
     left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
@@ -305,12 +309,12 @@ def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) ->
 
 
 def _no_richer(state: State, term: Term) -> list[Candidate]:
-    """Candidates with a name and no more numbers than an effect of the model."""
+    """Named candidates with no more numbers than an effect of the model."""
     return [c for c in _seen_with(state, term) if numbers_of(c.term) <= numbers_of(term)]
 
 
 def _seen_with(state: State, term: Term) -> list[Candidate]:
-    """Candidates with a name that were seen when an effect of the model was."""
+    """Named candidates of the step in which an effect of the model was found."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
     named = [c for c in state.candidates if not c.unnamed]
     return [c for c in named if all(look.holds(c) for look in looks)]

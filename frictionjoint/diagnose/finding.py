@@ -1,4 +1,4 @@
-"""What the search found: effects with their evidence, and what these logs could have shown."""
+"""Outcome of the search: effects with their evidence, and the smallest detectable effect."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,16 +19,16 @@ from frictionjoint.identify.terms import Term
 
 @dataclass(frozen=True)
 class Finding:
-    """An effect that joined the model.
+    """An effect that was added to the model.
 
     Attributes:
-        term: at its final shape. look: all candidates when it was chosen; row: its own.
-        gain: fraction of the squares left that it takes from motion unlike that it was fitted to,
-            its shape numbers chosen without that motion too.
+        term: with its final shape. look: all candidates of the step that chose it; row: its own.
+        gain: fraction of the squared residual that it removes from motion unlike the motion it was
+            fitted to; its shape numbers were chosen without that motion too.
         ties: effects that the logs cannot distinguish from it. rivals: effects nearly as good.
-        fit: the model right after it joined. forms: its other forms that leave as much.
-        against: the best other effect that was fitted in its place on the final model, and by how
-            much more this one takes away, as a fraction; None: see `look`.
+        fit: the model right after it was added. forms: its other forms that explain as much.
+        against: the best other effect fitted in its place on the final model, and the difference of
+            their gains; None: see `look`.
     """
 
     term: Term
@@ -49,7 +49,7 @@ class Finding:
 
     @property
     def margin(self) -> float:
-        """Gain beyond the runner-up's."""
+        """Difference between its gain and the runner-up's."""
         if self.against:
             return self.against[1]
         runner = self._next_of_look
@@ -61,7 +61,7 @@ class Finding:
         return next(rows, None)
 
     def tied_with(self, term: Term) -> Self:
-        """The same with an effect that explains as much; another wave of it is no other."""
+        """The same finding with one more tie; another wave of the same effect is no tie."""
         if term.name in (self.term.name, *self.ties):
             return self
         rivals = tuple(t for t in self.rivals if t.name != term.name)
@@ -74,9 +74,9 @@ def with_changed(
     term: Term,
     change: Callable[[Finding], Finding],
 ) -> list[Finding]:
-    """Findings of a model's effects with that of one term changed.
+    """Findings of a model's effects, with the finding of one term replaced.
 
-    Waves of a periodic effect, which have one name, came in one by one.
+    The waves of a periodic effect share a name and were added one by one.
     """
     alike = [t for t in effects if t.name == term.name]
     places = [k for k, f in enumerate(findings) if f.term.name == term.name]
@@ -86,11 +86,11 @@ def with_changed(
 
 @dataclass(frozen=True)
 class Sight:
-    """The smallest effect that the logs would have shown.
+    """The smallest detectable effect.
 
     Attributes:
-        torque: rms, N m. duration: s of the logs; needed: s of such motion that would show an
-            effect that takes half of what is left.
+        torque: rms, N m. duration: of the logs, s; needed: duration, s, of such motion that would
+            reveal an effect that makes half of the residual.
     """
 
     torque: float
@@ -99,7 +99,7 @@ class Sight:
 
     @property
     def too_short(self) -> bool:
-        """Whether even an effect that makes half of what is left would not have been found."""
+        """Whether even an effect that makes half of the residual could not have been found."""
         return self.needed > self.duration
 
 
@@ -108,14 +108,16 @@ class Trace:
     """Outcome of the search.
 
     Attributes:
-        prepared: the logs as they were weighted last.
-        base: fit of the law alone. findings: additions in order. final: the last fit.
-        unexplained: quantities without a named effect, with the fraction of squares they explain.
-        hints: what those suggest, a sentence each.
+        prepared: the logs with their final weights.
+        base: fit of the law alone. findings: added effects in order. final: the last fit.
+        unexplained: quantities on which the residual depends without a named effect, with the
+            fraction
+            of the squared residual that they explain.
+        hints: possible causes of these, one sentence each.
         last_look: candidates against the final residual.
-        other_laws: what each leaves in motion with the same additions, N m, least first.
-        sight: what could have been seen.
-        not_given: torque that the logs hold and that did not act.
+        other_laws: error in motion of each other law with the same effects, N m, smallest first.
+        sight: the smallest detectable effect.
+        not_given: measured torque that did not act.
     """
 
     prepared: Prepared
@@ -130,13 +132,13 @@ class Trace:
     not_given: tuple[NotGiven, ...] = ()
 
     def as_fitted(self, kept_back: Prepared) -> Prepared:
-        """Logs held out with what was found of the instruments in those that were fitted."""
+        """Held-out logs, corrected by what the fitted logs show of the instruments."""
         if self.prepared.band.sensor_saturates:
             kept_back = kept_back.without_limits()
         return as_given(kept_back, self.not_given)
 
     def without_scale(self) -> "Trace":
-        """The same in units of the drive, where the logs do not determine the gain."""
+        """The same in units of the drive, if the logs do not determine the gain."""
         return replace(
             self,
             base=without_scale(self.base),
@@ -148,11 +150,10 @@ class Trace:
 
 
 def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
-    """What the logs could have shown.
+    """The smallest effect that the logs could have shown.
 
-    A score of blocks that are alike reaches at most their number, so an effect of fraction g gives
-    about B g / (1 - g) for B independent blocks, and must exceed what chance reaches over the
-    whole family.
+    The score of B equal blocks is at most B, so an effect that makes a fraction g of the residual
+    scores about B g / (1 - g), which must exceed the score by chance over the whole family.
     """
     e = fitted.residual * fitted.weight
     longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))

@@ -1,10 +1,11 @@
-"""All questions about candidates, answered from their columns and the residual, block by block.
+"""Scores of candidates from Gram matrices of their columns and the residual, block by block.
 
 The law's own sensitivities are projected out of every candidate and of the residual on all data
-(Frisch and Waugh 1933): the law may know a fold, the effect may not. With them go the directions
-in which the law may be wrong: what another law would explain as well speaks for no effect. What a
-model predicts of a fold then follows from coefficients fitted to the other folds. Only the Gram
-matrices that a question needs are made: those of all pairs of candidates would not fit into memory.
+(Frisch and Waugh 1933): the law is fitted to a fold, the effect is not. So are the directions of
+possible errors of the law: what another law would explain as well supports no effect. The
+prediction
+for a fold follows from coefficients fitted to the other folds. Only the Gram matrices that a
+question needs are computed: those of all pairs of candidates would not fit into memory.
 """
 
 import itertools
@@ -33,17 +34,19 @@ _RCOND = 1e-8
 
 @dataclass(frozen=True)
 class Screen:
-    """A fit's terms, candidates and what they are to explain, all weighted.
+    """Terms of a fit, candidates and the target, all weighted.
 
     Attributes:
         blocks: of the fit.
         columns: the law projected out, shape (n, c), the target last.
         tested: law and terms projected out, the residual last, shape (n, c).
-        white: the same of whitened ones, shape (n, c).
-        low, high: range of the coefficient of each column but the last. To first order a number of
-            a shape moves no further than one search may move it, shape (c - 1,).
-        begun: columns of what a log held when it began, shape (c - 1,): as the law's they are
-            known on all data.
+        white: the same, whitened, shape (n, c).
+        low, high: range of the coefficient of each column but the last, shape (c - 1,). To first
+            order,
+            a shape number changes by no more than one search may change it.
+        begun: columns of the initial friction state of each log, shape (c - 1,): like the law's
+            they
+            are fitted on all data.
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 
@@ -58,10 +61,10 @@ class Screen:
     candidates: tuple[Columns, ...]
 
     def held_out(self, sets: Sequence[Columns]) -> tuple[Array, Array]:
-        """Squares of each block under coefficients fitted without its fold.
+        """Sum of squares of each block with coefficients fitted without its fold.
 
         Returns:
-            those, shape (B,), and the squares left on the folds fitted to, by block's fold,
+            these, shape (B,), and the sums of squares on the other folds, by the block's fold,
             shape (B,).
         """
         at = np.concatenate([*sets, []]).astype(np.int64)
@@ -76,7 +79,7 @@ class Screen:
         return squares, trained[folds.place]
 
     def _folds(self, grams: Array) -> Folds:
-        """The folds; halved where one of them holds all that determines a coefficient."""
+        """The folds; halved if one of them alone determines a coefficient."""
         by_fold = self.blocks.folds.sums(np.einsum("bii->bi", grams))
         if np.any(by_fold.max(axis=0) > CONCENTRATED * by_fold.sum(axis=0)):
             return self.blocks.half_folds
@@ -85,7 +88,7 @@ class Screen:
     def _grams(self, columns: Array, at: Columns) -> Array:
         """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
 
-        Less what the logs held when they began, which has no row of its own.
+        The initial friction state of the logs is projected out; it has no row of its own.
         """
         grams = self.blocks.gram(columns, np.append(at, columns.shape[1] - 1))
         begun = np.append(self.begun[at], False)
@@ -101,17 +104,17 @@ class Screen:
         """Gram matrices of a candidate's columns and the residual, by block, shape (B, k, k).
 
         Args:
-            whitened: of whitened columns.
+            whitened: whether to use the whitened columns.
         """
         return self._grams(self.white if whitened else self.tested, at)
 
     def ranges(self, at: Columns) -> tuple[Array, Array]:
-        """Least and largest coefficient of each of some columns that `products` has, shape (k,)."""
+        """Least and largest coefficients of some columns of `products`, shape (k,) each."""
         at = at[~self.begun[at]]
         return self.low[at], self.high[at]
 
     def elsewhere(self, A: Array, b: Array) -> Array:
-        """Coefficients of each block, fitted to the other folds, shape (B, k).
+        """Coefficients for each block, fitted to the other folds, shape (B, k).
 
         Args:
             A: Gram matrices, shape (B, k, k). b: products with the target, shape (B, k).
@@ -122,9 +125,9 @@ class Screen:
         return np.asarray((inverse @ sums[..., None])[folds.place, :, 0])
 
     def worth(self, parts: Array, at: Columns) -> Array:
-        """Squares that columns explain of each part of the blocks, shape (parts,).
+        """Squared residual that columns explain in each part of the blocks, shape (parts,).
 
-        Less what as many coefficients would explain by chance.
+        The expectation of as many coefficients by chance is subtracted.
 
         Args:
             parts: 1 or 0 for each block, shape (parts, B).
@@ -141,7 +144,7 @@ class Screen:
 
 
 def _change(A: Array, b: Array, beta: Array) -> Array:
-    """By which coefficients change sums of squares, shape (f,).
+    """Change of the sums of squares by coefficients, shape (f,).
 
     Args:
         A: Gram matrices, shape (f, k, k). b: products with the target, (f, k). beta: (f, k).
@@ -150,7 +153,7 @@ def _change(A: Array, b: Array, beta: Array) -> Array:
 
 
 def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
-    """Coefficients within their range, shape (f, k).
+    """Coefficients within their ranges, shape (f, k).
 
     Args:
         A: Gram matrices of the columns, shape (f, k, k). b: their products with the target, (f, k).
@@ -166,7 +169,7 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
 
 
 def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
-    """Coefficients within their range where the free ones are not."""
+    """Coefficients within their ranges, for those whose free solution is not."""
     values, vectors = eigh(A)
     roots = np.sqrt(np.maximum(values, _RCOND * values.max()))
     rows, target = roots[:, None] * vectors.T, vectors.T @ b / roots

@@ -1,4 +1,4 @@
-"""Intervals of what comes of samples that are not independent: parameters, and an rms."""
+"""Intervals from samples that are not independent: of parameters, and of an rms."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,9 @@ _RESAMPLES = 400
 
 
 def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
-    """Covariance of a fit's parameters as it is stated, by its own blocks.
+    """Covariance of a fit's parameters for the report, by its own blocks.
 
-    See `covariance`, and for numbers with which a torque leaps `with_leaps`.
+    See `covariance`; for parameters with discontinuous torque `with_leaps`.
     """
     block = make_blocks(prepared, fitted).of_sample
     return with_leaps(prepared, fitted, covariance(prepared, fitted, block), block)

@@ -1,4 +1,4 @@
-"""Logs held out, as a fit is judged on them."""
+"""Preparation of held-out logs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,16 +25,18 @@ def prepare_kept_back(
     band: Band,
     controller: Controller | None = None,
 ) -> Prepared:
-    """Logs held out, those that are the end of a log as warm as what came before left the joint.
+    """Held-out logs; the end of a log begins as warm as the part before it left the joint.
 
-    All of such a log is prepared, with its clock, and the end alone counts. What a controller made
-    of its commands is simulated from the first sample that counts: there nothing comes before.
+    Such a log is prepared as a whole, with its clock, and only its end is used. The controller
+    output
+    is simulated from the first used sample on.
 
     Args:
-        body, band, controller: see `prepare`; the band is of the logs that were fitted.
+        body, band, controller: see `prepare`; the band is that of the fitted logs.
     Raises:
-        LogError: the joint stands still in one, its drive is off all along, or so few samples are
-            left that an error of them says nothing.
+        LogError: the joint stands still, its drive is off throughout, or too few samples remain for
+            a
+            meaningful error.
     """
     for log in logs:
         _require_drive_and_motion(log)
@@ -54,7 +56,7 @@ def prepare_kept_back(
 
 
 def _require_drive_and_motion(log: JointLog) -> None:
-    """What is held out must be moved by its drive: an error beside nothing says nothing."""
+    """Raise unless the drive moves the joint: without motion an error says nothing."""
     source = f"{log.name}, held out"
     require_motion(source, log.position)
     drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)
@@ -66,7 +68,7 @@ def _require_drive_and_motion(log: JointLog) -> None:
 
 
 def _from(segment: Segment, since: float) -> Segment:
-    """The end of a log, without what the filter's edge spoils as it does at a log's own ends."""
+    """The end of a log, without the samples that the filter's edge spoils."""
     if not since:
         return segment
     edge = int(min(np.argmax(segment.mask), np.argmax(segment.mask[::-1])))

@@ -1,4 +1,4 @@
-"""Kinds of motion: groups of blocks of a log that are alike."""
+"""Kinds of motion: groups of similar blocks of a log."""
 
 import numpy as np
 from scipy.cluster.vq import kmeans2
@@ -9,12 +9,12 @@ _TRIES = 4
 
 
 def kinds_of(rows: Array, most: int) -> Index:
-    """Group of each row by k-means, columns scaled to one size; the best of a few starts.
+    """Group of each row by k-means with normalised columns; the best of a few starts.
 
     Args:
-        rows: shape (n, k). most: of the groups.
+        rows: shape (n, k). most: largest number of groups.
     Returns:
-        shape (n,), numbers from 0 on; the same for the same rows.
+        shape (n,), numbers from 0; equal rows give equal groups.
     """
     spread = rows.std(axis=0)
     scaled = (rows - rows.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)

@@ -49,12 +49,11 @@ class Candidate:
     """A term with its columns on the kept samples.
 
     Attributes:
-        term: effect at given shape numbers, or an unnamed dependence.
-        columns: behind the balance's filter, N m per coefficient, shape (n, k).
-        bounds: of each coefficient, N m; none where empty.
-        among: lines of the residual's spectrum that it was chosen from.
-        begun: columns of what it may have held when each log began, shape (n, m);
-            None: nothing.
+        term: effect with given shape numbers, or an unnamed dependence.
+        columns: after the torque filter, N m per coefficient, shape (n, k).
+        bounds: of each coefficient, N m; none if empty.
+        among: number of lines of the residual's spectrum that it was chosen from.
+        begun: columns of its possible state at the start of each log, shape (n, m); None: no state.
     """
 
     term: Term
@@ -70,25 +69,25 @@ class Candidate:
 
     @property
     def comes_first(self) -> bool:
-        """Whether nothing else can be decided before it."""
+        """Whether it must be decided before all others."""
         return comes_first(self.term)
 
     @property
     def kind(self) -> tuple[str, str]:
-        """What shapes of one thing have in common."""
+        """Key that all shapes of one effect share."""
         if isinstance(self.term, EffectTerm):
             return self.term.name, "effect"
         return self.term.name, type(self.term).__name__
 
     def contains(self, other: "Candidate") -> bool:
-        """Whether another candidate is this one with some of its coefficients fixed."""
+        """Whether another candidate is this one with some coefficients fixed."""
         left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
         rest = other.columns - self.columns @ left
         return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
 
 
 def without_columns(term: Term) -> Candidate:
-    """A term as a candidate that is fitted, and not screened by columns."""
+    """A term as a candidate that is fitted, not screened by columns."""
     return Candidate(term, np.zeros((0, 0)))
 
 
@@ -98,17 +97,17 @@ def is_unnamed(term: Term) -> bool:
 
 
 def named_of(terms: tuple[Term, ...]) -> tuple[Term, ...]:
-    """Those terms with a physical name."""
+    """Terms with a physical name."""
     return tuple(t for t in terms if not is_unnamed(t))
 
 
 def comes_first(term: Term) -> bool:
-    """Whether nothing else can be decided before a term."""
+    """Whether a term must be decided before all others."""
     return isinstance(term, EffectTerm) and term.effect.first
 
 
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
-    """All candidates against a fit's residual."""
+    """All candidates for a fit's residual."""
     signals = signals_of(prepared, fitted)
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms))
     grid += unnamed_terms(prepared, fitted, signals)
@@ -120,10 +119,11 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
 def _beyond_itself(
     prepared: Prepared, fitted: Fit, signals: list[Array], candidates: list[Candidate]
 ) -> list[Candidate]:
-    """Candidates without torque beyond a level that explains no more than a multiple of it does.
+    """Candidates, without a torque limit that explains no more than a scaled torque does.
 
-    The residual is a part of the measured torque, and goes along with it whatever a model lacks.
-    What a drive did not give is missing beyond its level alone, and no multiple of the torque is.
+    The residual is part of the measured torque and correlates with it, whatever the model lacks.
+    Torque
+    that a drive did not deliver is missing only above its limit, and no multiple of the torque.
     """
     levels = [(c.term, c.columns) for c in candidates if isinstance(c.term, ExcessTerm)]
     if not levels:
@@ -148,7 +148,7 @@ def effects(
     blocks: Blocks,
     wanted: Callable[[Effect], bool] = lambda effect: True,
 ) -> list[Candidate]:
-    """Candidates that are effects, all or some."""
+    """Candidates that are effects, all or some of them."""
     signals = signals_of(prepared, fitted)
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms, wanted))
     waves = periodic_terms(prepared, signals, fitted, blocks, wanted)
@@ -156,7 +156,8 @@ def effects(
 
 
 def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[Term]:
-    """Terms without parts of an inertia that does not show: they could be as large as one likes."""
+    """Terms, without fractions of an inertia that the logs do not show: their size would be
+    arbitrary."""
     if scale_is_determined(prepared, fitted):
         return terms
     return [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]
@@ -169,7 +170,8 @@ def _with_waves(
     grid: list[Term],
     waves: Iterable[tuple[list[Term], float]],
 ) -> list[Candidate]:
-    """Candidates of a grid, and the largest lines of spectra, each with how many it is of."""
+    """Candidates of a grid and the largest lines of spectra, each with the number of lines
+    searched."""
     terms, among = list(grid), [1.0] * len(grid)
     for found, lines in waves:
         terms += found
@@ -178,7 +180,7 @@ def _with_waves(
 
 
 def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
-    """The same effect in its other forms, with the numbers that they share."""
+    """Other forms of the same effect, with the shape numbers they share."""
     if not isinstance(term, EffectTerm):
         return []
     signals = signals_of(prepared, fitted)
@@ -190,7 +192,7 @@ def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
 
 
 def _with(term: Term, known: Mapping[str, float]) -> Term:
-    """A term with the shape numbers that are known."""
+    """A term with the known shape numbers."""
     if not isinstance(term, EffectTerm):
         return term
     named = zip(term.effect.shape, term.shape, strict=True)
@@ -200,7 +202,7 @@ def _with(term: Term, known: Mapping[str, float]) -> Term:
 def _candidates(
     prepared: Prepared, fitted: Fit, signals: list[Array], terms: list[Term], among: list[float]
 ) -> list[Candidate]:
-    """Terms with their columns, without those that do nothing in these logs."""
+    """Terms with their columns, without terms that contribute nothing in these logs."""
     with side_by_side() as each:
         columns = list(each(partial(columns_of, prepared, signals), terms))
     return [
@@ -222,7 +224,7 @@ def effect_terms(
     taken: tuple[Term, ...],
     wanted: Callable[[Effect], bool] = lambda effect: True,
 ) -> list[Term]:
-    """Every wanted effect on a grid that the logs can test and that is not in the model yet."""
+    """Every requested effect that the logs can test and the model lacks, on its grid of shapes."""
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
     timed = any(isinstance(t, DriveTiming | TargetTiming) and not t.at_its_end for t in taken)
@@ -231,7 +233,7 @@ def effect_terms(
 
 
 def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) -> list[Term]:
-    """Those of some effects that have a grid, on all of it that the logs can test."""
+    """Some effects on their grids, where the logs can test them."""
     everything = np.concatenate(signals)
     return [
         EffectTerm(effect, shape)
@@ -243,7 +245,7 @@ def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) ->
 
 
 def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm]:
-    """Every effect of the drive, where the drive is what a controller made of its commands."""
+    """Every effect of the drive, if the drive is computed by a controller from commands."""
     if not prepared.commanded:
         return []
     names = {term.name for term in taken}
@@ -264,7 +266,7 @@ def testable(prepared: Prepared, effect: Effect, signals: Array) -> bool:
 
 
 def _in_band(prepared: Prepared, effect: Effect, shape: tuple[float, ...]) -> bool:
-    """Whether all its frequencies are ones that the balance holds."""
+    """Whether the torque band contains all its frequencies."""
     units = effect.shape_units[: len(shape)]
     top = HEARD * prepared.band.balance
     return all(x <= top for x, unit in zip(shape, units, strict=True) if unit == "Hz")
@@ -278,9 +280,9 @@ def _varies(x: Array, least: float = 0.0) -> bool:
 def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list[Term]:
     """Dependences without a physical name, on every measured quantity.
 
-    A spline alone and times the direction of friction; hysteresis in position over a hundredth to
-    a third of the travel; a friction level for each log; what instruments may hold that the joint
-    does not.
+    They are: a spline, alone and times the direction of friction; hysteresis in position over 1% to
+    a
+    third of the travel; a friction level per log; artefacts of the instruments.
     """
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:

@@ -1,4 +1,4 @@
-"""Motions one could record next, inside what the logs and the MJCF show the joint to do."""
+"""Motions to record next, within the range that the logs and the MJCF show."""
 
 import itertools
 import math
@@ -49,11 +49,11 @@ _BALANCED = 0.05
 
 @dataclass(frozen=True)
 class Limits:
-    """What a proposed motion keeps to.
+    """Limits of a proposed motion.
 
     Attributes:
         low, high: rad (m). speed: rad/s. acceleration: rad/s^2.
-        beyond: how this goes beyond the logs, for people; empty inside them.
+        beyond: how they exceed the logs, as text; empty if they do not.
     """
 
     low: float
@@ -73,11 +73,11 @@ class Motion:
     """A motion to record.
 
     Attributes:
-        name: for people, with its figures.
+        name: description with figures.
         dt: s. position: shape (n,), rad (m), from rest in the middle of the range.
-        once: s until it has done all that its name says.
-        payload: fraction of what the joint carries that is added to it.
-        temperature: deg C of the joint, None where no log holds it.
+        once: duration of one whole pass, s.
+        payload: fraction of the carried load to add.
+        temperature: deg C of the joint, None if no log contains it.
         beyond: see `Limits`.
     """
 
@@ -100,12 +100,12 @@ class Motion:
         return float(np.abs(np.gradient(self.position, self.dt)).max())
 
     def part(self, duration: float) -> "Motion":
-        """The beginning of it."""
+        """Its beginning."""
         return replace(self, position=self.position[: round(duration / self.dt) + 1])
 
 
 def seen(prepared: Prepared, body: RigidBody) -> Limits:
-    """Range, speed and acceleration of the logs, inside the MJCF's range."""
+    """Range, speed and acceleration of the logs, within the MJCF's range."""
     q, v, a = (np.concatenate([s.signals[:, k] for s in prepared.segments]) for k in (Q, V, A))
     low, high = _model_range(body)
     return Limits(
@@ -117,12 +117,12 @@ def seen(prepared: Prepared, body: RigidBody) -> Limits:
 
 
 def least_travel(prepared: Prepared) -> float:
-    """Below this a motion cannot be told from the noise of the logs' positions, rad (m)."""
+    """Smallest travel that the position noise of the logs does not hide, rad (m)."""
     return _SEEN * max(s.noise.resolution for s in prepared.segments)
 
 
 def between(low: float, high: float, unit: str) -> str:
-    """A range for people, to a hundredth of its width or finer wherever it lies."""
+    """A range as text, to 1% of its width or finer."""
     decimals = max(0, 2 - math.floor(math.log10(high - low))) if high > low else 3
     # a rounded -0.001 is 0, not -0
     first, last = (f"{round(x, decimals) + 0.0:.{decimals}f}" for x in (low, high))
@@ -130,7 +130,8 @@ def between(low: float, high: float, unit: str) -> str:
 
 
 def wider(limits: Limits, body: RigidBody) -> Limits:
-    """The MJCF's range, else twice the logs'; twice the speed, four times the acceleration."""
+    """The MJCF's range, else twice the logs' range; twice the speed, four times the
+    acceleration."""
     low, high = _model_range(body)
     if not np.isfinite(low):
         low, high = limits.low - limits.reach, limits.high + limits.reach
@@ -154,12 +155,13 @@ def _model_range(body: RigidBody) -> tuple[float, float]:
 
 
 def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Motion]:
-    """The motions tried, each as long as may be asked for.
+    """The motions to try, each with the longest allowed duration.
 
-    None that the noise of the positions hides, nor one that lasts too long to be made once.
+    Without motions that position noise hides or that take too long for one pass.
 
     Args:
-        presliding: displacement over which friction builds up, rad (m); 0 for a law of none.
+        presliding: displacement over which friction builds up, rad (m); 0 for a law without
+            presliding.
     """
     if min(limits.reach, limits.speed, limits.acceleration) <= 0.0:
         return
@@ -172,7 +174,7 @@ def family(limits: Limits, prepared: Prepared, presliding: float) -> Iterator[Mo
 def _any_motion(
     limits: Limits, prepared: Prepared, presliding: float, least: float
 ) -> Iterator[Motion]:
-    """The family, with motions that cannot be made among them."""
+    """All motions, including impossible ones."""
     unit = "m" if prepared.slide else "rad"
     dt = sampling(limits, prepared) * kept_period(prepared)
     bandwidth = prepared.segments[0].bandwidth_hz
@@ -226,28 +228,29 @@ def _any_motion(
 
 
 def kept_period(prepared: Prepared) -> float:
-    """s between the samples a fit keeps."""
+    """Time between the samples that a fit keeps, s."""
     return min(s.dt * s.step for s in prepared.segments)
 
 
 def sampling(limits: Limits, prepared: Prepared) -> int:
-    """One in how many of the samples that a fit keeps is enough for these motions."""
+    """Decimation of the kept samples that suffices for these motions."""
     enough = min(_FINE, 1.0 / (_PER_PERIOD * _top(limits)))
     return max(1, int(enough / kept_period(prepared)))
 
 
 def _top(limits: Limits) -> float:
-    """Highest frequency tried, Hz: twice that at which speed and acceleration both bind."""
+    """Highest frequency to try, Hz: twice the one at which both speed and acceleration are
+    limiting."""
     return max(limits.acceleration / limits.speed, limits.speed / limits.reach) / np.pi
 
 
 def _easing(f: float) -> float:
-    """s in which a sine of f Hz grows: in less than a wave it would be faster than later."""
+    """Time, s, over which a sine of f Hz fades in without exceeding its later speed."""
     return max(_EASE, 1.0 / f)
 
 
 def _eased(t: Array, over: float = _EASE) -> Array:
-    """From 0 to 1 in some seconds, with no speed and acceleration at either end."""
+    """From 0 to 1 in a given time, with zero speed and acceleration at both ends."""
     s = np.clip(t / over, 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
 
@@ -267,7 +270,7 @@ def _most(limits: Limits, w: float) -> float:
 
 
 def _through(t: Array, corners: list[float], times: list[float], smooth: float) -> Array:
-    """Straight from corner to corner, speeds changed over `smooth` seconds."""
+    """Straight lines between corners, with speed changes over `smooth` seconds."""
     q = np.interp(t, times, corners)
     size = max(1, round(smooth / float(t[1] - t[0])))
     return np.asarray(uniform_filter1d(q, size, mode="nearest"))
@@ -287,7 +290,7 @@ def _sweeps(t: Array, speeds: list[float], limits: Limits) -> Array:
 
 
 def _moves(t: Array, limits: Limits) -> Array:
-    """Between two points a range apart by half, at rest there for a while."""
+    """Between two points half the range apart, with rests in between."""
     corners, times = [_middle(limits)], [_EASE]
     for k, rest in enumerate(itertools.cycle(_RESTS)):
         to = _middle(limits) + (0.5 if k % 2 else -0.5) * limits.reach
@@ -311,7 +314,7 @@ def _multisine(t: Array, highest: float, limits: Limits) -> Array:
 
 
 def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
-    """Slow waves whose amplitude goes from 3 times the presliding displacement to 30 times."""
+    """Slow waves with amplitudes from 3 to 30 times the presliding displacement."""
     w = 2.0 * np.pi * _SLOW
     growth = _FIRST * 10.0 ** (t % _GROWTH / _GROWTH)
     amplitude = np.minimum(growth * presliding, _most(limits, w))
@@ -319,11 +322,11 @@ def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
 
 
 class Carried:
-    """Torque of the rigid body while this joint alone moves: M(q) a + c(q) v^2 + g(q).
+    """Rigid-body torque while only this joint moves: M(q) a + c(q) v^2 + g(q).
 
     Args:
-        body: of the MJCF. like: the logs; other joints stay at the median of their positions there.
-        limits: positions are looked up between the ends of these.
+        body: of the MJCF. like: the logs; other joints stay at their median positions.
+        limits: range of positions in the lookup table.
     """
 
     def __init__(self, body: RigidBody, like: Prepared, limits: Limits) -> None:
@@ -343,10 +346,10 @@ class Carried:
         self.armature = body.armature
 
     def fill(self, signals: Array, payload: float) -> None:
-        """What the rigid body says of a motion, shape (n, N_SIGNALS), with Q, V and A in it.
+        """Rigid-body signals of a motion, shape (n, N_SIGNALS), including Q, V and A.
 
         Args:
-            payload: fraction of what the joint carries that is added to it.
+            payload: fraction of the carried load to add.
         """
         q, v, a = (signals[:, k] for k in (Q, V, A))
 
@@ -362,10 +365,10 @@ class Carried:
 
 
 def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepared:
-    """A motion as a log of it would be prepared; its drive is zero.
+    """A motion prepared as a log of it would be, with zero drive.
 
     Args:
-        like: the logs. carried: for the limits the motion keeps to.
+        like: the logs. carried: for the limits of the motion.
     """
     dt, n = motion.dt, len(motion.position)
     bandwidth = min(like.segments[0].bandwidth_hz, 0.25 / dt)
@@ -400,10 +403,10 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
 
 
 def payload_of(motion: Motion, body: RigidBody) -> str:
-    """The payload of a motion for people: a mass and where to put it.
+    """The payload of a motion as text: a mass and where to attach it.
 
-    A point mass that adds `motion.payload` of the first and the second moment of what the joint
-    carries at qpos0.
+    It is a point mass that raises the first and second moment of the carried load at qpos0 by the
+    fraction `motion.payload`.
     """
     model, data = body.model, mujoco.MjData(body.model)
     mujoco.mj_forward(model, data)

@@ -1,4 +1,4 @@
-"""Changes of a model: add, exchange, add two; all are screened, few refitted."""
+"""Changes of a model: add, exchange, or add two effects; all are screened, few are refitted."""
 
 import itertools
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ class Move(NamedTuple):
     """A change of a model.
 
     Attributes:
-        terms: after it. added: candidates that come in. left: squares of each block that the
-            screen expects, held out, shape (B,).
+        terms: after the change. added: candidates that are added. left: expected held-out sum of
+            squares of each block, shape (B,).
     """
 
     terms: tuple[Term, ...]
@@ -36,18 +36,18 @@ class Move(NamedTuple):
 
     @property
     def unnamed(self) -> bool:
-        """Whether an unnamed dependence comes in."""
+        """Whether an unnamed dependence is added."""
         return any(c.unnamed for c in self.added)
 
 
 class Looked(NamedTuple):
-    """A candidate of one kind, the best of its shapes.
+    """The best shape of one kind of candidate.
 
     Attributes:
-        left: squares of each block, the shape chosen without the block's fold, shape (B,).
+        left: sum of squares of each block, with the shape chosen without the block's fold, (B,).
         p_value: of no effect, over the whole family of candidates and shapes.
-        frequency: how often it is the best effect on half of the data; 0 of what has no name, for
-            that bends with the data.
+        frequency: how often it is the best effect on random halves of the data; 0 for unnamed
+            dependences, which adapt to the data.
     """
 
     candidate: Candidate
@@ -62,11 +62,11 @@ class Looked(NamedTuple):
 
 
 class Look(NamedTuple):
-    """All candidates against a fit: best first.
+    """All candidates for a fit, best first.
 
     Attributes:
-        without: what the fit leaves of each block without any, shape (B,).
-        chance: surprise that the best of the family reaches by chance in one of twenty, nats.
+        without: sum of squares of each block without a candidate, shape (B,).
+        chance: score that the best of the family exceeds by chance in one case of twenty.
     """
 
     rows: tuple[Looked, ...]
@@ -74,12 +74,12 @@ class Look(NamedTuple):
     chance: float
 
     def gain(self, row: Looked) -> float:
-        """Fraction of the held-out squares that a candidate takes away."""
+        """Fraction of the held-out sum of squares that a candidate removes."""
         total = float(self.without.sum())
         return 1.0 - float(row.left.sum()) / total if total > 0.0 else 0.0
 
     def holds(self, candidate: Candidate) -> bool:
-        """Whether a candidate's kind was looked at."""
+        """Whether a candidate's kind was tried."""
         return any(r.candidate.kind == candidate.kind for r in self.rows)
 
     def find(self, candidate: Candidate) -> Looked:
@@ -90,7 +90,7 @@ class Look(NamedTuple):
 def look(
     fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate], rng: np.random.Generator
 ) -> tuple[Look, Screen]:
-    """Every kind of candidate added to a fit, and how sure that is."""
+    """Add every kind of candidate to a fit, with evidence."""
     found = screen(fitted, blocks, candidates)
     without, _ = found.held_out(found.terms)
     kinds: dict[tuple[str, str], list[int]] = {}
@@ -121,7 +121,7 @@ def look(
 def _frequencies(
     found: Screen, kinds: Sequence[Sequence[int]], rng: np.random.Generator
 ) -> list[float]:
-    """How often each kind explains most of a half of the blocks."""
+    """How often each kind explains most on random halves of the blocks."""
     if not kinds:
         return []
     whole = np.ones((1, found.blocks.count))
@@ -142,7 +142,7 @@ def _frequencies(
 
 
 class Moves:
-    """The changes of a model that its candidates allow."""
+    """Possible changes of a model with its candidates."""
 
     def __init__(
         self, fitted: Fit, seen: Look, screened: Screen, candidates: Sequence[Candidate]
@@ -155,7 +155,7 @@ class Moves:
         self.unnamed = [r.candidate for r in seen.rows if r.candidate.unnamed]
 
     def best(self) -> list[Move]:
-        """The most promising of each sort, to be refitted."""
+        """The most promising change of each sort, to be refitted."""
         sorts = (
             (self._added(self.named), _ADDED),
             (self._added(self.unnamed), _UNNAMED),

@@ -1,4 +1,4 @@
-"""Models judged by the motion that they simulate."""
+"""Comparison of models by simulated motion."""
 
 from collections.abc import Callable
 
@@ -18,11 +18,13 @@ Replayed = Callable[[Prepared, Fit], Array | None]
 
 
 def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
-    """Leave out, one after the other, effects without which the simulated motion is nearer.
+    """Remove, one after the other, effects that worsen the simulated motion.
 
-    Its torque speaks for an effect. Against it speaks the mean square of all runs, which a few that
-    stick a moment too soon or too late may make, together with most of the runs, which they do not;
-    and the motion must come nearer by a larger factor than the torque goes away.
+    An effect is removed if the mean square position error falls without it, if most runs agree (a
+    few
+    runs that stick at another moment can dominate the mean), and if the position error falls by a
+    larger
+    factor than the torque error rises.
     """
     while state.fit.effects:
         now = replayed(state.prepared, state.fit)
@@ -43,20 +45,21 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
 
 
 def nearer(errors: Array, now: Array) -> bool:
-    """Whether runs come nearer: by a part of the rms, and by a paired standard error."""
+    """Whether the error of runs falls: by a fraction of the rms, and by a paired standard error."""
     gained = now - errors
     enough = errors.sum() < (1.0 - CLEARLY) ** 2 * now.sum()
     return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 
 def moving_nearest(state: State, replayed: Replayed) -> bool:
-    """The law from another valley, where the simulated motion is nearer.
+    """Use another local minimum of the law if its simulated motion is nearer to the logs.
 
-    What else is wrong with a drive that a controller reconstructs bends the law: several valleys
-    leave as much of the torque, and move quite differently.
+    Errors in a reconstructed drive bias the law: several local minima explain the torque equally
+    well
+    and simulate quite different motions.
 
     Returns:
-        whether one was taken.
+        whether another one is used.
     """
     now = replayed(state.prepared, state.fit)
     if now is None:

@@ -1,4 +1,4 @@
-"""What a reader must know of a result besides its figures, in a sentence or two each."""
+"""Notes on a result: one or two sentences each."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ NO_LOAD = (
 
 
 def gain_note(error: float) -> tuple[str, ...]:
-    """How well a gain is known that the simulated motion tells, where that is not well."""
+    """How uncertain a gain is that the simulated motion determines, if it is uncertain."""
     if error < 1.0 / SURE:
         return ()
     return (
@@ -60,7 +60,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
 
 
 def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
-    """That a drive's scale rests on the inertia of the MJCF, where gravity does not show."""
+    """That the torque scale rests on the inertia of the MJCF, if gravity is too small."""
     if "load" not in fitted.names or fitted.in_drive_units:
         return ()
     signals = np.concatenate([s.at_kept(s.signals) for s in prepared.segments])
@@ -79,7 +79,7 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
 
 
 def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
-    """What is left out of logs since another drive turns the joint there."""
+    """Parts of logs that are left out because another drive turns the joint."""
     return tuple(
         f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the drive is exactly 0 while "
         "the joint moves, and it does not slow as its friction would slow it, so another drive "
@@ -92,7 +92,7 @@ def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
 
 
 def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
-    """Times within a sample that are clearly not nothing."""
+    """Sub-sample time offsets that differ clearly from zero."""
     said = []
     for i, term in enumerate(fitted.terms):
         if isinstance(term, Timing):
@@ -104,14 +104,14 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
 
 
 def _hold_note(found: Trace) -> tuple[str, ...]:
-    """A drive that ticks with the samples."""
+    """That the drive is constant between samples."""
     if not found.prepared.band.zero_order_hold:
         return ()
     return ("The torque is held from one sample to the next. The fit accounts for it.",)
 
 
 def _laws_note(found: Trace) -> tuple[str, ...]:
-    """What the other laws leave with the same effects: a comparison, no choice."""
+    """Errors of the other laws with the same effects, for comparison."""
     if not found.other_laws:
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)
@@ -124,7 +124,7 @@ def _laws_note(found: Trace) -> tuple[str, ...]:
 
 
 def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """That a stiffness is assumed, or that the law has no level to stick with."""
+    """That the stiffness is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
         return (
             "These logs show no Coulomb friction: its fitted level is zero. The law of the model "
@@ -142,7 +142,7 @@ def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
 
 
 def _constraint_note(found: Trace) -> tuple[str, ...]:
-    """That friction acts as a solver's constraint does."""
+    """That friction acts like a constraint of MuJoCo's solver."""
     shape = found.final.shape
     if not isinstance(shape, ConstraintShape):
         return ()
@@ -159,7 +159,7 @@ def _constraint_note(found: Trace) -> tuple[str, ...]:
 
 
 def _rest_note(found: Trace) -> tuple[str, ...]:
-    """Error of the samples whose torque the position does not determine."""
+    """Error on samples whose torque the position does not determine."""
     rest = ~found.final.in_motion
     if not rest.any():
         return ()
@@ -174,7 +174,7 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
 
 
 def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str, ...]:
-    """That a joint at rest is held by more than its friction, and where it stands then."""
+    """That more than friction holds the joint at rest, and at which position."""
     fitted = found.final
     level = float(np.max(np.abs(fitted.friction)))
     # what the model leaves in motion it may leave at rest too
@@ -199,7 +199,7 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
 
 
 def _sight_note(found: Trace) -> tuple[str, ...]:
-    """The smallest visible effect, where nothing was found."""
+    """The smallest detectable effect, if nothing was found."""
     if found.findings or found.unexplained:
         return ()
     sight = found.sight

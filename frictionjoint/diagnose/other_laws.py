@@ -1,7 +1,7 @@
-"""Other friction laws beside the one that is asked for.
+"""Other friction laws, for comparison with the requested one.
 
-They never take its place. They tell in which directions a law may be wrong, since none is exact,
-and what each would leave in the end, for comparison.
+They never replace it. They show in which directions a law may be wrong, since none is exact, and
+the error of each with the final effects.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,10 +46,10 @@ def forms_like(shape: Shape) -> Sequence[Shape]:
 
 
 class OtherLaws:
-    """The best shape known of each law, to start from when the model has changed.
+    """The best known shape of each law, as a start when the model has changed.
 
     Args:
-        prepared: the logs. base: the law that is asked for, fitted to them.
+        prepared: the logs. base: the requested law, fitted to them.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class OtherLaws:
         return names != own and (forms is not INTEGRATED or names in self._own)
 
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
-        """Fit the rivals' shapes together with some effects, from all starts."""
+        """Fit the other laws together with some effects, from all starts."""
         self._progress("fit: other laws")
 
         def ripest(forms: tuple[Shape, ...]) -> Shape:
@@ -86,18 +86,19 @@ class OtherLaws:
 
     @property
     def own_forms(self) -> list[Sequence[Shape]]:
-        """Of the law that is asked for, by the names of their numbers."""
+        """Forms of the requested law, by the names of their numbers."""
         return [_FORMS[names] for names in self._own]
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
-        """Where to start with a law when effects go: as it is, and as no effect had bent it."""
+        """Starting shapes for refitting the law after effects are removed: as it is, and
+        unbiased."""
         return tuple(dict.fromkeys((shape, self._alone[shape.variables])))
 
     def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """Fit all laws with the effects of a model.
 
         Returns:
-            the model with another form of its law where that is clearly better, see `CONSTRAINT`.
+            the model with another form of its law if that is clearly better, see `CONSTRAINT`.
         """
         own = fitted.shape.variables
         self.shapes[own] = fitted.shape
@@ -113,11 +114,11 @@ class OtherLaws:
         return better_form(prepared, fitted, forms)
 
     def errors(self, fitted: Fit) -> Array:
-        """The direction in which the law of a fit is wrong first of all, N m, shape (n, 1).
+        """The main direction of possible errors of a fitted law, N m, shape (n, 1).
 
-        Towards the laws, as last fitted, between which the true one lies: the shares of them that
-        leave least. It is one number that is free and not one a law, which together would explain
-        much that is no friction.
+        It points from the law to the mixture of all fitted laws with the smallest residual. One
+        free number
+        for all laws, not one per law, which together would explain much that is not friction.
         """
         w = fitted.weight
         names = fitted.shape.variables
@@ -132,7 +133,7 @@ class OtherLaws:
     def near(self, prepared: Prepared, fitted: Fit) -> list[Fit]:
         """Local minima of the law that fit nearly as well as a given fit, with its effects.
 
-        As a coarse look has them, which is near enough to be simulated.
+        They come from a coarse search, accurate enough for simulation.
         """
         self._progress("fit: valleys that leave as much")
         places = [p for forms in self.own_forms for p in ripened(prepared, fitted.effects, forms)]
@@ -140,7 +141,7 @@ class OtherLaws:
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
     def compared(self, prepared: Prepared, fitted: Fit) -> tuple[tuple[str, float], ...]:
-        """What each other law leaves in motion with the effects of a model, N m, least first."""
+        """Error in motion of each other law with the effects of a model, N m, smallest first."""
         shapes = [s for names, s in self.shapes.items() if names not in self._own]
         with side_by_side() as each:
             fits = list(each(lambda s: refit(prepared, fitted.effects, s, ROUGH), shapes))

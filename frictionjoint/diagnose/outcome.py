@@ -1,4 +1,4 @@
-"""What a search says in the end."""
+"""Finish the search: remove unnamed terms, drop redundant effects, collect evidence."""
 
 import numpy as np
 
@@ -30,17 +30,17 @@ from frictionjoint.identify.start import settled
 from frictionjoint.identify.weights import reweighed
 
 
-def told(
+def finish_search(
     state: State,
     alone: tuple[Prepared, Fit],
     replayed: Replayed,
     by_motion: bool,
     rng: np.random.Generator,
 ) -> Trace:
-    """What was found, without the dependences that have no name: those are only reported.
+    """Finish the search. Unnamed dependences are reported, not kept in the model.
 
     Args:
-        alone: the law alone, and the logs as that weighs them.
+        alone: fit of the law alone, and the logs with its weights.
     """
     unexplained: dict[str, float] = {}
     hints: list[str] = []
@@ -101,15 +101,19 @@ def _alike_hint(one: str, other: str) -> str:
 
 
 def _finished(prepared: Prepared, fitted: Fit) -> Fit:
-    """The law alone with what is decided last."""
+    """The law alone, with assumed stiffness and damping decided."""
     return with_assumed_stiffness(prepared, with_damping(prepared, fitted), stated_covariance)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
-    """Leave out what has no name, and torque that did not act; what of that did not.
+    """Remove unnamed terms and correct for measured torque that was not delivered.
 
-    What a residual owes to the measured torque says little: it is a part of it. So the motion has
-    to come nearer, where it can be simulated, driven by the torque that is said to have acted.
+    A correlation of the residual with the measured torque says little, because it is part of it. So
+    the
+    simulated motion, driven by the corrected torque, must improve, if it can be simulated.
+
+    Returns:
+        the corrections.
     """
     if any(isinstance(term, MissingTerm) for term in state.fit.terms):
         state.prepared = state.prepared.without_limits()

@@ -1,4 +1,4 @@
-"""Numbers of a model that its logs would take beyond what is physically possible."""
+"""Parameters that the data push past their physical bounds."""
 
 import math
 from collections.abc import Iterator
@@ -23,12 +23,16 @@ LEAST_ACTING = 0.01
 def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     """Names of effects that would leave the physical range of one of their numbers.
 
-    A number on its bound that the logs would take beyond it, by more than its standard error and by
-    more torque than a law is wrong by, says that what they hold is something else. At zero or at
-    infinity an effect has only another form, or is none. Of what leaps derivatives say too little.
+    If the logs push a number past its bound by more than its standard error, and by more torque
+    than
+    the usual error of a law, they contain something else. A bound at zero or infinity is no such
+    bound:
+    there an effect has another form, or vanishes. For discontinuous effects, derivatives say too
+    little.
 
-    So would what turns friction round: friction takes energy, whatever scales its level. And what
-    leaves nothing of the drive, for something moved the joint.
+    An effect is impossible too if it reverses friction, which must dissipate energy, or if it
+    leaves no
+    drive although the joint moves.
     """
     if fitted.acting < LEAST_ACTING:
         return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))
@@ -43,9 +47,9 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
 
 
 def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
-    """Names of effects on the friction's level that take more than all of it away.
+    """Names of effects on the friction level that subtract more than the whole level.
 
-    Friction may give back what its bristles hold, as the law alone would, but nothing besides.
+    Friction may return the elastic energy of its bristles, as the law alone does, but no more.
     """
     scaling = [i for i, t in enumerate(fitted.terms) if t.follows_law]
     if not scaling or "sigma2" not in fitted.names:
@@ -66,7 +70,7 @@ def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
 
 
 def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:
-    """Numbers of term i on a finite bound other than zero, and the sign of what lies beyond."""
+    """Numbers of term i on a finite, nonzero bound, with the sign of the direction beyond it."""
     first = fitted.layout.numbers(i).start
     for k, (x, limits) in enumerate(zip(term.free_shape, shape_limits(term), strict=True), first):
         for limit, outward in zip(limits, (-1.0, 1.0), strict=True):
@@ -76,9 +80,9 @@ def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float
 
 
 def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
-    """Whether parameter k would move beyond its bound, the free parameters fitted along.
+    """Whether parameter k would move past its bound, with the free parameters refitted.
 
-    To first order; the standard error comes of the spread over blocks of time (White 1980).
+    To first order; the standard error comes from the spread over blocks of time (White 1980).
     """
     w = fitted.weight
     free = fitted.free_jacobian * w[:, None]

@@ -1,4 +1,4 @@
-"""Steps of a model some joints of which are free, while the others follow their measured motion."""
+"""Steps of a model in which some joints are free while the others follow their measured motion."""
 
 import mujoco
 import numpy as np
@@ -22,7 +22,7 @@ class Prescribed:
     def of(
         cls, model: mujoco.MjModel, data: mujoco.MjData, segment: Segment
     ) -> "Prescribed | None":
-        """Those of a log; None where it holds none."""
+        """The other joints of a log; None if it contains none."""
         names = sorted({n.rpartition(".")[0] for n in segment.others})
         found = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in names}
         known = {n: j for n, j in found.items() if j >= 0}

@@ -41,7 +41,7 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         found = _of_terms(state)
         seen = [_seen_alone(state, f, rng) for f in found]
         # what keeps its evidence is not judged by it
-        weak = [s for s, f in zip(seen, found, strict=True) if s is not f and not _borne_out(s)]
+        weak = [s for s, f in zip(seen, found, strict=True) if s is not f and not _is_supported(s)]
         if not weak:
             return tuple(_tied(f, unsure) for f in seen)
         least = min(weak, key=lambda f: f.row.frequency).term
@@ -71,7 +71,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
 
 
 def _tied(finding: Finding, unsure: list[Term]) -> Finding:
-    """A finding of an effect whose size is open with the others of which it is."""
+    """A finding of an effect of open size, tied with the effects that leave it open."""
     if finding.term in unsure:
         for other in unsure:
             finding = finding.tied_with(other)
@@ -85,7 +85,7 @@ def _leave_out(state: State, term: Term) -> None:
 
 
 def _of_terms(state: State) -> list[Finding]:
-    """The finding of each effect: harmonics of a periodic one came one by one."""
+    """The finding of each effect; harmonics of a periodic effect were found one by one."""
     found: list[Finding] = []
     names = {term.name for term in state.fit.effects}
     for term in state.fit.effects:
@@ -98,9 +98,11 @@ def _of_terms(state: State) -> list[Finding]:
 
 
 def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Finding:
-    """A finding with what is seen of its effect beside the rest of the model.
+    """A finding with the evidence of its effect next to the rest of the model.
 
-    Effects of the drive, which are no candidates, and what is no longer one keep what was seen.
+    Effects of the drive, which are no candidates, and effects that are no longer candidates keep
+    their
+    earlier evidence.
     """
     if not isinstance(finding.term, EffectTerm):
         return finding
@@ -135,16 +137,16 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
 
 
 def _as_it_is(state: State, term: Term) -> Fit:
-    """The model without one of its effects, its law and the shapes of the others as they are.
+    """The model without one effect; the law and the shapes of the other effects stay as they are.
 
-    Its times too: one that another fit would open could stand for the inertia that is left out.
+    Time offsets stay too: an offset freed by another fit could imitate the removed inertia.
     """
     as_it_is = Search(state.prepared, all_but(state.fit.terms, term), state.fit.shape)
     return as_it_is.result(as_it_is.start)
 
 
 def _within_error(seen: Look, row: Looked) -> set[str]:
-    """Names of effects of which a look has about as much left, within the error of that."""
+    """Names of effects of a step whose residual is about equal, within its standard error."""
     gain = seen.gain(row)
     found = set()
     for other in seen.rows:
@@ -156,17 +158,17 @@ def _within_error(seen: Look, row: Looked) -> set[str]:
 
 
 def _rivals(seen: Look, finding: Finding, row: Looked) -> list[Term]:
-    """The best other effects of no more numbers, without its ties."""
+    """The best other effects with no more numbers, without ties."""
     terms = [r.candidate.term for r in seen.rows if not r.candidate.unnamed]
     own = {row.name, *finding.ties}
     most = numbers_of(finding.term)
     return [t for t in terms if t.name not in own and numbers_of(t) <= most][:_MOST_RIVALS]
 
 
-def _borne_out(finding: Finding) -> bool:
+def _is_supported(finding: Finding) -> bool:
     """Whether it predicts motion that it was not fitted to, and most halves of the data choose it.
 
-    What comes first is known to be there.
+    Effects that are certain to exist are always supported.
     """
     chosen = finding.gain > 0.0 and finding.row.frequency >= MOSTLY
     return comes_first(finding.term) or chosen

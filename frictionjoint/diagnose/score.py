@@ -1,4 +1,4 @@
-"""What a model predicts of motion unlike that it was fitted to: the one score of the search."""
+"""Cross-validated score across kinds of motion: the only score of the search."""
 
 from dataclasses import dataclass, field
 
@@ -15,11 +15,12 @@ from frictionjoint.identify.rounding import EQUAL
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with its squares of each block, predicted by effects fitted to other folds, (B,).
+    """A fit with the sum of squares of each block, predicted by effects fitted to other folds,
+    (B,).
 
     Attributes:
-        noise: of all squares, those that the instruments' noise leaves to a perfect model.
-        impossible: names of effects with a number that the logs take beyond what is possible.
+        noise: sum of squares that instrument noise leaves to a perfect model.
+        impossible: names of effects with a number that the logs push past its physical range.
     """
 
     fit: Fit
@@ -29,24 +30,25 @@ class Scored:
 
     @property
     def total(self) -> float:
-        """Of all blocks, squares of `Fit.error_unit`."""
+        """Sum over all blocks, in squares of `Fit.error_unit`."""
         return float(self.squares.sum())
 
     def gain(self, other: "Scored") -> float:
-        """Fraction of another model's squares that this one does not leave."""
+        """Fraction of another model's sum of squares that this one removes."""
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
     @property
     def above_noise(self) -> float:
-        """rms of the torque left above the noise, over the friction's."""
+        """rms of the residual torque above the noise, relative to that of friction."""
         return self._over_friction(self.total - self.noise)
 
     def moved(self, other: "Scored") -> float:
-        """rms of the torque by which this model is nearer than another, over the friction's."""
+        """rms of the torque by which this model improves on another, relative to that of
+        friction."""
         return self._over_friction(other.total - self.total)
 
     def of_drive(self, other: "Scored") -> float:
-        """The same, over the drive's."""
+        """The same, relative to that of the drive."""
         f = self.fit
         nearer = max(0.0, other.total - self.total) / len(f.residual)
         return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
@@ -57,7 +59,8 @@ class Scored:
         return float(np.sqrt(max(0.0, squares) / friction)) if friction else 0.0
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
-        """Whether it predicts better by more than some paired standard errors over blocks."""
+        """Whether it predicts better by more than a number of paired standard errors over
+        blocks."""
         difference = other.squares - self.squares
         spread = float(np.std(difference)) * np.sqrt(len(difference))
         # models that are one in all but name differ by rounding, and so does its spread
@@ -65,7 +68,7 @@ class Scored:
 
 
 def scored(fitted: Fit, blocks: Blocks) -> Scored:
-    """A fit's score, to first order in the change of its effects without a fold."""
+    """A fit's score, to first order in the change of its effects when a fold is left out."""
     found = screen(fitted, blocks)
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)

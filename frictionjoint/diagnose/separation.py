@@ -1,11 +1,11 @@
-"""How well a further record would distinguish two effects and determine parameters.
+"""How well a further recording would distinguish two effects, or determine parameters.
 
-Of two rival models each is taken for the truth in turn; what it predicts on the logs and on the
-further record is fitted by the other one, with the law and everything else in the model refitted
-too (to first order). What that fit leaves is the distance of the two: Hunter and Reiner
-(1965), Atkinson and Fedorov (1975, T-optimality). The noise is the residual of the logs with its
-autocorrelation, as far as a block of `blocks.make_blocks` reaches; a law that is wrong in the same
-way in every record is not noise and not seen.
+Each of two rival models is taken as true in turn. Its predictions on the logs and on the further
+recording are fitted by the other model, with the law and all other effects refitted (to first
+order). The residual of that fit is the distance of the two models: Hunter and Reiner (1965),
+Atkinson and Fedorov (1975, T-optimality). The noise is the residual of the logs with its
+autocorrelation, up to the length of a block of `blocks.make_blocks`; an error of the law that is
+equal in every recording is not counted as noise.
 """
 
 from dataclasses import dataclass
@@ -27,10 +27,10 @@ class Noise:
     """Autocovariance of a fit's residual with Bartlett's weights (Newey and West 1987).
 
     Args:
-        residual: of a fit, shape (n,); log_index: which log each sample belongs to.
-        blocks: how many stretches of it are taken to be independent.
-        every: records are sampled at one in so many of the logs' samples and stand for all of
-            them: their noise is the mean over that many.
+        residual: of a fit, shape (n,); log_index: log of each sample.
+        blocks: number of independent stretches of it.
+        every: decimation of a recording with respect to the logs; a sample stands for the mean of
+            that many.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Noise:
         self.autocovariance *= (1.0 - np.arange(lag) / lag) / count
 
     def coloured(self, U: Array) -> Array:
-        """W with W'W = U' Sigma U, for columns U of one record, shape (n, k)."""
+        """W with W'W = U' Sigma U, for columns U of one recording, shape (n, k)."""
         n, lag = len(U), len(self.autocovariance)
         size = 2 ** int(np.ceil(np.log2(n + lag)))
         wrapped = np.zeros(size)
@@ -63,7 +63,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Moments:
-    """Sums over records: U'U, and the covariance of U'e under the noise; each of shape (k, k)."""
+    """Sums over recordings: U'U, and the covariance of U'e under the noise; shape (k, k) each."""
 
     gram: Array
     noise: Array
@@ -73,7 +73,7 @@ class Moments:
 
 
 def moments(U: Array, noise: Noise) -> Moments:
-    """Of one record's columns, shape (n, k), sampled as `noise` says."""
+    """Moments of one recording's columns, shape (n, k), sampled as `noise` says."""
     W = noise.every * noise.coloured(U)
     return Moments(noise.every * (U.T @ U), W.T @ W)
 
@@ -83,7 +83,7 @@ class Effect:
     """One of two rival effects.
 
     Attributes:
-        term: at its fitted shape. coefficients: N m per unit of its columns, see `columns_of`.
+        term: with its fitted shape. coefficients: N m per unit of its columns, see `columns_of`.
     """
 
     term: Term
@@ -91,16 +91,16 @@ class Effect:
 
     @property
     def size(self) -> int:
-        """How many columns it has, its torque among them."""
+        """Number of its columns, including its torque."""
         return len(self.coefficients) + len(self._slopes) + 1
 
     @property
     def _slopes(self) -> tuple[float, ...]:
-        """The shape numbers but a delay's, whose column is the slope by it already."""
+        """Its shape numbers, without a delay, whose column is a derivative already."""
         return self.term.free_shape if self.term.coefficients else ()
 
     def columns(self, prepared: Prepared, fitted: Fit) -> Array:
-        """Its columns, then the slopes by its free shape numbers, then its torque."""
+        """Its columns, then the derivatives by its free shape numbers, then its torque."""
         signals = signals_of(prepared, fitted)
         X = columns_of(prepared, signals, self.term)
         torque = X @ self.coefficients
@@ -120,7 +120,7 @@ class Separation:
 
     Attributes:
         deviations: difference of the two models' squared errors over its standard deviation.
-        share: of what the true effect explains, that the other one cannot account for.
+        share: fraction of what the true effect explains that the other one cannot explain.
     """
 
     deviations: float
@@ -128,11 +128,12 @@ class Separation:
 
 
 def separation(sums: Moments, base: int, first: int, second: int) -> tuple[Separation, Separation]:
-    """With the first effect true, and with the second.
+    """Separation if the first effect is true, and if the second is.
 
     Args:
-        sums: over all records, of the columns [base | first effect | second effect], each effect
-            as `Effect.columns` has it; base, first, second: how many columns each has.
+        sums: over all recordings, of the columns [base | first effect | second effect], each effect
+            as
+            in `Effect.columns`; base, first, second: their numbers of columns.
     """
     law = np.arange(base, dtype=np.int64)
     pairs = ((base, first, base + first, second), (base + first, second, base, first))
@@ -159,12 +160,13 @@ def _left(sums: Moments, target: int, on: NDArray[np.int64]) -> tuple[float, flo
 
 
 def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
-    """Covariance of a fit's parameters with a further record added to the logs, shape (p, p).
+    """Covariance of a fit's parameters with a further recording added to the logs, shape (p, p).
 
     Args:
-        covariance: of the parameters from the logs; what it is infinite for stays unknown unless
-            the record determines it. jacobian: of the fit on the logs, shape (n, p).
-        further: of the sensitivities along the record.
+        covariance: of the parameters from the logs; infinite entries stay unknown unless the
+            recording
+            determines them. jacobian: of the fit on the logs, shape (n, p).
+        further: moments of the sensitivities along the recording.
     """
     old = jacobian.T @ jacobian
     known = np.where(np.isfinite(covariance), covariance, 0.0)

@@ -1,4 +1,4 @@
-"""What is periodic, proposed from the spectrum of what a fit leaves: in time, or in position."""
+"""Periodic terms from the spectrum of a fit's residual: in time, or in position."""
 
 from collections.abc import Callable
 
@@ -30,10 +30,10 @@ _LEVEL_REACH = 1e-3
 
 
 def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
-    """A wave in time, from outside the joint: the strongest line of the residual's spectrum.
+    """A wave in time from outside the joint: the strongest line of the residual's spectrum.
 
     Returns:
-        also how many independent lines that is of.
+        the wave, and the number of independent lines that were searched.
     """
     times = [s.at_kept(s.signals[:, TIME]) for s in prepared.segments]
     longest = max(float(np.ptp(t)) for t in times)
@@ -93,7 +93,7 @@ def _at_mean_speed(segment: Segment) -> Array:
 
 
 def _of_wave(fitted: Fit, times: list[Array], frequency: float) -> float:
-    """Squares of a fit's residual that a wave explains, with a phase for each log."""
+    """Sum of squares that a wave explains of a fit's residual, with a phase per log."""
     explained = 0.0
     for i, t in enumerate(times):
         own = fitted.log_index == i
@@ -113,11 +113,12 @@ def periodic_terms(
 ) -> tuple[list[Term], float]:
     """Harmonics of position: the strongest spatial frequencies of the residual.
 
-    Those of all folds together and of all but each one, so that a frequency can be chosen on data
-    it is not tested on.
+    They are those of all folds together and of all but each one, so that a frequency can be chosen
+    on
+    data it is not tested on.
 
     Returns:
-        also how many independent lines they are of.
+        the terms, and the number of independent lines that were searched.
     """
     harmonics = [f for f in CATALOGUE if f.proposed_by == "spectrum" and wanted(f)]
     if not harmonics:

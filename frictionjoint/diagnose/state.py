@@ -1,4 +1,4 @@
-"""Where a search is, and what decides whether its model needs an effect."""
+"""State of a search, and the criteria for accepting an effect."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -28,32 +28,33 @@ _TRIED_STEPS = 8
 
 @dataclass(frozen=True)
 class _Model:
-    """A model of some logs, and what is asked of it more than once."""
+    """A model of some logs, with results that are used more than once."""
 
     prepared: Prepared
     fit: Fit
 
     @cached_property
     def blocks(self) -> Blocks:
-        """Without where the law may be wrong."""
+        """Blocks without the direction of possible errors of the law."""
         return make_blocks(self.prepared, self.fit)
 
     @cached_property
     def candidates(self) -> list[Candidate]:
-        """What it may lack."""
+        """Effects that it may lack."""
         return library(self.prepared, self.fit, self.blocks)
 
 
 @dataclass
 class State:
-    """Where a search is.
+    """State of a search.
 
     Attributes:
-        prepared: the logs as they are weighted now. fit: the model. findings: what was found.
-        look: what was looked at last. laws: other ones beside its own.
-        law_errs: whether the score leaves out where the law may be wrong, see
-            `OtherLaws.errors`. What is found so is no error of the law; what only another law would
-            explain as well, an effect may be after all, and is looked for afterwards.
+        prepared: the logs with their present weights. fit: the model. findings: accepted effects.
+        look: the last step. laws: other friction laws.
+        law_errs: whether the score excludes the direction of possible errors of the law, see
+            `OtherLaws.errors`. Effects found this way are no errors of the law; effects that
+            another
+            law could imitate are looked for afterwards.
     """
 
     prepared: Prepared
@@ -66,26 +67,27 @@ class State:
 
     @property
     def blocks(self) -> Blocks:
-        """Of the model as it is now."""
+        """Blocks of the present model."""
         return self._way(self._model)
 
     def blocks_of(self, prepared: Prepared, fitted: Fit) -> Blocks:
-        """Of another model of these logs, which may be weighted otherwise."""
+        """Blocks of another model of these logs, which may have other weights."""
         return self._way(_Model(prepared, fitted))
 
     @property
     def either_way(self) -> tuple[Blocks, Blocks]:
-        """Of the model as it is now, with and without where the law may be wrong."""
+        """Blocks of the present model, with and without the direction of possible errors of the
+        law."""
         own = self._model.blocks
         return replace(own, law_errors=self.laws.errors(self.fit)), own
 
     @property
     def candidates(self) -> list[Candidate]:
-        """What the model as it is now may lack."""
+        """Effects that the present model may lack."""
         return self._model.candidates
 
     def under(self, prepared: Prepared) -> Fit:
-        """The model fitted to its logs under other weights, from where it is, times and all."""
+        """The model refitted to its logs with other weights, including its time offsets."""
         return compared(prepared, self.fit.terms, self.fit.shape)
 
     def _way(self, model: _Model) -> Blocks:
@@ -94,14 +96,14 @@ class State:
 
     @property
     def _model(self) -> _Model:
-        """The model as it is now."""
+        """The present model."""
         known = self._known
         if known is None or known.fit is not self.fit or known.prepared is not self.prepared:
             known = self._known = _Model(self.prepared, self.fit)
         return known
 
     def forget_dropped(self) -> None:
-        """Keep only the findings of effects that the model still has."""
+        """Keep only the findings of effects that the model still contains."""
         names = {t.name for t in self.fit.effects}
         self.findings = [f for f in self.findings if f.term.name in names]
 
@@ -109,7 +111,7 @@ class State:
 def compared(
     prepared: Prepared, terms: tuple[Term, ...], law: Shape, closeness: float = ROUGH
 ) -> Fit:
-    """A model fitted as closely as comparing it needs."""
+    """A model fitted with the accuracy that a comparison needs."""
     return refit(prepared, terms, law, closeness, _TRIED_STEPS)
 
 
@@ -119,30 +121,32 @@ def without(state: State, term: Term) -> Fit:
 
 
 def with_fewer(state: State, terms: tuple[Term, ...]) -> Fit:
-    """The model with some of its effects, the law from the nearest of where it may start."""
+    """The model with some of its effects; the law starts from the nearest of its starting
+    shapes."""
     laws = state.laws.starts(state.fit.shape)
     return compared(state.prepared, terms, nearer(state.prepared, terms, laws))
 
 
 def apart(one: Scored, other: Scored) -> bool:
-    """Whether the logs distinguish a model from one that leaves more."""
+    """Whether the logs distinguish a model from one with a larger residual."""
     return one.better(other) and one.gain(other) >= APART
 
 
 def as_much(one: Scored, other: Scored) -> bool:
-    """Whether a model explains hardly less than another that leaves less."""
+    """Whether a model explains hardly less than another with a smaller residual."""
     return not other.better(one) or other.gain(one) < TIE
 
 
 def needed(now: Scored, other: Scored, first: bool = False) -> bool:
-    """Whether a model predicts better than another, and by more than the law's own error.
+    """Whether a model predicts better than another, by more than the law's own error.
 
-    That is measured by what remains: a law beside which hardly anything does is more exact than
-    laws usually are. None is needed with a number that is impossible and not the other's too.
+    The residual measures that error: a law with a tiny residual is more exact than laws usually
+    are. A
+    model with an impossible number that the other one does not have is never accepted.
 
     Args:
-        first: what it has besides comes first: it is known to be there, and only its size is not,
-            so that to predict better at all is enough.
+        first: whether its additional effect is certain to exist. Then any better prediction
+            suffices.
     """
     small = now.moved(other) < DISCREPANCY and now.gain(other) < 1.0 - TIE
     if small or now.impossible - other.impossible:
@@ -153,10 +157,10 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 
 def is_small(term: Term, now: Scored, other: Scored) -> bool:
-    """Whether an effect of the drive moves less of it than a law that errs may ask of one."""
+    """Whether an effect changes the drive by less than an erroneous law may require."""
     return isinstance(term, DriveTerm) and now.of_drive(other) < DRIVE_DISCREPANCY
 
 
 def numbers_of(term: Term) -> int:
-    """How many numbers are estimated: the fewer, the simpler."""
+    """Number of estimated parameters; the model with fewer is the simpler one."""
     return len(term.coefficients) + len(term.free_shape)

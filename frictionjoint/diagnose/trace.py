@@ -1,12 +1,13 @@
-"""What a model lacks: the search for effects, as its definition reads.
+"""Search for missing effects.
 
-    fit the law; repeat: screen every change of the model, refit the best few, take the best one
-    that predicts unlike motion better; drop what is no longer needed; until nothing helps, neither
-    beside what another law would explain as well nor in its place.
+    fit the law; repeat: screen every change of the model, refit the best few, accept the best one
+    that predicts unlike motion better; drop redundant effects; until nothing improves, also for
+    effects that another law could imitate, and for exchanges of effects.
 
-One score decides: squares predicted by effects fitted to other motion (`score`). A change is taken
-if it gains more than one paired standard error and a least fraction of what is left, and if, over
-the whole family of candidates, chance hardly does as much.
+One score decides: the sum of squares predicted by effects fitted to other motion (`score`). A
+change
+is accepted if it gains more than one paired standard error and a least fraction of the residual sum
+of squares, and if chance hardly does as much over the whole family of candidates.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,7 +33,7 @@ from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
-from frictionjoint.diagnose.outcome import told
+from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
@@ -61,7 +62,7 @@ _MOST_CHANGES = 12
 
 
 class _Tried(NamedTuple):
-    """A change, the logs as it was fitted to them, its score."""
+    """A change, the logs as weighted for its fit, and its score."""
 
     move: Move
     prepared: Prepared
@@ -82,16 +83,17 @@ def trace(
     replayed: Replayed = lambda prepared, fitted: None,
     by_motion: bool = False,
 ) -> Trace:
-    """Run the search on prepared logs; uses these logs only, split into folds.
+    """Run the search on prepared logs; it uses these logs only, split into folds.
 
     Args:
-        seed: of flips and resampling; equal seeds give equal results.
-        progress: called with what is being done.
-        law: name of the friction law; None for the integrated one.
-        replayed: mean square error of each run of such logs simulated with a fit to them, rad^2
-            (m^2), shape (k,), or None. What makes it worse is dropped.
-        by_motion: of valleys of the law that leave about as much torque, take the one that moves
-            nearest.
+        seed: for sign flips and resampling; equal seeds give equal results.
+        progress: called with a description of the current step.
+        law: name of the friction law; None for the integrated law.
+        replayed: function that simulates logs with a fit and returns the mean square error of each
+            run,
+            rad^2 (m^2), shape (k,), or None. Effects that increase it are dropped.
+        by_motion: among local minima of the law with similar torque errors, use the one with the
+            smallest position error.
     Raises:
         ParameterError: no law has this name.
     """
@@ -122,14 +124,15 @@ def trace(
         state.law_errs = False
         if not (_of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)):
             break
-    return told(state, (prepared, alone), replayed, by_motion, rng)
+    return finish_search(state, (prepared, alone), replayed, by_motion, rng)
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
-    """One change of the model, if any is justified; names of what came in.
+    """One change of the model, if any is justified; names of added effects.
 
-    What is known to be there comes first, then what its controller does to the drive, then the
-    rest: without the first the second is mistaken, and the third without the second.
+    Effects that are certain to exist come first, then effects of the drive, then the rest: each
+    group is
+    mistaken while the one before is missing.
     """
     if not state.fit.effects:
         return (
@@ -143,27 +146,28 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
 
 
 def _early(state: State) -> bool:
-    """Whether what is named so far is known to be there or of the drive: the drive goes first."""
+    """Whether all findings so far are certain effects or effects of the drive, which come first."""
     effects = state.fit.effects
     return all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
 
 
 def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
-    """One change of what is not the drive, as `_step` has it."""
+    """One change other than of the drive; result as in `_step`."""
     first = [] if state.fit.effects else _first(state)
     return _taken(state, first, rng) or _taken(state, state.candidates, rng)
 
 
 def _first(state: State) -> list[Candidate]:
-    """Candidates that come first."""
+    """Candidates that are decided first."""
     return [c for c in state.candidates if c.comes_first]
 
 
 def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
-    """The best effect of the drive beside what comes first, if one is justified.
+    """The best effect of the drive together with a certain effect, if one is justified.
 
-    A drive that is far off hides what is known to be there, and without that the drive itself is
-    mistaken: a protection without the motor's back-EMF looks like a limit.
+    A grossly wrong drive model masks effects that are certainly present, and without them the drive
+    is
+    mistaken too: overload protection without the motor's back-EMF looks like a limit.
     """
     if not first:
         return _of_drive(state, rng)
@@ -216,7 +220,7 @@ def _of_drive(
 
 
 def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
-    """The best of these candidates, if one is justified."""
+    """The best of these candidates, if it is justified."""
     if not candidates:
         return []
     prepared, current, blocks = state.prepared, state.fit, state.blocks
@@ -257,7 +261,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
 
 def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
-    """Effects for want of which a law may have bent, with laws fitted from everywhere."""
+    """Effects whose absence may bias a law, fitted jointly with laws from all starts."""
     prepared = state.prepared
     found = []
     for move, laws in worth_unbending(now, state.look, prepared, state.laws):
@@ -267,7 +271,7 @@ def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
 
 
 def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, Fit]:
-    """A change fitted to the logs, which may have begun with what it brings in."""
+    """A change fitted to the logs, including the initial state that it adds."""
     begun = prepared
     for c in move.added:
         if c.begun is not None:
@@ -279,7 +283,7 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
 
 
 def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored) -> State:
-    """The model after a change, without what it then no longer needs."""
+    """The model after a change, without effects that became redundant."""
     taken, seen = choice.taken, state.look
     prepared, fitted = settled(*reweighed(taken.prepared, taken.score.fit))
     gain = taken.score.gain(now)
@@ -301,7 +305,7 @@ def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored
 
 
 def _more(after: Fit, before: Fit, move: Move) -> list[str]:
-    """Names of what a change brought in and was not dropped again."""
+    """Names of effects that a change added and that were not dropped again."""
     names, had = ([t.name for t in f.effects] for f in (after, before))
     return [c.term.name for c in move.added if names.count(c.term.name) > had.count(c.term.name)]
 
@@ -309,10 +313,11 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 def _looked_at_again(
     state: State, now: Scored, tried: Sequence[_Tried], best: _Tried
 ) -> tuple[Scored, list[_Tried]]:
-    """The leading changes under the weights of the best one, with a law that nothing has bent.
+    """The leading changes with the weights of the best one, and with an unbiased law.
 
-    What was wrong before may have bent the law, and so the weights and what the logs are thought
-    to have held when they began: what is left then depends on which change was tried first.
+    The missing effect may have biased the law, and with it the weights and the initial friction
+    states;
+    then the residual depends on which change was tried first.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
@@ -340,7 +345,7 @@ def _looked_at_again(
 
 
 def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
-    """The best change that is needed, and the effects it is tied with."""
+    """The best justified change, and the effects it is tied with."""
     good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
@@ -374,21 +379,21 @@ def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
 
 
 def _beyond_chance(move: Move, seen: Look) -> bool:
-    """Whether, over the whole family of candidates, chance hardly explains as much.
+    """Whether chance hardly explains as much, over the whole family of candidates.
 
-    What comes first is known to be there: of that, only how much is asked.
+    Effects that are certain to exist are tested only for size.
     """
     asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
     return min(asked, default=0.0) <= SIGNIFICANCE
 
 
 def _clearly(one: _Tried, other: _Tried) -> bool:
-    """Whether one of two effects explains besides the other what an effect must explain."""
+    """Whether one of two effects, added to the other, explains what an effect must explain."""
     return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
 
 
 def _much_before(unnamed: _Tried, best: _Tried, now: Scored) -> bool:
-    """Whether what has no name explains so much that the best effect is but a part of it."""
+    """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
     enough = (1.0 - TIE) * unnamed.score.gain(now)
     return needed(unnamed.score, best.score) and best.score.gain(now) < enough
 
@@ -405,12 +410,12 @@ def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, 
 
 
 def _follow(state: State) -> bool:
-    """Fit all laws with the effects found; take another form of the own one where that is better.
+    """Fit all laws with the effects found; use another form of the law if that is better.
 
-    What an effect stood in for may have been the former form's error: what is idle now goes.
+    An effect that compensated for the former form may be redundant now and is dropped.
 
     Returns:
-        whether another form was taken.
+        whether another form is used.
     """
     prepared, found = state.laws.follow(state.prepared, state.fit)
     if found is state.fit:

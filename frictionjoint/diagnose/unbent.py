@@ -1,12 +1,12 @@
-"""Effects tried with the law fitted from everywhere.
+"""Joint multi-start fit of the law and a candidate effect.
 
-What a model lacks bends its law: a Stribeck curve takes up what a contact gains at rest, what
-friction follows late, or how viscous friction curves; or another law, whose curves have room for
-it, seems to be the joint's. The bent law is a valley of its own, which a search that starts there
-does not leave when the effect is added. It may even say that the effect is not there: where a joint
-hardly rubs and turns round seldom, a wide hysteresis stands in for an offset. So before nothing is
-named, laws are fitted from all their starts together with each effect on the friction level or on
-speed, and with those that explain much more at such a start than the law alone at its best.
+A missing effect biases the fitted law: its Stribeck curve imitates a contact that strengthens at
+rest, friction that lags, or curved viscous friction; or another law fits better because it can
+imitate the effect. The biased fit is a separate local minimum, which a search does not leave when
+the effect is added. It can even hide the effect: in a joint with little friction and few reversals,
+a wide hysteresis imitates an offset. So before the search ends without a finding, laws are fitted
+from all their starts together with each effect on the friction level or on speed, and with effects
+that explain much more at such a start than the best fit of the law alone.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,8 @@ _MOST = 4
 
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
-    """These effects with the best of some laws, each fitted from everywhere in all its forms."""
+    """These effects, each fitted jointly with the best of some laws, in all forms, from all
+    starts."""
     with side_by_side() as each:
         places = list(each(lambda forms: ripened(prepared, terms, forms)[0], laws))
     place = best_of(places, lambda place: place.cost)
@@ -48,21 +49,24 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
 
 
 def bends(term: Term) -> bool:
-    """Whether any law is apt to bend for want of it: it acts on the friction level, or on speed."""
+    """Whether omitting this effect biases the law parameters (it acts on friction level or
+    speed)."""
     return isinstance(term, EffectTerm) and (term.follows_law or term.effect.of_speed)
 
 
 def worth_unbending(
     now: Scored, seen: Look, prepared: Prepared, laws: OtherLaws
 ) -> list[tuple[Move, list[Sequence[Shape]]]]:
-    """Effects for want of which a law alone may have bent, each with the laws to fit beside it.
+    """Effects to refit jointly with a law, each with the laws to use.
 
-    With every form of the law those that any is apt to bend for, unless the law as it is denies
-    them; with the law as it is those that leave less at one of its starts, where nothing has bent
-    it yet, than it does alone at its best.
+    For every form of the law: effects whose omission biases any law, unless the present law rules
+    them
+    out. For the present law: effects that at one of its unbiased starts leave a smaller residual
+    than
+    the best fit of the law alone.
 
     Args:
-        now: the present model. seen: the candidates beside it.
+        now: the present model. seen: its candidates.
     """
     if now.fit.effects or now.above_noise < DISCREPANCY:
         return []

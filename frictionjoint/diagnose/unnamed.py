@@ -1,7 +1,6 @@
-"""Quantities that an unnamed dependence may be on: those that explain as much are a tie.
+"""Quantities on which the residual may depend; those that explain as much are a tie.
 
-In an arm that moves alone the load is a function of the position, and no log of it tells them
-apart.
+In an arm that moves alone the load is a function of position, and no log distinguishes them.
 """
 
 from frictionjoint.diagnose.blocks import Blocks
@@ -16,10 +15,10 @@ _MOST = 2
 
 
 def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
-    """Quantities that explain as much in the place of that of the i-th effect, a curve.
+    """Quantities that explain as much as the quantity of the i-th effect, which is a curve.
 
     Returns:
-        with the fraction that each explains of what is left without any.
+        also the fraction of the residual that each explains.
     """
     own = state.fit.effects
     term = own[i]

@@ -12,7 +12,7 @@ from frictionjoint.identify.segment import Prepared
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
-    """Residual of a perfect model due to instrument noise in the band of the balance, N m."""
+    """Residual of a perfect model due to instrument noise in the torque band, N m."""
     powers = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
     return gain * float(np.sqrt(np.mean(powers)))
 
@@ -20,14 +20,13 @@ def noise_floor(prepared: Prepared, gain: float) -> float:
 def verdict(
     found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms], diverges: bool
 ) -> Verdict:
-    """`explained` needs a residual at the level of the instrument noise, or as white as noise.
+    """`explained` requires a residual at the level of the instrument noise, or as white as noise.
 
-    It is not given where held-out logs or the replay contradict or hold more than twice the torque
-    error, where the replay diverges, or where a parameter that was added reached the end of its
-    range.
+    It is not given if held-out logs or the replay contradict it or have more than twice the torque
+    error, if the replay diverges, or if an added parameter reached the end of its range.
 
     Args:
-        before, after: errors of the torque and of the replay.
+        before, after: errors of torque and replay.
         diverges: whether a replay of the final model leaves the measured motion altogether.
     """
     if not found.findings and not found.unexplained:
