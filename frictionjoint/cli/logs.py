@@ -24,7 +24,8 @@ Columns = Annotated[
     typer.Option(
         "--column",
         metavar="OURS=THEIRS",
-        help="Name of a column in your file, e.g. time_s=t. Repeatable.",
+        help="Name of a column in your file, e.g. time_s=t; its number, from 1, in a file without "
+        "a header. time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
     ),
 ]
 Signals = Annotated[
@@ -50,7 +51,7 @@ Units = Annotated[
         "--unit",
         metavar="QUANTITY=UNIT",
         help="Unit of a quantity that is not in SI units: position=deg, time=ms, "
-        "position=counts:4096 (per turn). Repeatable.",
+        "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
     ),
 ]
 Join = Annotated[

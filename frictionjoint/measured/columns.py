@@ -8,6 +8,7 @@ current: a torque up to an unknown gain. A target without a drive needs a contro
 """
 
 import difflib
+import re
 from collections import Counter
 from collections.abc import Iterable
 
@@ -21,6 +22,14 @@ KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
 # controller values that a log may contain
 _FIGURES = ("kp", "kd", "ki", "vin")
 _OURS = ("time_s", *KNOWN, *_FIGURES)
+# how the columns of others are called, by what is missing
+_LIKELY = {
+    "time_s": re.compile(r"^(time|t|stamp|seconds?|millis|sec|ms)\b|time", re.I),
+    "position_rad": re.compile(r"^q\d*$|\bpos(ition)?\b|_pos(ition)?\b|angle|theta", re.I),
+    "torque_nm": re.compile(r"^tau|torque|effort", re.I),
+    "force_n": re.compile(r"force", re.I),
+}
+_RATE = re.compile(r"(\d+\.?\d*)\s*(k?)hz", re.I)
 # columns of other joints, for the inverse dynamics of the arm
 _OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
 
@@ -31,12 +40,8 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
     Raises:
         LogError: there is no header, a column appears twice, or a mapped column does not exist.
     """
-    if all(_is_number(name) for name in names):
-        raise LogError(
-            f"{source}: no header: row 1 holds numbers where the names of columns must be, "
-            "e.g. time_s,position_rad,torque_nm"
-        )
-    twice = [name for name, count in Counter(names).items() if count > 1]
+    used = {*mapping.values(), *(x for x in names if x.rpartition(".")[2] in _OURS)}
+    twice = [name for name, count in Counter(names).items() if count > 1 and name in used]
     if twice:
         raise LogError(f"{source}: column {twice[0]!r} appears twice: rename one")
     for ours, theirs in mapping.items():
@@ -47,9 +52,15 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
             if theirs.rpartition(".")[2] in _OURS and ours in names:
                 fix = f"the standard name comes first, {theirs}={ours}"
             raise LogError(f"{source}: --column {ours}={theirs}: unknown name {ours!r}: {fix}")
-        if theirs not in names:
-            raise LogError(f"{source}: no column {theirs!r}, it has {_list(names)}")
+        if theirs not in names and not (ours_last == "time_s" and sample_rate(theirs)):
+            raise LogError(f"{source}: no column {theirs!r}, {_has(names)}")
     return {name: name for name in names} | mapping
+
+
+def sample_rate(text: str) -> float | None:
+    """Samples per second that a text such as ``500Hz`` or ``1kHz`` states, None for others."""
+    rate = _RATE.fullmatch(text.strip())
+    return float(rate[1]) * (1e3 if rate[2] else 1.0) or None if rate else None
 
 
 def joints_in(table: dict[str, str]) -> list[str]:
@@ -60,7 +71,7 @@ def joints_in(table: dict[str, str]) -> list[str]:
 
 def driven_joints(table: dict[str, str]) -> list[str]:
     """Joints with columns for position and drive."""
-    positions = ("position_rad", "position_m")
+    positions = ("position_rad", "position_m", "velocity_rad_s", "velocity_m_s")
     return [
         joint
         for joint in joints_in(table)
@@ -126,7 +137,11 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
         LogError: time, position or drive is missing, or hinge and slide are mixed.
     """
     if "time_s" not in table:
-        raise LogError(f"{source}: no column 'time_s', it has {_list(table)}; {_mend('time_s')}")
+        prefix = f"{joint}." if joints_in(table) else ""
+        raise LogError(
+            f"{source}: no column 'time_s', {_has(table)}; {_mend(prefix, table)}; where there are "
+            "no times, give the sample rate, --column time_s=500Hz"
+        )
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
@@ -144,34 +159,52 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
 
 
 def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -> None:
-    hinge, slide = "position_rad" in chosen, "position_m" in chosen
+    slide = "position_m" in chosen
+    hinge = "position_rad" in chosen
+    if not any(_LIKELY["position_rad"].search(x.rpartition(".")[2]) for x in table):
+        # a bench that records its speed only
+        hinge = hinge or (not slide and "velocity_rad_s" in chosen)
+        slide = slide or (not hinge and "velocity_m_s" in chosen)
     if not hinge and not slide:
         raise LogError(
-            f"{source}: no column '{prefix}position_rad' (slide: position_m), it has "
-            f"{_list(table)}; {_mend(f'{prefix}position_rad')}"
+            f"{source}: no column '{prefix}position_rad' (slide: position_m), {_has(table)}; "
+            f"{_mend(prefix, table)}"
         )
     alien = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
     if alien:
-        kind = "position_rad" if hinge else "position_m"
+        kinds = ("position_rad", "velocity_rad_s") if hinge else ("position_m", "velocity_m_s")
+        kind = next(x for x in kinds if x in chosen)
         raise LogError(f"{source}: {prefix}{alien[0]} does not go with {prefix}{kind}: drop one")
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
-        mend = _mend(f"{prefix}{drive}")
-        raise LogError(f"{source}: no column {wanted}, it has {_list(table)}; {mend}")
+        raise LogError(
+            f"{source}: no column {wanted}, {_has(table)}; {_mend(prefix, table, drive)}"
+        )
 
 
-def _mend(ours: str) -> str:
-    """Hint how to name the column."""
-    return f"name it with --column {ours}=NAME"
+def _mend(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
+    """The options that name everything still missing, with the likely columns filled in."""
+    names, parts = list(table), []
+    ours = {x.removeprefix(prefix) for x in names}
+    position = () if ours & {"position_rad", "position_m"} else ("position_rad",)
+    for wanted in ("time_s", *position, *(() if ours & {*_DRIVES} else (drive,))):
+        if wanted not in ours:
+            likely = [x for x in names if _LIKELY[wanted].search(x)]
+            own = wanted if wanted == "time_s" else f"{prefix}{wanted}"
+            name = likely[0] if len(likely) == 1 else "NAME"
+            parts.append(
+                f"--column {own}={name}" if " " not in name else f"--column '{own}={name}'"
+            )
+    return f"name the columns with {' '.join(parts)}"
 
 
-def _is_number(name: str) -> bool:
-    try:
-        float(name)
-    except ValueError:
-        return False
-    return True
+def _has(names: Iterable[str]) -> str:
+    """What a file has, for a message."""
+    listed = list(names)
+    if listed == [str(i) for i in range(1, len(listed) + 1)]:
+        return f"it has no header: its columns are numbered, 1 to {len(listed)}"
+    return f"it has {_list(listed)}"
 
 
 def _list(names: Iterable[object]) -> str:

@@ -3,6 +3,10 @@
 Each file has a column of times and one or more columns of values. A value has the name of its
 column, or of its file if columns of several files have the same name. The log uses the times of
 the position; other signals are interpolated to them, and a target is held until the next one.
+
+Where only one file holds times, or a sample rate is given, the rows of all files belong together.
+Such files often hold a matrix, whose columns are ``q[0]``, ``q[1]``, ... by the name of the array
+or, without one, of the file.
 """
 
 import re
@@ -14,7 +18,14 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.columns import check_names, choose, choose_signals, joint_of, joints_in
+from frictionjoint.measured.columns import (
+    check_names,
+    choose,
+    choose_signals,
+    joint_of,
+    joints_in,
+    sample_rate,
+)
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import column_names, load_columns, log_of
 from frictionjoint.measured.units import converted
@@ -47,6 +58,8 @@ def read_joined(
     source = files[0].parent / (files[0].parent.name or files[0].stem)
     mapping = dict(columns or {})
     clock = mapping.pop("time_s", None)
+    if sample_rate(clock or "") or sum(bool(_times(file, clock)) for file in files) == 1:
+        return _read_rows(files, joint, mapping, clock, signals, wrap, units)
     tables = {file: _values(file, clock) for file in files}
     places: dict[str, tuple[Path, str]] = {}
     for file, (_, values) in tables.items():
@@ -83,6 +96,64 @@ def read_joined(
     return replace(log, notes=(note, *log.notes))
 
 
+def _read_rows(
+    files: Sequence[Path],
+    joint: str | None,
+    mapping: Mapping[str, str],
+    clock: str | None,
+    signals: Iterable[str],
+    wrap: float | None,
+    units: Mapping[str, str] | None,
+) -> JointLog:
+    """The log of files whose rows belong together."""
+    source = files[0].parent / (files[0].parent.name or files[0].stem)
+    places: dict[str, tuple[Path, str]] = {}
+    for file in files:
+        # the parts of its matrices that are asked for
+        names = column_names(file, {x: x for x in mapping.values()})
+        for name in names:
+            bare = name.isdecimal()
+            called = f"{file.stem}[{int(name) - 1}]" if bare and len(names) > 1 else name
+            called = file.stem if called.isdecimal() else called
+            if called in places:
+                raise LogError(
+                    f"{file.name}: {called!r} is in two files: rename an array or a file"
+                )
+            places[called] = file, name
+    rate = sample_rate(clock or "")
+    owner = None if rate else next(file for file in files if _times(file, clock))
+    table = check_names(source.name, list(places), dict(mapping)) | {"time_s": "time_s"}
+    joint = joint_of(source.name, table, joint)
+    wanted = choose(source.name, table, joint)
+    wanted.pop("time_s")
+    further = choose_signals(source.name, table, joint, signals, wanted.values())
+    read = {}
+    for ours, theirs in (wanted | further).items():
+        file, name = places[theirs]
+        read[ours] = load_columns(file, [name], "")[name]
+    if owner is None:
+        time = np.arange(len(next(iter(read.values())))) / (rate or 1.0)
+    else:
+        stamp = _times(owner, clock)[0]
+        time = load_columns(owner, [stamp], stamp)[stamp]
+    check_lengths(source.name, {"time_s": time, **read})
+    data = {"time_s": time} | {name: read[name] for name in wanted}
+    prefix = f"{joint}." if joints_in(table) else ""
+    more = {name: read[name] for name in further}
+    log = log_of(source, joint, data, prefix, more, wrap, units)
+    note = f"{log.name}: {len(files)} files, whose rows belong together."
+    return replace(log, notes=(note, *log.notes))
+
+
+def _times(file: Path, clock: str | None) -> list[str]:
+    """Columns of a file that can be its times; a file of one such column is named by its file."""
+    names = column_names(file)
+    own = [n for n in names if n == clock or n == "time_s"]
+    if len(names) == 1 and names[0].isdecimal() and file.stem == clock:
+        own = names
+    return own or ([] if clock else [n for n in names if _TIME.fullmatch(n.strip())])
+
+
 def _is_plain(name: str) -> bool:
     """Whether the header of a column says nothing about its content."""
     return name.strip().lower() in ("value", "values", "data", "y", "signal", "")
@@ -91,9 +162,7 @@ def _is_plain(name: str) -> bool:
 def _values(file: Path, clock: str | None) -> tuple[str, list[str]]:
     """Name of the column of times of a file, and those of its values."""
     names = column_names(file)
-    times = [n for n in names if n == clock or n == "time_s"] or [
-        n for n in names if _TIME.fullmatch(n.strip())
-    ]
+    times = _times(file, clock) or _times(file, None)
     if len(times) != 1 or len(names) < 2:
         raise LogError(
             f"{file.name}: no column of times among {', '.join(names)}: name it with --column "

@@ -35,6 +35,29 @@ _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "cur
 _AWAY, _USUAL, _ALONE = 0.3, 8.0, 0.01
 
 
+def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The columns with a position, integrated from the velocity where a log has no position.
+
+    Test benches often record speed and torque only. The trapezoidal rule needs no assumption except
+    that the velocity is sampled fast enough; the position begins at 0 and drifts with an offset of
+    the velocity.
+
+    Returns:
+        all columns, and a note if the position was integrated.
+    """
+    found, notes = dict(columns), []
+    for speed, position in (("velocity_rad_s", "position_rad"), ("velocity_m_s", "position_m")):
+        if speed in found and "position_rad" not in found and "position_m" not in found:
+            x = found[speed]
+            steps = 0.5 * (x[1:] + x[:-1]) * np.diff(found["time_s"])
+            found[position] = np.concatenate([[0.0], np.cumsum(steps)])
+            notes.append(
+                "the log has no position: it was integrated from the velocity, from 0 on. What "
+                "depends on the position itself cannot be trusted."
+            )
+    return found, tuple(notes)
+
+
 def without_lone_readings(
     columns: Mapping[str, Array],
 ) -> tuple[dict[str, Array], tuple[str, ...]]:

@@ -26,6 +26,7 @@ from frictionjoint.measured.arrays import (
     npz_names,
     whole,
 )
+from frictionjoint.measured.bare import bare_columns, bare_names, is_bare
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -33,11 +34,13 @@ from frictionjoint.measured.columns import (
     choose_signals,
     joint_of,
     joints_in,
+    sample_rate,
 )
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.mend import (
     said_of_silence,
     unwrapped,
+    with_position,
     without_lone_readings,
     without_repeats,
 )
@@ -72,12 +75,18 @@ def read_table(
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
     figures = choose_figures(table, joint)
-    text = path.suffix.lower() in text_table.ENDINGS
+    text = _has_header(path)
     if text:
         _require_si(path, wanted, units or {})
+    clock = wanted["time_s"]
+    rate = None if clock in table else sample_rate(clock)
+    if rate:
+        wanted.pop("time_s")
     names = sorted({*wanted.values(), *more.values(), *figures.values()})
-    raw = load_columns(path, names, wanted["time_s"])
+    raw = load_columns(path, names, clock)
     data = {ours: raw[theirs] for ours, theirs in wanted.items()}
+    if rate:
+        data["time_s"] = np.arange(len(next(iter(data.values())))) / rate
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
     log = log_of(path, joint, data, prefix, further, wrap, units, drop_nan)
@@ -133,7 +142,7 @@ def log_of(
     if units:
         own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
         data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
-    text = path.suffix.lower() in text_table.ENDINGS
+    text = _has_header(path)
     further = signals or {}
     kept = _rows_without_nan({**data, **further}) if drop_nan else None
     dropped: tuple[str, ...] = ()
@@ -156,6 +165,7 @@ def log_of(
         return own | further
 
     check_rows(path.name, shown(data), row)
+    data, integrated = with_position(data)
     data, lone = without_lone_readings(data)
     data, notes = unwrapped(path.name, data, wrap)
     check_columns(path.name, shown(data), row)
@@ -195,9 +205,17 @@ def log_of(
         signals=further,
         notes=(
             *dropped,
-            *(f"{path.stem}: {note}" for note in lone + notes + more + said_of_silence(own)),
+            *(
+                f"{path.stem}: {note}"
+                for note in integrated + lone + notes + more + said_of_silence(own)
+            ),
         ),
     )
+
+
+def _has_header(path: Path) -> bool:
+    """Whether a file is text with named columns."""
+    return path.suffix.lower() in text_table.ENDINGS and not is_bare(path)
 
 
 def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
@@ -212,7 +230,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
         asked = dict.fromkeys((columns or {}).values())
         return [*names, *(x for x in asked if x not in names and whole(x) in names)]
     if kind in text_table.ENDINGS:
-        return text_table.header(path)
+        return bare_names(path) if is_bare(path) else text_table.header(path)
     try:
         return list(pyarrow.parquet.read_schema(path).names)
     except (OSError, ValueError, pa.ArrowException) as error:
@@ -227,7 +245,11 @@ def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
     if kind == ".mat":
         return mat_columns(path, names)
     if kind in text_table.ENDINGS:
-        return text_table.read_columns(path, names, time)
+        return (
+            bare_columns(path, names)
+            if is_bare(path)
+            else text_table.read_columns(path, names, time)
+        )
     return {name: _parquet_column(path, name, name == time) for name in names}
 
 

@@ -235,7 +235,11 @@ def _header_line(lines: list[str], first: int) -> int:
         below = (_cells(x, separator) for x in lines[i + 1 :])
         width = next((_last(cells) for cells in below if _is_sample(cells)), None)
         if width == _last(names):
-            return i
+            # recorders number their channels in one line and name them in the next
+            following = _cells(lines[i + 1], separator)
+            numbers = any(_NUMBER.fullmatch(x.replace(",", ".")) for x in following)
+            better = _last(following) == width and not numbers and not _is_units_line(following)
+            return i + 1 if better else i
         if width is not None and width < _last(names):
             wider.append(i)
     return wider[0] if wider else first

@@ -1,12 +1,14 @@
 """Units of a log's columns other than SI, converted where the user names them.
 
-`--unit position=deg` says what the file holds; nothing is converted without being asked. A quantity
+`--unit position=deg` says what the file holds, `--unit torque=-0.05` is a factor to SI; nothing is
+converted without being asked. A quantity
 is ``time``, ``position``, ``velocity``, ``torque``, ``force``, ``target``, ``voltage``,
 ``current``, ``supply``, ``temperature`` or ``motor_position``, of one joint with
 ``elbow.position``. A target has the unit of the position unless its own is given.
 """
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 
 from frictionjoint.arrays import Array
@@ -17,7 +19,16 @@ _TURN = 2.0 * math.pi
 _G, _INCH, _POUND = 9.80665, 0.0254, 0.45359237
 _COUNTS = "counts"
 # factor to SI, by the quantity and the spelling of the unit in lower case without blanks
-_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
+_TIME = {
+    "s": 1.0,
+    "sec": 1.0,
+    "ms": 1e-3,
+    "millisec": 1e-3,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "ns": 1e-9,
+    "min": 60.0,
+}
 _ANGLE = {"rad": 1.0, "mrad": 1e-3, "deg": _TURN / 360.0, "rev": _TURN, "turn": _TURN}
 _LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": _INCH}
 _TURNING = {
@@ -26,6 +37,9 @@ _TURNING = {
     "deg/s": _TURN / 360.0,
     "rpm": _TURN / 60.0,
     "rev/s": _TURN,
+    "rps": _TURN,
+    "hz": _TURN,
+    "dps": _TURN / 360.0,
 }
 _TRAVELLING = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6}
 _TORQUE = {
@@ -99,7 +113,7 @@ def check_units(units: Mapping[str, str]) -> None:
             turns = ", counts:PER_TURN" if "rad" in known else ""
             raise LogError(
                 f"--unit {quantity}={unit}: {unit!r} is not known: give one of "
-                f"{', '.join(known)}{turns}"
+                f"{', '.join(known)}{turns}, or the factor to SI, a number"
             )
 
 
@@ -174,4 +188,6 @@ def _factor(unit: str, table: Mapping[str, float]) -> float | None:
         if not (math.isfinite(counts) and counts > 0.0):
             raise LogError(f"unit {unit}: write counts:PER_TURN, e.g. counts:4096")
         return _TURN / counts
+    if re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", unit, re.I) and float(unit) != 0.0:
+        return float(unit)
     return table.get(_plain(unit))
