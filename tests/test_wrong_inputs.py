@@ -182,8 +182,8 @@ CASES = {
     # tables
     "no header": wrong("no header", "numbered, 1 to 3", "--column time_s=NAME",
                        log=text_of(table(), header=False)),
-    "names of their own": wrong("it has t, q, i", "--column time_s=t --column position_rad=q", log=renamed(
-        time_s="t", position_rad="q", torque_nm="i")),
+    "names of their own": wrong("it has t, q, i", "--column time_s=t --column position_rad=q",
+                                log=renamed(time_s="t", position_rad="q", torque_nm="i")),
     "no drive": wrong("'torque_nm' or 'voltage_v' or 'current_a'", "--column torque_nm=effort",
                       log=renamed(torque_nm="effort")),
     "a map to nothing": wrong("no column 'clock'", options=("--column", "time_s=clock"),

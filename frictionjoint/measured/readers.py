@@ -57,7 +57,8 @@ def read_log(
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. A file without a header has its columns
             numbered, from ``"1"``; ``{"time_s": "500Hz"}`` is a sample rate. Without a position
-            the velocity is integrated. For values see `units`. What a bag, a data set or a rollout takes instead stands with its reader.
+            the velocity is integrated. For values see `units`. What a bag, a data set or a rollout
+            takes instead stands with its reader.
         signals: columns of a table that friction may depend on, as a normal load.
         wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
         units: unit by quantity of what the file does not hold in SI units, for instance
