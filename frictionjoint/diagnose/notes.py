@@ -39,7 +39,7 @@ def gain_note(error: float) -> tuple[str, ...]:
 
 
 def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
-    """All notes on a result.
+    """All notes on a result, those that a reader may have to act on first.
 
     Args:
         cov: of all parameters of the final fit. load_shows: whether its drive grows with the load.
@@ -48,14 +48,14 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
-        *_rest_note(found),
-        *_hold_note(found),
-        *timing_note(found.final, cov),
         *found.hints,
         *stiffness_note(found.final, found.prepared.slide),
-        *_laws_note(found),
         *_constraint_note(found),
+        *timing_note(found.final, cov),
+        *_rest_note(found),
         *_sight_note(found),
+        *_laws_note(found),
+        *_hold_note(found),
     )
 
 
@@ -99,7 +99,7 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
             (time,), k = term.shape, fitted.layout.numbers(i).start
             error = float(np.sqrt(max(0.0, cov[k, k])))
             if abs(time) > _BEYOND * error:
-                said.append(term.says(f"{1e3 * abs(time):.2g} +- {1e3 * error:.1g} ms"))
+                said.append(term.says(f"{1e3 * abs(time):.2g} ± {1e3 * error:.1g} ms"))
     return tuple(said)
 
 

@@ -1,6 +1,7 @@
-"""What each number of an effect is, in words, for reports and `inspect`."""
+"""What each number of an effect or of a shared cause is, in words."""
 
 _QUANTITIES = {
+    "added": "of which your model lacks",
     "ambient": "ambient temperature",
     "bias": "torque",
     "damping_ratio": "damping ratio",
@@ -34,6 +35,14 @@ _QUANTITIES = {
     "vs": "Stribeck velocity of the load-dependent friction",
 }
 _OF_EFFECT = {
+    ("gear-coupling", "concave"): "concave friction",
+    ("gear-coupling", "level"): "Coulomb friction",
+    ("gear-coupling", "ratio"): "turns per turn of the second joint",
+    ("gear-coupling", "top"): "speed above which it is constant",
+    ("gear-coupling", "viscous"): "viscous friction",
+    ("gear-coupling", "wave"): "amplitude along the shaft",
+    ("gear-coupling", "inertia"): "inertia",
+    ("payload", "inertia"): "inertia",
     ("direction-asymmetry", "level"): "half the difference in Coulomb friction",
     ("direction-asymmetry", "viscous"): "half the difference in viscous friction",
     ("dwell-time", "level"): "largest rise of friction",
@@ -59,7 +68,7 @@ def quantity_of(effect: str, number: str) -> str:
     """What a number of an effect is.
 
     Args:
-        effect: canonical name. number: of a coefficient or shape number.
+        effect: canonical name, also of a shared cause. number: name of the number.
     Returns:
         for a number that is not known here, its name with spaces.
     """

@@ -1,12 +1,13 @@
 """Every figure and sentence that a report shows of a whole robot, from report.json alone."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from frictionjoint.effects.catalogue import title
+from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.errors import compared
+from frictionjoint.report.errors import STAGES, Stage, compared
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise
@@ -138,7 +139,7 @@ def summarise_robot(content: Content) -> RobotSummary:
         verdict_lines=tuple((label, line[0].upper() + line[1:]) for label, line in lines if line),
         role=role,
         joints=joints,
-        rows=tuple(_row(content, name, s, role) for name, s in joints.items()),
+        rows=tuple(_row(content, name, s, role, shared) for name, s in joints.items()),
         failed=dict(content["failed"]),
         shared=shared,
         torsion=tuple(
@@ -162,11 +163,11 @@ def _errors(content: Content, role: str, changed: bool) -> str:
     """The errors of the robot in one sentence: before and after, or one if nothing changed."""
     first, last = (content[stage]["torque_percent"][role] for stage in ("before", "after"))
     figures = [_percent(first), _percent(last)] if changed else [_percent(last)]
-    parts = [f"torque {_change(figures)} (mean of the joints)"]
+    parts = [f"torque {' → '.join(figures)} (mean of the joints)"]
     before, after = (content[stage]["replay_rms"] for stage in ("before", "after"))
     if before[role] is not None and after[role] is not None:
         figures = [three(x[role]) for x in ((before, after) if changed else (after,))]
-        text = f"position {_change(figures)} rad, all joints together"
+        text = f"position {' → '.join(figures)} rad, all joints together"
         fitted = before["fit"], after["fit"]
         if changed and role == "held_out" and None not in fitted and fitted[1] > _WORSE * fitted[0]:
             text += f" (worse on fitted logs: {three(fitted[0])} → {three(fitted[1])} rad)"
@@ -180,8 +181,11 @@ def _percent(x: float | None) -> str:
     return _NONE if x is None else percentage(x, 100.0)
 
 
-def _row(content: Content, name: str, s: Summary, role: str) -> JointRow:
+def _row(
+    content: Content, name: str, s: Summary, role: str, shared: Sequence[SharedRow]
+) -> JointRow:
     names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
+    names += [x.title for x in shared if name in [row[0] for row in x.joints]]
     if s.laws[0] != s.laws[1]:
         names.append(f"law {s.laws[1]}")
     torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
@@ -191,14 +195,16 @@ def _row(content: Content, name: str, s: Summary, role: str) -> JointRow:
     worse = content["joints"][name].get("worse") or ()
     kinds = {"torque_rms": "torque", "replay_rms": "position"}
     verdict = s.verdict.replace("-", " ")
+    if names and not s.effects and s.verdict == "no-effect-found":
+        verdict = "no further effect found"
     if worse:
         verdict += f", worse on held-out logs ({listed([kinds[x] for x in worse])})"
     by_symbol = {x.name: x for x in s.friction}
     return JointRow(
         joint=name,
         effects=", ".join(names) or "none",
-        torque=_change([e.fractions.get(role) or e.text(role) for e in torque]),
-        position=_change([e.text(role) for e in position]),
+        torque=_change({e.stage: e.fractions.get(role) or e.text(role) for e in torque}, s),
+        position=_change({e.stage: e.text(role) for e in position}, s),
         verdict=verdict,
         friction=tuple(_cell(by_symbol, symbol) for symbol in _FRICTION),
     )
@@ -216,8 +222,11 @@ def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
     return " / ".join(sides) or _NONE
 
 
-def _change(texts: list[str]) -> str:
-    return " → ".join(texts) if texts else _NONE
+def _change(texts: Mapping[Stage, str], s: Summary) -> str:
+    """An error before and after; a simulation that leaves the logged motion has none."""
+    if not texts:
+        return _NONE
+    return " → ".join(texts.get(x, "diverges") for x in (STAGES if s.changed else STAGES[1:]))
 
 
 def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> SharedRow:
@@ -236,7 +245,7 @@ def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> 
     return SharedRow(
         title=title(found["cause"]) + (f" of {where}" if where else ""),
         size=tuple(
-            f"{name.replace('_', ' ')} {with_unit(x)}"
+            f"{quantity_of(found['cause'], name)} {with_unit(x)}"
             for name, x in estimates(found["parameters"]).items()
         ),
         gain=evidence["held_out_gain"],

@@ -1,6 +1,7 @@
 """Numbers, units and names as reports print them."""
 
 import math
+import re
 from collections.abc import Sequence
 
 from frictionjoint.diagnose.advice import quantity
@@ -9,6 +10,8 @@ from frictionjoint.identify.result import Estimate
 
 # beyond them a number is written with an exponent
 _MOST_DECIMALS = 6
+# an exponent of two digits
+_EXPONENT = re.compile(r"e(-?)\+?0*")
 # decimals of a value without a standard error
 _ROUNDING = 12
 
@@ -49,7 +52,7 @@ def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
 
 def unit(text: str) -> str:
     """A unit as it is written for people."""
-    return "none" if text == "1" else text.replace("^2", "²")
+    return "none" if text == "1" else text.replace("^2", "²").replace(" ", "\u00a0")
 
 
 def three(value: float | None) -> str:
@@ -82,7 +85,8 @@ def value(x: Estimate | None, spread: bool = False) -> str:
         for number in (x.value, x.stderr)
     ]
     # the spaces do not break a line
-    return "\u00a0±\u00a0".join(texts if spread else texts[:1]).replace("-", "−", 1)
+    joined = "\u00a0±\u00a0".join(texts if spread else texts[:1])
+    return _EXPONENT.sub(r"e\1", joined).replace("-", "−")
 
 
 def _plain(text: str) -> str:

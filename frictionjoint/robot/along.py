@@ -21,11 +21,11 @@ _STEP = 1e-5
 
 @dataclass(frozen=True)
 class Along:
-    """Columns of torque at one joint, on the whole grid of one log.
+    """Torque columns of one joint over the whole grid of one log.
 
     Attributes:
-        body: the model around the joint. original: the log as it was prepared with that model.
-        state: corrections that hold now.
+        body: the model around the joint. original: the log as prepared with that model.
+        state: the present corrections.
     """
 
     body: RigidBody
@@ -37,7 +37,7 @@ class Along:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def corrected(self, state: Corrections) -> "Along":
-        """The same under other corrections."""
+        """The same with other corrections."""
         found = replace(self, state=state)
         # what does not depend on what changed is not made again
         kept = ["tree", "dof", "_believed"]
@@ -53,7 +53,7 @@ class Along:
 
     @property
     def model(self) -> mujoco.MjModel:
-        """The user's model, with the poses of joints that no log holds."""
+        """The user's model, with the fixed positions of joints that no log contains."""
         return self.body.model
 
     @cached_property
@@ -63,12 +63,12 @@ class Along:
 
     @cached_property
     def regressor(self) -> Regressor:
-        """Along the corrected motion, under the corrected gravity."""
+        """Regressor along the corrected motion, with the corrected gravity."""
         return self._regressor(self.state.offset)
 
     @cached_property
     def torque(self) -> Array:
-        """Of all bodies under the corrections, shape (n,)."""
+        """Torque of all corrected bodies, shape (n,)."""
         return self.regressor.torque(self.dof, self.state.phi)
 
     def bodies(self, body: int) -> Array:
@@ -92,14 +92,14 @@ class Along:
 
     @cached_property
     def _turned(self) -> dict[str, NDArray[np.float32]]:
-        """Of the columns of all bodies beyond the joint, their change per rad (m) of a zero."""
+        """Change of the columns of all bodies beyond the joint per rad (m) of its zero."""
         return {}
 
     def _all_bodies(self, regressor: Regressor) -> Array:
         return np.hstack([regressor.body(b, self.dof) for b in self.tree.beyond[self.dof]])
 
     def shaft(self, shaft: Shaft) -> Array:
-        """Torque per unit of a shaft's numbers, shape (n, 6)."""
+        """Torque per unit of a shaft's parameters, shape (n, 6)."""
         turn, v, a = self.turn(shaft)
         way, angle = direction(v), shaft.waves * turn
         wave = [way * np.sin(angle), way * np.cos(angle)]
@@ -113,7 +113,7 @@ class Along:
         return turn, v, a
 
     def linear(self, before: Corrections, after: Corrections) -> Array:
-        """Change of torque between two corrections next to this state, to first order, (n,)."""
+        """Change of torque between two corrections near this state, to first order, (n,)."""
         found = np.zeros(len(self.original.signals))
         bodies = np.flatnonzero(np.any(after.phi != before.phi, axis=1))
         for b in set(bodies.tolist()) & set(self.tree.beyond[self.dof]):
@@ -135,14 +135,14 @@ class Along:
 
     @property
     def acceleration(self) -> Array:
-        """Of the joint, shape (n,)."""
+        """Acceleration of the joint, shape (n,)."""
         return self.original.signals[:, A]
 
     def segment(self, like: Segment) -> Segment:
-        """A log with the load that the corrections make of it.
+        """A log with the load of the corrected model.
 
         Args:
-            like: the same log, as it is weighted now.
+            like: the same log with its present weights.
         """
         signals = like.signals.copy()
         change = self.change()
@@ -152,7 +152,7 @@ class Along:
         return replace(like, signals=signals, driven_along=None)
 
     def change(self) -> Array:
-        """Torque that the corrections add to the model's but for the joint's own rotor, (n,)."""
+        """Torque that the corrections add to the model, without the joint's own rotor, (n,)."""
         found = self.torque - self._believed
         for shaft in self.state.shafts:
             found = found + self.shaft(shaft) @ shaft.numbers
@@ -182,7 +182,7 @@ class Along:
         return named & self.body.joint_names
 
     def motion(self, name: str) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration of a joint; zero where the log does not hold it."""
+        """Position, velocity and acceleration of a joint; zero if the log does not contain it."""
         if name == self.body.joint:
             s = self.original.signals
             return s[:, Q], s[:, V], s[:, A]

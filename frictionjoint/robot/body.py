@@ -1,8 +1,8 @@
 """The rigid body around one joint of a corrected model.
 
-A shaft's Coulomb friction is a tendon's `frictionloss` in the corrected model. That is a
-constraint, which the rigid body leaves out with all friction of the joint under study; here it is
-known, and a load of that joint, but for a shaft that stands still: what it bears then is not.
+A shaft's Coulomb friction is a tendon's `frictionloss` in the corrected model. It is a constraint,
+which inverse dynamics omits together with the friction of the examined joint. Here it is known and
+is part of that joint's load, except while the shaft stands still, when its torque is unknown.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ class CorrectedBody(RigidBody):
     """A `RigidBody` of a corrected MJCF.
 
     Args:
-        shafts: that the MJCF has as tendons.
+        shafts: tendons of the MJCF that represent shafts.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What may explain what joints leave: a cause of the robot, or an effect of one joint or of all."""
+"""Candidates for the residual of the joints: a cause of the robot, or an effect of joints."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -13,13 +13,14 @@ from frictionjoint.robot.stack import Columns
 
 @dataclass(frozen=True)
 class Candidate:
-    """A shared cause, or an effect of one joint or of all that explains the same residual.
+    """A shared cause, or an effect of one joint or of all, that may explain the residual.
 
     Attributes:
-        cause: None for an effect. effect: name of that. common: of all joints alike.
-        at: columns of the stack, from `first` on. joints: where it acts.
-        room: how far each number may move either way, shape (k, 2); of an effect of one joint,
-            which its own search keeps within bounds, shape (0, 2).
+        cause: None for an effect. effect: its name. common: whether equal in all joints.
+        at: its columns of the stack, from `first` on. joints: where it acts.
+        room: by how much each number may change in either direction, shape (k, 2); for an effect of
+            one
+            joint, which that joint's search keeps within bounds, shape (0, 2).
     """
 
     at: Columns = field(repr=False)
@@ -37,22 +38,22 @@ class Candidate:
 
     @property
     def essential(self) -> int:
-        """How many of its numbers, the first ones, it is nothing without."""
+        """How many of its numbers, the first ones, it cannot do without."""
         return self.cause.essential if self.cause else len(self.at)
 
     @property
     def among(self) -> float:
-        """How many lines of a spectrum it is the strongest of."""
+        """Number of spectral lines of which it is the strongest."""
         return self.cause.among if self.cause else 1.0
 
     @property
     def order(self) -> int:
-        """Place among all candidates."""
+        """Rank among all candidates."""
         return self.first
 
     @property
     def changed(self) -> str:
-        """What all forms of one change have in common."""
+        """Key that all forms of one change share."""
         return self.cause.changed if self.cause else self.label
 
     @property
@@ -62,5 +63,5 @@ class Candidate:
 
 
 def columns_of(candidates: Iterable[Candidate]) -> Columns:
-    """Their columns of the stack, in turn."""
+    """Columns of the stack of several candidates, in order."""
     return np.concatenate([*(c.at for c in candidates), []]).astype(np.int64)

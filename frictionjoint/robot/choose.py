@@ -1,8 +1,9 @@
-"""Which shared causes the robot's logs show: forward selection over all joints at once.
+"""Forward selection of shared causes over all joints at once.
 
-One score decides: squares of all joints predicted by coefficients fitted to other motion. The
-joints' own effects compete for the same residual, so that a cause of one joint does not pass for
-one of the robot; those that win are projected out here, and named by each joint's own search.
+One score decides: the sum of squares of all joints predicted by coefficients fitted to other
+motion.
+The joints' own effects compete for the same residual, so that a cause of one joint is not mistaken
+for one of the robot. Winning effects are projected out here and named by each joint's own search.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,14 +42,16 @@ _CONTENDERS = 6
 
 @dataclass(frozen=True)
 class Choice:
-    """A candidate taken, with its evidence.
+    """A selected candidate with its evidence.
 
     Attributes:
-        gain: fraction of a joint's held-out squares that it takes away, where that is most.
+        gain: fraction of a joint's held-out sum of squares that it removes, for the joint with the
+            largest.
         p_value: of no such cause, over the whole family. frequency: of being the best on halves.
-        runner_up: label of the next best candidate; margin: gain of all joints beyond its.
+        runner_up: label of the next best candidate; margin: difference of their gains over all
+            joints.
         ties: labels of candidates that these logs cannot distinguish from it.
-        numbers: of the cause, to first order, those of its columns that are free.
+        numbers: of the cause, to first order, for its free columns.
     """
 
     candidate: Candidate
@@ -62,18 +65,18 @@ class Choice:
 
     @property
     def bends(self) -> bool:
-        """Whether the laws, fitted without it, may be distorted."""
+        """Whether its absence may bias the laws."""
         return self.gain > _BENT
 
     def of(self, cause: Cause) -> "Choice":
-        """The same choice of a part of its cause."""
+        """The same choice for a part of its cause."""
         joints = tuple(j for j in self.candidate.joints if cause.acts_on(j))
         return replace(self, candidate=replace(self.candidate, cause=cause, joints=joints))
 
 
 @dataclass(frozen=True)
 class _Row:
-    """A candidate added to what is taken: squares by joint and block, (J, B)."""
+    """A candidate added to the selected ones: sums of squares by joint and block, (J, B)."""
 
     candidate: Candidate
     left: Array = field(repr=False)
@@ -87,11 +90,12 @@ class _Row:
 def choose(
     screened: Screened, rng: np.random.Generator, standing: Sequence[EffectTerm] = ()
 ) -> list[Choice]:
-    """Candidates one after the other, the joints' own among them, until none is justified.
+    """Select candidates one after the other, including the joints' own, until none is justified.
 
     Args:
-        standing: effects of all joints alike that the laws were fitted beside. They come before
-            all others, in the shape that is best now, unless they are no longer justified.
+        standing: effects common to all joints that were fitted together with the laws. They come
+            first,
+            with their best present shape, unless they are no longer justified.
     """
     taken: list[Candidate] = list(screened.taken)
     choices: list[Choice] = []
@@ -113,10 +117,10 @@ def choose(
 
 
 def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
-    """Without effects of single joints for which what came later stands; numbers of all at once.
+    """Remove effects of single joints that later candidates replace; refit all numbers together.
 
-    A cause of several joints that seems to harm one, whose own effect is not seen yet, comes after
-    what imitates it in another.
+    A cause of several joints may seem to harm a joint whose own effect is not found yet; then it is
+    selected after an effect that imitates it in another joint.
     """
     stack, kept = screened.stack, list(choices)
 
@@ -141,15 +145,16 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
-    """Causes in the model that are not needed, the one that is needed least first.
+    """Redundant causes in the model, the least needed first.
 
     Args:
-        screened: effects of all joints alike among its candidates stand beside the causes. Those of
-            single joints do not: they would explain what a cause harms.
-        without: each cause taken, one after the other: the same without it.
+        screened: its effects common to all joints are kept together with the causes. Effects of
+            single
+            joints are not: they would compensate for the harm of a cause.
+        without: the same for each cause removed in turn.
     Returns:
-        number of each, and squares that are left without it to first order, over those left with
-        it, by joint, (J,).
+        index of each, and the ratio of the sums of squares without and with it to first order, by
+        joint, (J,).
     """
     stack, found = screened.stack, []
     now = stack.held_out(_of_robot(screened))
@@ -162,7 +167,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
 
 
 def _of_robot(screened: Screened) -> Columns:
-    """Columns of causes in the model and of effects of all joints alike."""
+    """Columns of causes in the model and of effects common to all joints."""
     return columns_of((*screened.taken, *(c for c in screened.candidates if c.shared)))
 
 
@@ -172,7 +177,7 @@ def _next(
     rng: np.random.Generator,
     wanted: Callable[[Candidate], bool] = lambda c: True,
 ) -> Choice | None:
-    """The best candidate that is wanted, if it is justified, among all."""
+    """The best of all candidates, if it is wanted and justified."""
     stack, known = screened.stack, columns_of(taken)
     now = stack.held_out(known)
     open_ones = [
@@ -222,10 +227,11 @@ def _next(
 
 
 def _excluded(candidate: Candidate, taken: Candidate) -> bool:
-    """Whether a candidate is a form or shape of what is taken, and no richer one of the same.
+    """Whether a candidate is a form or shape of a selected one, and no richer one of it.
 
-    Of effects that all joints have alike one comes: its shape is that of a grid, and what that
-    leaves would pass for another.
+    Only one effect common to all joints is selected: its shape is that of a grid, and the rest
+    would be
+    mistaken for another effect.
     """
     if candidate.common and taken.common:
         return True
@@ -234,7 +240,7 @@ def _excluded(candidate: Candidate, taken: Candidate) -> bool:
 
 
 def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
-    """The candidate without numbers that its bounds hold where they are; None if none is left."""
+    """The candidate without numbers that stay on their bounds; None if none is left."""
     at, room = candidate.at, candidate.room
     if not len(room):
         return candidate
@@ -250,7 +256,7 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
 
 
 def _simplicity(row: _Row) -> tuple[int, bool, int]:
-    """Fewest numbers first; of as many, a cause of the robot first, in the catalogue's order."""
+    """Sort key: fewest numbers first, then causes of the robot, in the catalogue's order."""
     return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
 
 
@@ -261,10 +267,10 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, strayed: float) -> bool:
-    """Whether a candidate leaves as much, and bodies that stood in for it come back.
+    """Whether a candidate explains as much and returns compensating bodies to their nominal values.
 
     Args:
-        strayed: how far they are from the model's own figures without it.
+        strayed: their deviation from the model's values without it.
     """
     if not nearer(0.0, strayed) or not as_much(stack, row.left, now):
         return False
@@ -272,7 +278,7 @@ def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, strayed: f
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:
-    """How often a cause in any form leaves least on half of the blocks."""
+    """How often a cause, in any form, is best on random halves of the blocks."""
     best: dict[str, Array] = {}
     for row in rows:
         key = row.candidate.changed

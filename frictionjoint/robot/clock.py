@@ -1,8 +1,7 @@
-"""Blocks of time common to all joints, and the kinds of motion they are of.
+"""Blocks of time common to all joints, and the kinds of motion they belong to.
 
-Joints of a robot are logged at once, so that what is left of one is not independent of what is left
-of another: a block is a stretch of time of all joints. Logs in which a joint stands still are none
-of its own.
+Joints of a robot are logged together, so their residuals are not independent: a block is a stretch
+of time of all joints. Logs in which a joint stands still are not among that joint's logs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,13 +27,13 @@ _LOGS, _KINDS = 3, 4
 
 @dataclass(frozen=True)
 class Clock:
-    """Blocks of all logs in turn.
+    """Blocks of all logs in order.
 
     Attributes:
-        number: of each log, by its place among the logs of a joint, see `by_place`.
-        length: of each log's blocks, s, shape (logs,). first: number of its first block.
+        number: of each log, by its index among the logs of a joint, see `by_place`.
+        length: duration of each log's blocks, s, shape (logs,). first: number of its first block.
         fold, log: of each block, shape (B,).
-        alike: samples over which what is left stays correlated: that many tell one thing.
+        alike: correlation time of the residuals in samples.
     """
 
     number: Mapping[Place, int]
@@ -50,7 +49,7 @@ class Clock:
         return len(self.log)
 
     def blocks(self, joint: FittedJoint) -> Blocks:
-        """Of one joint's samples."""
+        """Blocks of one joint's samples."""
         return Blocks(
             self.of_sample(joint), self.fold, self.log, self.log, np.zeros(self.log.max() + 1)
         )
@@ -61,7 +60,7 @@ class Clock:
 
 
 def clock(joints: Sequence[FittedJoint]) -> Clock:
-    """Blocks several correlation times long, as far as enough of them remain."""
+    """Blocks several correlation times long, as long as enough of them remain."""
     found: dict[Place, float] = {}
     for joint in joints:
         for place, s in by_place(joint.prepared.segments).items():
@@ -93,7 +92,7 @@ def _of_sample(
 
 
 def _correlation(joint: FittedJoint) -> tuple[float, float]:
-    """Time over which what a joint leaves stays correlated, where longest: s and samples."""
+    """Longest correlation time of the joints' residuals: s and samples."""
     e = joint.fit.residual * joint.fit.weight
     found = []
     for i, s in enumerate(joint.prepared.segments):

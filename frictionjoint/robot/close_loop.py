@@ -57,17 +57,17 @@ def close_loop_robot(
     controller: GivenController | None = None,
     refine: bool = True,
 ) -> RobotReport:
-    """Fit every joint, find what they show together, then what each lacks; report.
+    """Fit every joint, find shared causes, then the missing effects of each joint, and report.
 
     Args:
-        logs: of every joint. model: path or text of the MJCF or URDF the user believes in.
+        logs: of every joint. model: path or text of the MJCF or URDF.
         seed: see `diagnose.close_loop`.
-        progress: called with what is being done.
+        progress: called with a description of the current step.
         law: see `diagnose.close_loop`.
         fixed: see `diagnose.close_loop`.
-        jobs: processes; None: one for each core. The result does not depend on it.
-        scheduler: address of a Dask scheduler whose workers take the joints instead.
-        controller: of all joints or of each, for logs of targets, see `diagnose.close_loop`.
+        jobs: processes; None: one per core. The result does not depend on it.
+        scheduler: address of a Dask scheduler whose workers analyse the joints instead.
+        controller: of all joints or of each, for logs with targets, see `diagnose.close_loop`.
         refine: see `diagnose.close_loop`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
@@ -145,7 +145,7 @@ def _first(task: Task) -> FittedJoint | str:
 def _with_causes(
     tasks: list[Task], fitted: Mapping[str, FittedJoint], shared: Shared, model: str | Path
 ) -> list[Task]:
-    """Tasks with the corrected model, and the models without each cause."""
+    """Tasks with the corrected model, and with the models without each cause."""
     found = shared.settled.found
     corrected = _state(model, found)
     without = {i: _state(model, found.without(i)) for i in range(len(found.causes))}
@@ -165,7 +165,7 @@ def _with_causes(
 
 
 def _state(model: str | Path, found: Found) -> State:
-    """The user's model with causes in it."""
+    """The user's model with causes added."""
     if not found.causes:
         return State(model)
     state: Corrections = found.state
@@ -187,7 +187,7 @@ def _side_by_side(
 
 
 def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
-    """A model with the friction of all joints whose torque is known."""
+    """A model with the friction of all joints with known torque scale."""
     spec = read_spec(state.mjcf)
     for joint, fitted in fits.items():
         if not fitted.in_drive_units:
@@ -196,7 +196,7 @@ def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
 
 
 def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Array]) -> Rms:
-    """Of all joints together, on the logs fitted and on those held out; none without a torque."""
+    """Replay of all joints together, on fitted and held-out logs; none without a torque."""
     if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
         return Rms(None, None)
     fits = {n: x.fit for n, x in joints.items()}
@@ -212,7 +212,7 @@ def _poses(joint: FittedJoint) -> dict[str, Array]:
 
 
 def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
-    """The causes as the report has them."""
+    """The causes for the report."""
     found = shared.settled.found
     causes = tuple(
         SharedCause(
@@ -240,7 +240,7 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
 
 
 def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
-    """Torque errors of a joint without and with an effect of its own; None where it has none."""
+    """Torque errors of a joint without and with an effect of its own; None if it has none."""
     left = joint.result.report.before_torque
     for added in joint.result.report.added:
         if added.effect == effect:
@@ -280,7 +280,7 @@ def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
 
 
 def _error(slope: Array, cov: Array) -> float | None:
-    """Standard error of what depends on numbers by these slopes; None where it is open."""
+    """Standard error of a value with these derivatives; None if it is undetermined."""
     at = np.flatnonzero(slope)
     variance = float(slope[at] @ cov[np.ix_(at, at)] @ slope[at])
     return float(np.sqrt(max(0.0, variance))) if np.isfinite(variance) else None

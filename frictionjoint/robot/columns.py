@@ -56,7 +56,7 @@ def law_columns(joint: FittedJoint) -> Array:
 
 
 def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
-    """Gram matrices of some of a joint's columns, in units of what its fit leaves."""
+    """Gram matrices of some of a joint's columns, in units of its residual."""
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(

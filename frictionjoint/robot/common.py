@@ -1,7 +1,7 @@
-"""Effects that all joints of a robot have alike, for their cause is one: a temperature, a supply.
+"""Effects common to all joints of a robot, with one cause: a temperature, a supply.
 
-In each joint such an effect has the same coefficients over that joint's own friction level and
-viscosity, so that a change too small to show in a single joint shows in all together.
+In each joint such an effect has the same coefficients relative to that joint's friction level and
+viscosity, so a change too small to detect in one joint can be detected in all together.
 """
 
 from collections.abc import Sequence
@@ -24,10 +24,11 @@ _ALIKE = 0.1
 
 @dataclass(frozen=True)
 class Common:
-    """One effect of all joints, as the logs show it.
+    """One effect of all joints.
 
     Attributes:
-        coefficients: over each joint's own friction level or viscosity. covariance: of them.
+        coefficients: relative to each joint's own friction level or viscosity, with their
+            covariance.
     """
 
     term: EffectTerm
@@ -48,12 +49,13 @@ class Common:
 
 
 def may_be_common(effect: Effect) -> bool:
-    """Whether one cause may bring an effect to all joints: heat, or the scale of their torques."""
+    """Whether one cause may produce an effect in all joints: heat, or the scale of their
+    torques."""
     return effect.slow or effect.scales
 
 
 def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
-    """Effects on the grid that the logs of all of several joints can test."""
+    """Effects on the grid that the logs of all joints can test."""
     if len(joints) < 2:
         return []
     signals = [np.concatenate(signals_of(j.prepared, j.fit)) for j in joints]
@@ -71,7 +73,7 @@ def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
 
 
 def common_columns(joint: FittedJoint, terms: Sequence[EffectTerm]) -> list[Array]:
-    """Columns of each term per unit of its coefficients over the joint's own, each (n, k)."""
+    """Columns of each term per unit of its relative coefficients, each (n, k)."""
     signals = signals_of(joint.prepared, joint.fit)
     level, viscous = joint.levels
     own = {"T": level, "T s/x": viscous, "1": 1.0}

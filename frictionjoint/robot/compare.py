@@ -1,6 +1,6 @@
-"""Squares that two models leave of the joints, compared: more, fewer, or not to be told apart.
+"""Comparison of the residual sums of squares of two models: more, fewer, or indistinguishable.
 
-Squares are by joint and block of time, shape (J, B), in units of what each joint's fit leaves.
+Sums of squares are by joint and block of time, shape (J, B), in units of each joint's residual.
 """
 
 import numpy as np
@@ -17,14 +17,14 @@ _NEARER = 1.0
 
 
 def enough(stack: Stack, before: Array, after: Array) -> bool:
-    """Whether more is taken away than the laws' own errors might feign."""
+    """Whether the reduction is larger than the laws' own errors could produce."""
     return (
         joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= DISCREPANCY
     )
 
 
 def harms(after: Array, before: Array) -> bool:
-    """Whether a joint is predicted worse, by a noticeable part and more than chance."""
+    """Whether a joint is predicted noticeably worse, and by more than chance."""
     return any(
         float(a.sum()) > (1.0 + HARM) * float(b.sum()) and better(b[None], a[None])
         for a, b in zip(after, before, strict=True)
@@ -32,27 +32,28 @@ def harms(after: Array, before: Array) -> bool:
 
 
 def gain_of(before: Array, after: Array) -> float:
-    """Fraction of a joint's squares that a candidate takes away, where that is most."""
+    """Fraction of a joint's sum of squares that a candidate removes, for the joint with the
+    largest."""
     return float((1.0 - left_of(before, after)).max())
 
 
 def joint_gain(before: Array, after: Array) -> float:
-    """Gain of all joints as if it were one's: what is left is the product of what each leaves.
+    """Gain over all joints: one minus the product of the ratios of their sums of squares.
 
-    The laws of several joints err independently, and one cause seldom likens all their errors.
+    The laws of several joints err independently, and one cause seldom resembles all their errors.
     """
     return 1.0 - float(np.prod(left_of(before, after)))
 
 
 def left_of(before: Array, after: Array) -> Array:
-    """Squares left over those before, by joint, shape (J,)."""
+    """Ratio of the sums of squares after and before, by joint, shape (J,)."""
     return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
 
 
 def as_much(stack: Stack, after: Array, before: Array) -> bool:
-    """Whether squares are not clearly more than others, of no joint by a noticeable part.
+    """Whether a model is not clearly worse than another: for no joint by a noticeable part.
 
-    By what is less than the laws' own errors one explanation is no better than another.
+    Below the laws' own errors, one explanation is no better than another.
     """
     if _moved(stack, after, before) < DISCREPANCY:
         return True
@@ -61,17 +62,17 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
 
 
 def nearer(strayed: float, other: float) -> bool:
-    """Whether bodies are noticeably nearer to the model's own figures than others.
+    """Whether bodies are noticeably nearer to the model's nominal values.
 
     Args:
-        strayed, other: squares of their numbers over the variances presumed of each.
+        strayed, other: squared numbers over their prior variances.
     """
     return strayed < other - _NEARER
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:
-    """rms of the torque by which a joint is nearer, over its friction's, of the joint where that
-    is most.
+    """rms of the torque by which a joint improves, relative to its friction, for the joint with the
+    largest.
     """
     found = []
     for k, joint in enumerate(stack.joints):
@@ -81,6 +82,7 @@ def _moved(stack: Stack, before: Array, after: Array) -> float:
 
 
 def better(one: Array, other: Array) -> bool:
-    """Whether squares are fewer by more than a paired standard error over blocks of time."""
+    """Whether the sum of squares is smaller by more than a paired standard error over blocks of
+    time."""
     difference = (other - one).sum(axis=0)
     return bool(difference.sum() > float(np.std(difference)) * np.sqrt(len(difference)))

@@ -1,4 +1,4 @@
-"""What is changed in a robot's rigid-body model, and the model with it."""
+"""Corrections of a robot's rigid-body model, and the corrected model."""
 
 from dataclasses import dataclass, field, replace
 
@@ -18,15 +18,17 @@ _TURNS = 0.01
 
 @dataclass(frozen=True)
 class Shaft:
-    """A shaft that turns with two joints at once, as a wrist's motor behind a coupled gear.
+    """A shaft that turns with two joints at once, such as a wrist motor behind coupled gears.
 
     Attributes:
-        joints: names. ratio: of the second joint's turns to the first one's in the shaft's.
-        top: speed at which its concave friction is level, rad/s.
+        joints: names. ratio: of the second joint's angle to the first one's in the shaft's angle.
+        top: speed above which its concave friction is constant, rad/s.
         level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
-            seen from the first joint. The concave part is so much at low speed, see `levelling`.
-        waves: of the friction level in a turn of the shaft, times 2 pi: 1/rad. sin, cos: of the
-            wave, N m, at the turn of the shaft as the joints measure it.
+            seen
+            from the first joint. The concave part is its slope at low speed, see `levelling`.
+        waves: angular frequency of the friction level along the shaft, 1/rad. sin, cos: of that
+            wave,
+            N m, at the shaft angle that the joints measure.
     """
 
     joints: tuple[str, str]
@@ -42,7 +44,7 @@ class Shaft:
 
     @property
     def numbers(self) -> Array:
-        """Those of `SHAFT_NUMBERS`, shape (6,)."""
+        """The values of `SHAFT_NUMBERS`, shape (6,)."""
         return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
 
     def moved(self, number: int, by: float) -> "Shaft":
@@ -52,12 +54,12 @@ class Shaft:
 
     @property
     def damping(self) -> Array:
-        """Coefficients of a tendon's damping by powers of the speed, shape (3,)."""
+        """Coefficients of a tendon's damping by powers of speed, shape (3,)."""
         curve = np.array([1.0, -1.0 / self.top, 1.0 / (3.0 * self.top**2)])
         return np.array([self.viscous, 0.0, 0.0]) + self.concave * curve
 
     def wave(self, turn: Array) -> Array:
-        """What the friction level has at turns of the shaft beyond its mean, N m, shape (n,)."""
+        """Deviation of the friction level from its mean at shaft angles, N m, shape (n,)."""
         angle = self.waves * turn
         return np.asarray(self.sin * np.sin(angle) + self.cos * np.cos(angle))
 
@@ -67,32 +69,33 @@ class Shaft:
 
 
 def levelling(velocity: Array, top: float) -> Array:
-    """Friction that grows ever less up to a speed where it is level, 1 rad/s of it at first, (n,).
+    """Concave friction with slope 1 at rest, constant above the top speed, (n,).
 
-    v - v|v| / top + v^3 / (3 top^2): concave up to there, and falling nowhere beyond.
+    v - v|v| / top + v^3 / (3 top^2) up to the top speed; it never falls.
     """
     part = np.abs(velocity) / top
     return np.asarray(velocity * (1.0 - part + part**2 / 3.0))
 
 
 def tendons_bend() -> bool:
-    """Whether this MuJoCo has a damping that is a polynomial of the speed."""
+    """Whether this MuJoCo has tendon damping that is a polynomial of speed."""
     return np.size(mujoco.MjSpec().add_tendon().damping) > 1
 
 
 def direction(velocity: Array) -> Array:
-    """Direction of a shaft's friction, which turns over at a small part of the top speed, (n,)."""
+    """Direction of a shaft's friction, which reverses within a small fraction of the top speed,
+    (n,)."""
     top = float(np.quantile(np.abs(velocity), 0.99)) or 1.0
     return np.asarray(np.tanh(velocity / (_TURNS * top)))
 
 
 @dataclass(frozen=True)
 class Corrections:
-    """A rigid-body model as it is corrected.
+    """Corrections of a rigid-body model.
 
     Attributes:
         phi: inertial parameters of all bodies, shape (nbody, 10). gravity: m/s^2, shape (3,).
-        armature: added to a joint's, kg m^2 (kg), by name. offset: added to a joint's measured
+        armature: to add to a joint's, kg m^2 (kg), by name. offset: to add to a joint's measured
             position, rad (m), by name. shafts: in addition to the model's own tendons.
     """
 
@@ -108,11 +111,11 @@ class Corrections:
         return cls(of_model(model), np.array(model.opt.gravity))
 
     def moves_alike(self, other: "Corrections") -> bool:
-        """Whether motion and gravity are the same under both."""
+        """Whether motion and gravity are the same with both."""
         return self.offset == other.offset and np.array_equal(self.gravity, other.gravity)
 
     def with_body(self, body: int, phi: Array) -> "Corrections":
-        """The correction with other parameters of one body."""
+        """The same with other parameters of one body."""
         changed = self.phi.copy()
         changed[body] = phi
         return replace(self, phi=changed)
@@ -124,7 +127,7 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
     Args:
         spec: compiles; changed in place.
     Raises:
-        ModelError: a body could not have its parameters.
+        ModelError: no physical body has such parameters.
     """
     model = spec.compile()
     before = of_model(model)
@@ -157,7 +160,7 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
 
 
 def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> None:
-    """Where the compiler takes every body's inertia from its geoms, state all of them instead."""
+    """State all inertias explicitly if the compiler would take them from the geoms."""
     if int(spec.compiler.inertiafromgeom) != int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE):
         return
     spec.compiler.inertiafromgeom = int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO)

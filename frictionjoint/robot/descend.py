@@ -1,9 +1,9 @@
-"""Numbers of shared causes that leave the joints least, every joint's law moving along.
+"""Least-squares fit of shared causes, with every joint's law refitted.
 
-A tree's torque is linear in its bodies' ten parameters, in rotors and in shafts, but a possible
-body is not linear in the numbers that keep it possible. So the torque is taken as linear in what is
-corrected, once, and the numbers are searched through that: a large change of a body is as exact as
-a small one.
+A tree's torque is linear in the ten parameters of its bodies, in rotors and in shafts, but not in
+the numbers that keep a body physically possible. So the torque is linearised once in the corrected
+parameters, and the numbers are searched through that map: a large change of a body is as exact as a
+small one.
 """
 
 from collections.abc import Callable, Sequence
@@ -39,12 +39,12 @@ def descended(
     found: Found,
     own: Callable[[str], bool],
 ) -> Found:
-    """The causes with the numbers that leave least of these joints.
+    """The causes with the numbers that minimise the residual of these joints.
 
     Args:
-        joints: under the corrections of `found`; effects that their laws were fitted beside move
-            along, alike in all. blocks: of time. own: effects of single joints, by label, that
-            move along as the laws do.
+        joints: with the corrections of `found`; common effects that were fitted with their laws are
+            refitted, equal in all joints. blocks: of time. own: effects of single joints, by label,
+            which are refitted like the laws.
     """
     here = found.state
     places = _places(found)
@@ -78,7 +78,7 @@ def _least(
     bounds: Array,
     slopes: Callable[[Array], Array] | str = "2-point",
 ) -> OptimizeResult:
-    """Where steps from a start leave least."""
+    """End of the descent from a start."""
     return least_squares(
         left,
         np.clip(start, *bounds),
@@ -94,10 +94,9 @@ def _best(tried: Sequence[OptimizeResult]) -> Array:
 
 
 def _starts(found: Found, left: Callable[[Array], Array], bounds: Array) -> list[Array]:
-    """Numbers from which to search: those given or where causes are nothing, whichever leave less.
+    """Starting numbers: the given ones or those of no cause, whichever leave the smaller residual.
 
-    Where a homogeneous cause is nothing yet, its columns say little of it: then also the best that
-    it comes to alone along one of its rays.
+    At zero the columns of a homogeneous cause say little; then also the best point along its rays.
     """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
@@ -126,7 +125,7 @@ def _starts(found: Found, left: Callable[[Array], Array], bounds: Array) -> list
 
 @dataclass(frozen=True)
 class _Place:
-    """A coordinate of a state: its kind, which body, joint or shaft, and which of its numbers."""
+    """A coordinate of the corrections: kind, body or joint or shaft, and which of its numbers."""
 
     kind: str
     which: int | str
@@ -146,7 +145,7 @@ class _Place:
         return values.get(str(self.which), 0.0)
 
     def moved(self, state: Corrections, by: float) -> Corrections:
-        """The state with it changed."""
+        """The corrections with it changed."""
         if self.kind == "phi":
             phi = state.phi[int(self.which)].copy()
             phi[self.number] += by
@@ -163,7 +162,7 @@ class _Place:
 
 
 def _places(found: Found) -> list[_Place]:
-    """Coordinates that the causes move."""
+    """Coordinates that the causes change."""
     places: dict[_Place, None] = {}
     for i in range(len(found.causes)):
         for low, high, _ in found.pairs(i):
@@ -187,9 +186,9 @@ def _read(state: Corrections, places: Sequence[_Place]) -> Array:
 def _moves(
     state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: Sequence[_Place]
 ) -> Array:
-    """Derivatives of places by each number, (place, number), by differences.
+    """Derivatives of coordinates by each number, (coordinate, number), by differences.
 
-    Every cause changes places of its own: those that come after it do not matter.
+    Each cause changes coordinates of its own, so later causes do not matter.
     """
     found = []
     for cause, x in zip(causes, numbers, strict=True):
@@ -209,9 +208,9 @@ def _squares(
     places: Sequence[_Place],
     own: Callable[[str], bool],
 ) -> tuple[Array, Array]:
-    """Factor F and target y: |F dz - y|^2 is what all joints leave, up to a constant.
+    """Factor F and target y: |F dz - y|^2 is the residual of all joints, up to a constant.
 
-    Laws, effects of single joints and effects of all joints alike are projected out.
+    Laws, effects of single joints and common effects are projected out.
     """
     pairs = [(p.moved(here, -_STEP), p.moved(here, _STEP), 2.0 * _STEP) for p in places]
     n, grams = len(places), []
@@ -232,7 +231,7 @@ def _squares(
 
 
 def _apart(G: Array, first: int) -> Array:
-    """A Gram matrix, the residual last, with the columns from a number on projected out."""
+    """A Gram matrix, the residual last, with the columns from a given index on projected out."""
     inner, own = G[first:-1, first:-1], G[first:-1]
     kept = np.r_[:first, len(G) - 1]
     if not len(inner):

@@ -1,9 +1,11 @@
-"""The trajectory to record next: what would determine a robot's rigid body best.
+"""The trajectory to record next: the one that best determines a robot's rigid body.
 
-A Fourier series of every joint (Swevers, Ganseman, Tukel, De Schutter and Van Brussel 1997) that
-fades in and out at a pose, within the ranges, speeds and torques of the logs and the model, without
-contacts. Drawn at random, scaled into its limits, and the best of many by the determinant of what
-would then be known.
+A Fourier series per joint (Swevers, Ganseman, Tukel, De Schutter and Van Brussel 1997) that fades
+in
+and out at a pose, within the ranges, speeds and torques of the logs and the model, without
+contacts.
+Series are drawn at random and scaled into the limits; the best one has the largest determinant of
+the resulting information matrix.
 """
 
 from collections.abc import Sequence
@@ -42,10 +44,10 @@ class Excitation:
     """A trajectory.
 
     Attributes:
-        joints: names. slides: whether each is one.
+        joints: names. slides: whether each is a slide.
         time: s, shape (n,). q: positions, shape (n, joints).
-        fall: standard errors of the base parameters after it over those before: median, and of
-            the one that falls most.
+        fall: ratio of the standard errors of the base parameters after and before it: median and
+            smallest.
     """
 
     joints: tuple[str, ...]
@@ -55,7 +57,7 @@ class Excitation:
     fall: tuple[float, float]
 
     def csv(self) -> str:
-        """As a file with a column of targets for each joint."""
+        """As a file with a column of targets per joint."""
         names = [
             f"{n}.target_{'m' if slide else 'rad'}"
             for n, slide in zip(self.joints, self.slides, strict=True)
@@ -67,24 +69,24 @@ class Excitation:
 
     @property
     def text(self) -> str:
-        """What it would bring."""
+        """Its benefit in a sentence."""
         fall = (
-            "standard errors of the base parameters should fall to "
-            f"{self.fall[0]:.0%} in the median, that of the least certain one to "
-            f"{self.fall[1]:.0%}."
+            "should reduce the standard errors of the base parameters to "
+            f"{self.fall[0]:.0%} of the present ones (median; the largest one to "
+            f"{self.fall[1]:.0%})."
         )
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > _LITTLE:
             return (
-                f"nothing in particular: {seconds} more would add little; the best motion "
-                f"within the limits of range, speed and torque is next_trajectory.csv: {fall}"
+                f"nothing in particular: {seconds} more would add little. The best motion within "
+                f"the limits of range, speed and torque, next_trajectory.csv, {fall}"
             )
-        return f"the motion in next_trajectory.csv, {seconds}: with it {fall}"
+        return f"the motion in next_trajectory.csv ({seconds}). It {fall}"
 
 
 @dataclass(frozen=True)
 class _Limits:
-    """Of each joint, shape (joints,) each: range, speed, torque."""
+    """Limits of each joint, shape (joints,) each: range, speed, torque."""
 
     low: Array
     high: Array
@@ -95,7 +97,7 @@ class _Limits:
 def next_trajectory(
     joints: Sequence[FittedJoint], moving: Sequence[str], known: Information, seed: int = 0
 ) -> Excitation | None:
-    """The best of many trajectories; None where none is without contact within the limits."""
+    """The best of many trajectories; None if none is free of contact within the limits."""
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
     limits = _limits(model, joints)
@@ -174,7 +176,7 @@ def _within(
     middle: Array,
     time: Array,
 ) -> tuple[float | Array, Array] | None:
-    """Scales of a series of each joint that keep all limits, and the positions."""
+    """Scales of each joint's series that keep all limits, and the positions."""
     q, _, _ = _motion(limits, series, middle, time)
     centre = limits.low + middle * (limits.high - limits.low)
     moved = np.abs(q - centre).max(axis=0)
@@ -200,7 +202,7 @@ def _checked(
     a: Array,
     limits: _Limits,
 ) -> tuple[Array, bool]:
-    """Which joints would need more torque than they may give, and whether bodies touch."""
+    """Which joints would need too much torque, and whether bodies touch."""
     flags = int(model.opt.disableflags)
     model.opt.disableflags = flags & ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     data = mujoco.MjData(model)
@@ -229,7 +231,7 @@ def _gram(
     known: Information,
     motion: tuple[Array, Array, Array],
 ) -> Array:
-    """What a trajectory would add, with as many samples as the logs have in its time."""
+    """Information that a trajectory would add, sampled as the logs are."""
     q, v, a = motion
     qs = np.tile(model.qpos0, (len(q), 1))
     vs, accelerations = (np.zeros((len(q), model.nv)) for _ in range(2))

@@ -1,4 +1,4 @@
-"""One joint of a robot under the corrected model, and what it was before."""
+"""One joint of a robot with the corrected model, and with the user's model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -39,24 +39,25 @@ Model = str | Path
 
 @dataclass(frozen=True)
 class State:
-    """A robot's model: path or text, and the shafts among its tendons."""
+    """A robot's model: path or text, and its tendons that represent shafts."""
 
     mjcf: Model
     shafts: tuple[Shaft, ...] = ()
 
     def body(self, joint: str, fixed: Mapping[str, Pose] | None) -> RigidBody:
-        """Around a joint."""
+        """The rigid body around a joint."""
         return CorrectedBody(self.mjcf, joint, fixed, self.shafts)
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a process needs to explain one joint.
+    """Input of a process that analyses one joint.
 
     Attributes:
-        user: the model as it is. corrected: with all shared causes; without: with all but one
-            that acts on this joint, by its number.
-        shape: of the law fitted under the user's model. controller: of logs without a torque.
+        user: the user's model. corrected: with all shared causes; without: with all but one of
+            those
+            that act on this joint, by index.
+        shape: of the law fitted with the user's model. controller: for logs without a torque.
         refine: see `diagnose.close_loop`.
     """
 
@@ -76,7 +77,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Fitted:
-    """Logs, those held out, and a fit."""
+    """Fitted logs, held-out logs, and the fit."""
 
     prepared: Prepared
     kept_back: Prepared | None
@@ -85,11 +86,11 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Explained:
-    """One joint explained.
+    """Result of one joint.
 
     Attributes:
-        before, after: fits under the user's model and under the corrected one.
-        simulated: the fit that the robot's model carries: that of `after`, or refined.
+        before, after: fits with the user's model and with the corrected one.
+        simulated: the fit in the robot's model: `after`, or the refined one.
         without: torque errors of the law without each shared cause; with_all: with all of them.
     """
 
@@ -102,9 +103,9 @@ class Explained:
 
 
 def explain_joint(task: Task) -> Explained | str:
-    """The loop under the corrected model; a line that says why not.
+    """Analyse one joint with the corrected model; or one line that says why it has no result.
 
-    Numerics that break down on one joint's logs stop no other joint.
+    A numerical failure on one joint's logs does not stop the other joints.
     """
     try:
         return _explained(task)
@@ -159,7 +160,7 @@ def _explained(task: Task) -> Explained:
 
 
 def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepared | None:
-    """Logs held out, weighted by what the final fit is expected to leave of them."""
+    """Held-out logs, weighted by the residual that the final fit is expected to have on them."""
     if not task.held_out:
         return None
     prepared = prepare_kept_back(task.held_out, body, trace.prepared.band, task.controller)
@@ -167,7 +168,7 @@ def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepa
 
 
 def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
-    """The law under another model, on the same samples with the same weights."""
+    """The law fitted with another model, on the same samples with the same weights."""
     assert task.shape is not None
     body = state.body(task.joint, task.fixed)
     prepared = prepare(list(task.logs), body, trace.prepared.band, task.controller)
@@ -178,7 +179,7 @@ def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
 
 
 def _torque(fitted: Fitted, trace: Trace) -> Rms:
-    """rms torque error in motion, by the gain of the final fit."""
+    """rms torque error in motion, with the gain of the final fit."""
 
     def rms(prepared: Prepared) -> float:
         found = predict(prepared, fitted.fit)
@@ -190,7 +191,7 @@ def _torque(fitted: Fitted, trace: Trace) -> Rms:
 
 
 def _torque_increase(before: Fitted, after: Fitted) -> Interval:
-    """Of the error held out, on the samples that are in motion under both models."""
+    """Increase of the held-out error, on samples in motion with both models."""
     assert before.kept_back
     assert after.kept_back
     one, other = predict(before.kept_back, before.fit), predict(after.kept_back, after.fit)
@@ -207,7 +208,7 @@ def _replay(fitted: Fitted, task: Task) -> Rms:
 
 
 def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay | None]:
-    """Free runs as the joint's own report has them: to the target where there is a controller."""
+    """Free runs as in the joint's own report: from the target if there is a controller."""
     body = state.body(task.joint, task.fixed)
     if task.controller:
         pairs = [(logs, [body] * len(logs)) for logs in (task.logs, task.held_out)]
@@ -218,7 +219,7 @@ def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay |
 
 
 def _replay_increase(before: Fitted, after: Fitted, task: Task) -> Interval:
-    """Of the free runs held out, run by run."""
+    """Increase of the error of held-out free runs, run by run."""
     assert task.corrected
     one, other = (
         _replays(fitted, state, task)[1]

@@ -14,7 +14,7 @@ class Found:
     """Shared causes in a model, with their numbers.
 
     Attributes:
-        original: the model as it is.
+        original: the model without them.
     """
 
     original: Corrections = field(repr=False)
@@ -23,19 +23,19 @@ class Found:
 
     @property
     def state(self) -> Corrections:
-        """The model with them."""
+        """Corrections with all of them."""
         return composed(self.causes, self.numbers, self.original)
 
     @property
     def strayed(self) -> float:
-        """Squares of the numbers over what is presumed of each."""
+        """Squared numbers over their prior variances."""
         return sum(
             float(np.sum((x / c.prior) ** 2))
             for c, x in zip(self.causes, self.numbers, strict=True)
         )
 
     def without(self, *out: int) -> "Found":
-        """All but some, by number."""
+        """All but some, by index."""
         kept = [i for i in range(len(self.causes)) if i not in out]
         causes, numbers = self.causes, self.numbers
         return replace(
@@ -45,11 +45,11 @@ class Found:
         )
 
     def with_cause(self, cause: Cause, x: Array) -> "Found":
-        """One more."""
+        """The same with one more."""
         return Found(self.original, (*self.causes, cause), (*self.numbers, x))
 
     def pairs(self, i: int) -> list[tuple[Corrections, Corrections, float]]:
-        """States below and above each number of a cause."""
+        """Corrections below and above each number of a cause."""
         found = []
         for k, step in enumerate(self.causes[i].steps):
             ends = []

@@ -87,10 +87,10 @@ def possible(phi: Array) -> bool:
 
 
 def write(body: mujoco.MjsBody, phi: Array) -> None:
-    """Give a body of a spec these parameters, in place of what its geoms made of it.
+    """Give a body of a spec these parameters instead of those from its geoms.
 
     Raises:
-        ModelError: no body can have them.
+        ModelError: no physical body has them.
     """
     if not possible(phi):
         raise ModelError(

@@ -1,8 +1,9 @@
-"""What logs determine of a robot's rigid body: its regressor with friction projected out.
+"""How well logs determine a robot's rigid body: its regressor with friction projected out.
 
-Parameters are counted in units of their own size, so that a direction of the parameter space is
-weak or strong whatever its units: the mass of a link in its mass, first moments in mass times
-size, inertias in mass times size squared, a rotor in the inertia about its joint.
+Parameters are scaled by their own size, so that a direction of the parameter space is weak or
+strong
+in any units: the mass of a link by its mass, first moments by mass times size, inertias by mass
+times size squared, a rotor by the inertia about its joint.
 """
 
 from collections.abc import Sequence
@@ -29,10 +30,10 @@ _ROUNDING = 1e-15
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of the rigid body: one of a link's ten, or a rotor's inertia.
+    """A parameter of the rigid body: one of a link's ten, or a rotor's inertia.
 
     Attributes:
-        owner: body or joint. name: of the number. size: what counts as one, SI units.
+        owner: body or joint. name: of the parameter. size: its scale, SI units.
     """
 
     owner: str
@@ -45,18 +46,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Information:
-    """Of some logs.
+    """Information of some logs.
 
     Attributes:
-        parameters: of all links and rotors. gram: of their columns in units of what the fits
-            leave, each in units of its size, shape (k, k).
+        parameters: of all links and rotors. gram: of their scaled columns in units of the fits'
+            residuals, shape (k, k).
     """
 
     parameters: tuple[Parameter, ...]
     gram: Array = field(repr=False)
 
     def plus(self, gram: Array) -> "Information":
-        """With further motion."""
+        """Information with further motion."""
         return Information(self.parameters, self.gram + gram)
 
 
@@ -65,9 +66,9 @@ class BaseParameters:
     """Which parameters the logs determine, alone or in sums.
 
     Attributes:
-        base: numbers of the parameters that stand for what is determined.
-        others: numbers of those that only occur in sums with base ones.
-        sums: coefficients, shape (len(base), len(others)). unseen: without any torque.
+        base: indices of the base parameters. others: indices of those that appear only in sums with
+            them.
+        sums: coefficients, shape (len(base), len(others)). unseen: parameters without any torque.
     """
 
     base: tuple[int, ...]
@@ -114,7 +115,7 @@ def _size(model: mujoco.MjModel, body: int) -> float:
 
 
 def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Information:
-    """Of the logs of some joints."""
+    """Information of the logs of some joints."""
     model = joints[0].alongs[0].model
     names = [j.name for j in joints]
     parameters = parameters_of(model, names, moving)
@@ -141,7 +142,9 @@ def gram_without(X: Array, known: Array) -> Array:
 def base_parameters(found: Information) -> BaseParameters:
     """Base parameters by a pivoted QR of the regressor (Gautier 1991).
 
-    The factor comes of the Gram matrix, so that directions below the root of rounding do not count.
+    The factor is computed from the Gram matrix, so directions below the square root of rounding do
+    not
+    count.
     """
     values, vectors = eigh(found.gram)
     keep = values > _STRUCTURAL**2 * values[-1]
@@ -163,6 +166,6 @@ def base_parameters(found: Information) -> BaseParameters:
 
 
 def errors(found: Information, base: Sequence[int]) -> Array:
-    """Standard errors of base parameters over their sizes, for independent samples, shape (b,)."""
+    """Relative standard errors of base parameters, for independent samples, shape (b,)."""
     at = list(base)
     return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], _ROUNDING))))

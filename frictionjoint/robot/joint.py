@@ -1,4 +1,4 @@
-"""A joint of a robot as the search for shared causes sees it: its balance, fitted and corrected."""
+"""A joint of a robot in the search for shared causes: its torque balance, fitted and corrected."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -35,16 +35,15 @@ _OPEN_TIMES = (TargetTiming, VelocityAge)
 
 @dataclass(frozen=True)
 class FittedJoint:
-    """One joint with the law fitted under the corrections that hold now.
+    """One joint with its law fitted, under the present corrections.
 
     Attributes:
-        alongs: one a log. prepared: the logs with the corrected load, weighted. fit: of the law.
-        shift: what the load grew by since the law was fitted, N m, on the kept samples; None:
-            nothing.
-        beside: effects that the law was fitted beside, so that they do not bend it; what they
-            explain is in the residual still. levels: of the law beside them, see `Fit.levels`.
-        rms, left: of what the law leaves with them, N m, plain and weighted.
-        unreached: what of that it need not leave to first order, see `reach.unreached`, (n,).
+        alongs: one per log. prepared: the logs with the corrected load, weighted. fit: of the law.
+        shift: change of the load since the law was fitted, N m, on the kept samples; None: none.
+        beside: effects fitted together with the law so that it is not biased; the residual still
+            contains what they explain. levels: of the law with them, see `Fit.levels`.
+        rms, left: rms residual of the law with them, N m, plain and weighted.
+        unreached: part of the residual that vanishes to first order, see `reach.unreached`, (n,).
     """
 
     alongs: tuple[Along, ...]
@@ -64,14 +63,14 @@ class FittedJoint:
 
     @property
     def residual(self) -> Array:
-        """What the law as it was fitted leaves under the corrections that hold now, N m, (n,)."""
+        """Residual of the law as fitted, with the present corrections, N m, (n,)."""
         return self.fit.residual if self.shift is None else self.fit.residual - self.shift
 
     def columns(self, pairs: Sequence[tuple[Corrections, Corrections, float]]) -> Array:
         """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k).
 
         Args:
-            pairs: the model's state below and above each number's own value, and how far apart.
+            pairs: corrections below and above each number's value, and their difference.
         """
         if not pairs:
             return np.zeros((len(self.fit.residual), 0))
@@ -84,7 +83,7 @@ class FittedJoint:
         return np.concatenate(rows)
 
     def corrected(self, state: Corrections) -> "FittedJoint":
-        """The same logs under other corrections; the fit is still the old one."""
+        """The same logs with other corrections; the fit is unchanged."""
         alongs = tuple(a.corrected(state) for a in self.alongs)
         before = self.prepared.segments
         segments = tuple(a.segment(s) for a, s in zip(alongs, before, strict=True))
@@ -96,7 +95,7 @@ class FittedJoint:
         return replace(self, alongs=alongs, prepared=prepared, shift=shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
-        """With the law fitted again, from where it is or from everywhere."""
+        """The same with the law fitted again, from its present shape or from all starts."""
         # a rotor's inertia is one with the age of a velocity to the logs
         rotor = self.name in self.alongs[0].state.armature
         nothing = frozenset({VelocityAge.name} if rotor else ())
@@ -137,10 +136,10 @@ def first_fit(
     fixed: Mapping[str, Pose] | None,
     controller: Controller | None = None,
 ) -> FittedJoint:
-    """The law fitted to a joint's logs under the model as it is.
+    """The law fitted to a joint's logs with the user's model.
 
     Raises:
-        LogError: see `prepare` and `gate.check_signs`: a wrong sign is no cause of the robot.
+        LogError: see `prepare` and `gate.check_signs`; no cause of the robot produces a wrong sign.
     """
     body = RigidBody(model, joint, fixed)
     prepared = prepare(list(logs), body, controller=controller)

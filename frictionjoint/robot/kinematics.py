@@ -1,7 +1,7 @@
 """Motion of every body of a tree along a trajectory, all samples at once.
 
-MuJoCo's own conventions (`mj_kinematics`): the joints of a body act one after the other in its
-parent's frame; a free joint states its linear motion in the world and its angular one in the body.
+MuJoCo's conventions (`mj_kinematics`): the joints of a body act one after the other in its parent's
+frame; a free joint has its linear motion in the world and its angular motion in the body.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _FREE, _BALL, _SLIDE, _HINGE = (
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Of all coordinates of a model.
+    """Trajectory of all coordinates of a model.
 
     Attributes:
         q: shape (n, nq). v, a: velocity and acceleration, shape (n, nv).
@@ -35,7 +35,7 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame in the world along a trajectory, samples last: whole rows are what numpy is fast at.
+    """A frame in the world along a trajectory, samples last: numpy is fastest on whole rows.
 
     Attributes:
         p, R: origin (3, n) and orientation (3, 3, n).
@@ -49,12 +49,12 @@ class Frame:
     a: Array
 
     def point(self, r: Array) -> tuple[Array, Array]:
-        """Place and acceleration of the point at r from the origin in this frame, shape (3,)."""
+        """Position and acceleration of the point at r from the origin in this frame, shape (3,)."""
         arm = r @ self.R
         return self.p + arm, self.a + _turning(self.w, self.alpha, arm)
 
     def within(self, x: Array) -> Array:
-        """World vectors seen in this frame, shape (3, n)."""
+        """World vectors in this frame, shape (3, n)."""
         return np.asarray(np.einsum("ijn,in->jn", self.R, x))
 
 
@@ -123,7 +123,7 @@ def _attached(parent: Frame, r: Array, quat: Array) -> Frame:
 def _through(
     model: mujoco.MjModel, j: int, frame: Frame, trajectory: Trajectory
 ) -> tuple[Frame, list[Dof]]:
-    """The frame behind a joint, and the joint's degrees of freedom."""
+    """The frame after a joint, and the joint's degrees of freedom."""
     kind, at, dof = int(model.jnt_type[j]), int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
     axis, anchor = model.jnt_axis[j], model.jnt_pos[j]
     q, v, a = trajectory.q.T[at:], trajectory.v.T[dof:], trajectory.a.T[dof:]
@@ -167,12 +167,12 @@ def _turning(w: Array, alpha: Array, arm: Array) -> Array:
 
 
 def turned(R: Array, x: Array) -> Array:
-    """Vectors of frames with these orientations seen in the world, shape (3, n)."""
+    """Vectors of frames with these orientations in the world, shape (3, n)."""
     return np.asarray(np.einsum("ijn,jn->in", R, x))
 
 
 def _rotation(quat: Array) -> Array:
-    """Rotation matrices of quaternions, made unit as MuJoCo does, (4, n) to (3, 3, n)."""
+    """Rotation matrices of quaternions, normalised as MuJoCo does, (4, n) to (3, 3, n)."""
     w, x, y, z = quat / np.linalg.norm(quat, axis=0)
     return np.array(
         (

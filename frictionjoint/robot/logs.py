@@ -24,7 +24,7 @@ Place = tuple[str, int]
 
 
 class Named(Protocol):
-    """A log, or what was made of one."""
+    """Anything with the name of a log."""
 
     @property
     def name(self) -> str:
@@ -36,7 +36,7 @@ _L = TypeVar("_L", bound=Named)
 
 
 def by_place(logs: Sequence[_L]) -> dict[Place, _L]:
-    """A joint's logs in their order; the same log of another joint has the same place."""
+    """A joint's logs in order; the same log of another joint has the same index."""
     names = [log.name for log in logs]
     return {(log.name, names[:i].count(log.name)): log for i, log in enumerate(logs)}
 
@@ -64,16 +64,18 @@ class RobotLogs:
         fraction: float | None,
         read: Callable[[str | Path, str], JointLog],
     ) -> "RobotLogs":
-        """Every joint's logs; what is too long is made shorter.
+        """Every joint's logs; long logs are decimated.
 
-        Where people record one joint after the other, the others stand still meanwhile: that says
-        nothing of their friction in motion, and such logs are left out of theirs.
+        If joints were recorded one after the other, the others stand still meanwhile. Such logs say
+        nothing
+        of their friction in motion and are left out for them.
 
         Args:
-            joints: names, base first. logs: to fit. kept: to hold out. fraction: to cut off the end
-                of every log to fit, and hold out too. read: one log of a joint.
+            joints: names, base first. logs: to fit. kept: to hold out. fraction: of each log to
+                fit, to
+                hold out at its end. read: reads one log of a joint.
         Raises:
-            LogError: of the first joint, where no joint can be used.
+            LogError: that of the first joint, if no joint can be used.
         """
         found = cls({}, {}, {})
         for name in joints:
@@ -95,7 +97,7 @@ class RobotLogs:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Which logs are left out of which joints' own, a sentence for joints alike."""
+        """Which logs are left out for which joints, one sentence for joints alike."""
         alike: dict[tuple[str, ...], list[str]] = {}
         for joint, names in self.at_rest.items():
             alike.setdefault(names, []).append(joint)
@@ -111,7 +113,7 @@ class RobotLogs:
 
     @property
     def moving(self) -> list[str]:
-        """Joints whose motion the logs hold, those with a drive first."""
+        """Joints with logged motion, those with a drive first."""
         names = dict.fromkeys(self.fit)
         for logs in self.fit.values():
             for log in logs:
@@ -122,7 +124,7 @@ class RobotLogs:
 
     @property
     def entries(self) -> tuple[LogEntry, ...]:
-        """Lines of the report."""
+        """Rows of the report."""
         lines: dict[tuple[Role, Place], LogEntry] = {}
         roles: list[tuple[Role, dict[str, list[JointLog]]]] = [
             ("fit", self.fit),
@@ -139,7 +141,7 @@ class RobotLogs:
 def _in_motion(
     paths: Sequence[str | Path], joint: str, read: Callable[[str | Path, str], JointLog]
 ) -> tuple[list[JointLog], dict[str, LogError]]:
-    """The logs in which a joint moves, and of the others by name why they are none."""
+    """The logs in which a joint moves, and by name why the others are excluded."""
     moves: list[JointLog] = []
     still: dict[str, LogError] = {}
     for path in paths:
@@ -162,8 +164,8 @@ def read_robot(
 
     Args:
         model: path or text of the MJCF or URDF.
-        held_out: logs, or the fraction to cut off every log's end.
-        joints: names; None: all of the model whose drive the logs hold.
+        held_out: logs, or the fraction of each log to hold out at its end.
+        joints: names; None: all joints of the model with a logged drive.
     Raises:
         LogError: there is no log; see `read_log` and `joints_to_explain`.
     """
@@ -178,7 +180,7 @@ def read_robot(
 def joints_to_explain(
     logs: Sequence[str | Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
 ) -> list[str]:
-    """Hinges and slides of a model whose drive all logs hold, base first.
+    """Hinges and slides of a model with a drive in all logs, base first.
 
     Raises:
         LogError: there is none.

@@ -1,6 +1,6 @@
-"""Whether an error is larger after than before, or only seems so: the same samples, paired.
+"""Paired confidence interval of a change in error, on the same samples.
 
-What two models leave of the same motion is alike but for their difference, so the interval of that
+The residuals of two models on the same motion are strongly correlated, so the interval of their
 difference is far narrower than that of either error.
 """
 
@@ -19,9 +19,11 @@ _QUANTILE = 0.975
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
-    """95% interval of the rms of one error less another's, over blocks of time.
+    """95% interval of the difference of two rms errors, over blocks of time.
 
-    Blocks span several correlation times of what the squares differ by, as far as a log is long.
+    Blocks span several correlation times of the difference of the squared errors, if the log is
+    long
+    enough.
 
     Args:
         before, after: errors on the same samples, shape (n,). log_index: log of each.
@@ -38,7 +40,7 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
 
 
 def replay_increase(before: Array, after: Array) -> Interval:
-    """95% interval of the rms of free runs less that of others from the same states.
+    """95% interval of the difference of two rms errors of free runs from the same states.
 
     Args:
         before, after: mean square error of each run, shape (k,).
@@ -48,7 +50,7 @@ def replay_increase(before: Array, after: Array) -> Interval:
 
 
 def _interval(sums: Array, counts: Array, both: float) -> Interval:
-    """Of the difference of two rms values, from sums of the squares' difference over blocks.
+    """Interval of the difference of two rms values, from block sums of the difference of squares.
 
     Args:
         both: sum of the two rms values: a^2 - b^2 = (a - b) (a + b).

@@ -1,7 +1,7 @@
 """Torques of a rigid-body tree as columns times parameters, along a trajectory.
 
-The force and moment that a body's motion takes are linear in its ten parameters, and the torque at
-a degree of freedom is their component along its axis (Atkeson, An and Hollerbach 1986).
+The force and moment of a body's motion are linear in its ten parameters, and the torque at a degree
+of freedom is their component along its axis (Atkeson, An and Hollerbach 1986).
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross, 
 
 
 class Regressor:
-    """Columns of one trajectory.
+    """Torque columns along one trajectory.
 
     Args:
         gravity: m/s^2 in the world, shape (3,); None: the model's.
@@ -41,7 +41,7 @@ class Regressor:
         return self._columns[key]
 
     def bodies(self, dof: int) -> Array:
-        """Columns of all bodies in turn, the world's first, shape (n, 10 nbody)."""
+        """Columns of all bodies in order, the world's first, shape (n, 10 nbody)."""
         return np.concatenate([self.body(b, dof) for b in range(self.tree.model.nbody)], axis=1)
 
     def torque(self, dof: int, phi: Array | None = None) -> Array:
@@ -79,12 +79,13 @@ class Regressor:
         return moved
 
     def _felt(self, body: int) -> Array:
-        """Gravity that a body feels: what compensates it in the model does so of new mass too."""
+        """Gravity of a body; gravity compensation of the model applies to added mass too."""
         return (1.0 - float(self.tree.model.body_gravcomp[body])) * self.gravity
 
 
 class _Motion(NamedTuple):
-    """Of a body, in its own frame, shape (3, n): acceleration of its origin less gravity, angular
+    """Motion of a body in its own frame, shape (3, n): acceleration of its origin minus gravity,
+    angular
     velocity and acceleration.
     """
 
@@ -101,8 +102,9 @@ def _motion(frame: Frame, gravity: Array) -> _Motion:
 def _component(dof: Dof, frame: Frame, motion: _Motion) -> Array:
     """Force or moment along an axis per unit of a body's ten parameters, shape (10, n).
 
-    Of the force m a + alpha x h + w x (w x h) and the moment h x a + I alpha + w x I w about the
-    origin, with h the first moments and I the inertia.
+    The force is m a + alpha x h + w x (w x h), the moment about the origin h x a + I alpha + w x I
+    w,
+    with the first moments h and the inertia I.
     """
     a, w, alpha = motion
     z = frame.within(dof.axis)

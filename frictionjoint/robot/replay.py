@@ -1,8 +1,8 @@
 """Free runs of a whole robot: every joint driven by its measured torque at once.
 
-As a single joint's replay: all joints are put where they were measured every half second, with
-their friction memory as the laws leave it after the motion so far, and the robot runs free until
-the next restart. Joints without a drive follow what was measured of them, or stay.
+As for a single joint, all joints are set to their measured states every half second, with the
+friction memory that the laws have after the motion so far, and the robot runs freely until the next
+restart. Joints without a drive follow their measured motion, or stay.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,9 +44,9 @@ def replay_robot(
 
     Args:
         spec: the robot with every joint's friction. joints: logs and fit by name.
-        poses: of joints that no log holds, by name.
+        poses: positions of joints that no log contains, by name.
     Returns:
-        None without a single run, or where the runs leave the motion.
+        None if there is no run, or if the runs leave the measured motion.
     """
     model = spec.compile()
     take_pose(model, {model.joint(name).id: pose for name, pose in poses.items()})

@@ -1,4 +1,4 @@
-"""What was found of a whole robot, as plain data: the content of report.json and of the pages."""
+"""Results for a whole robot as plain data: the content of report.json and of the pages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,15 +22,15 @@ SCHEMA = "frictionjoint/report-2"
 
 @dataclass(frozen=True)
 class JointResult:
-    """One joint.
+    """Result of one joint.
 
     Attributes:
-        report: of the loop under the corrected model.
-        base, law: the law alone under the user's model, and its name.
+        report: of `close_loop` with the corrected model.
+        base, law: the law alone with the user's model, and its name.
         before_torque, before_replay: its errors. measured_rms: of the torque, as the report's.
-        increase: 95% interval, paired, of each held-out error that is larger after, by how much:
+        increase: 95% paired interval of the increase of each held-out error that increased:
             "torque_rms", "replay_rms".
-        torsion: between motor and link, where both have an encoder.
+        torsion: between motor and link, if both have an encoder.
     """
 
     report: Report = field(repr=False)
@@ -48,8 +48,9 @@ class JointResult:
 
     @property
     def worse(self) -> tuple[str, ...]:
-        """Errors that held-out logs have more of after: beyond the interval and by a noticeable
-        part of their squares, as no shared cause may add to a joint.
+        """Errors that are larger after on held-out logs: beyond the interval and by a noticeable
+        part of
+        their squares, as no shared cause may add to a joint.
         """
         pairs = {
             "torque_rms": (self.before_torque.held_out, self.report.after_torque.held_out),
@@ -65,7 +66,7 @@ class JointResult:
         return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json: report-1 without what belongs to the robot."""
+        """As in report.json: report-1 without the parts that belong to the robot."""
         found = self.report.to_dict()
         for key in ("schema", "joint", "logs"):
             del found[key]
@@ -97,11 +98,11 @@ class JointResult:
 
 @dataclass(frozen=True)
 class SharedCause:
-    """A cause that acts on several joints, in the model now.
+    """A cause in the model that acts on several joints.
 
     Attributes:
         place: body or joints where it is, by key.
-        joints: torque errors of the joints where it acts, without it and with it.
+        joints: torque errors of the joints where it acts, without and with it.
     """
 
     cause: str
@@ -129,7 +130,7 @@ class SharedCause:
 
 @dataclass(frozen=True)
 class RobotErrors:
-    """Errors over the robot.
+    """Errors of the robot.
 
     Attributes:
         torque_percent: of each joint's rms torque, averaged over joints.
@@ -149,10 +150,10 @@ class RobotErrors:
 
 @dataclass(frozen=True, repr=False)
 class RobotReport:
-    """Outcome of `close_loop` for several joints.
+    """Result of `close_loop` for several joints.
 
-    Attributes follow report.json. `failed`: one line for each joint that could not be explained.
-    `excitation`: what to record next; None where no motion is within the robot's limits.
+    Attributes follow report.json. `failed`: one line per joint without a result.
+    `excitation`: what to record next; None if no motion is within the robot's limits.
     """
 
     logs: tuple[LogEntry, ...]
@@ -186,7 +187,7 @@ class RobotReport:
 
     @property
     def verdict(self) -> Verdict:
-        """Of the robot: explained where every joint is, or has nothing to explain."""
+        """Explained if every joint is, or has nothing to explain."""
         found = {result.report.verdict for result in self.joints.values()}
         if self.failed or any(result.worse for result in self.joints.values()):
             return "partly-explained"
@@ -212,7 +213,7 @@ class RobotReport:
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
-    """Errors over the rms of the drive on the same logs, in per cent, averaged over joints.
+    """Errors as percentages of the rms of the drive on the same logs, averaged over joints.
 
     Args:
         pairs: error and drive of each joint.
@@ -229,7 +230,7 @@ def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
 
 
 def notes_of(results: Mapping[str, JointResult]) -> tuple[str, ...]:
-    """Notes of the joints, each with whose it is where it is not that of all."""
+    """Notes of the joints, each with its joint's name unless all share it."""
     whose: dict[str, list[str]] = {}
     for name, result in results.items():
         for note in result.report.notes:

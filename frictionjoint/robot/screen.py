@@ -1,4 +1,5 @@
-"""Every shared cause and every joint's own effects against what all joints leave."""
+"""Screening of every shared cause and every joint's own effects against the residuals of all
+joints."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -25,10 +26,10 @@ _NOTHING = 1e-8
 
 @dataclass(frozen=True)
 class Screened:
-    """The stack and what its columns are.
+    """The stack and the meaning of its columns.
 
     Attributes:
-        taken: of the causes in the model already. candidates: of what may come.
+        taken: columns of the causes in the model. candidates: columns of possible additions.
     """
 
     stack: Stack
@@ -36,7 +37,7 @@ class Screened:
     candidates: tuple[Candidate, ...]
 
     def without(self, candidate: Candidate) -> "Screened":
-        """But for a cause, in whatever numbers of it are free."""
+        """The same without a cause, whichever of its numbers are free."""
         rest = tuple(c for c in self.candidates if c.first != candidate.first)
         return replace(self, candidates=rest)
 
@@ -53,9 +54,9 @@ def screen(
     """Columns of all causes and of the joints' own effects.
 
     Args:
-        found: causes in the model. causes: those that may come.
-        own: which of the joints' own effects compete, by label. common: effects of all alike.
-        shaped: the joints by whose residual their own effects have their shapes; none: `joints`.
+        found: causes in the model. causes: candidates.
+        own: labels of the joints' own effects that compete. common: effects common to all joints.
+        shaped: joints whose residuals determine the shapes of their own effects; none: `joints`.
     """
     starts = [_start(joints, clock, found, c) for c in causes]
     models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
@@ -103,7 +104,7 @@ def screen(
 def _of_all(
     joints: Sequence[FittedJoint], terms: Sequence[EffectTerm], first: int
 ) -> list[Candidate]:
-    """Effects of all joints alike, their columns one after the other from a number on."""
+    """Effects common to all joints, their columns in order from a given index."""
     names, found = tuple(j.name for j in joints), []
     for term in terms:
         at = first + np.arange(len(term.coefficients))
@@ -114,9 +115,9 @@ def _of_all(
 
 
 def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cause) -> Array:
-    """Numbers where a cause's columns are taken: where it is nothing, or what is better.
+    """Numbers at which a cause's columns are computed: no cause, or a better start.
 
-    Columns of a homogeneous cause are exact along a ray from where it is nothing.
+    Columns of a homogeneous cause are exact along a ray from zero.
     """
     if not cause.homogeneous:
         return cause.start
@@ -125,6 +126,6 @@ def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cau
 
 
 def _beside(columns: Array, more: Array, size: int) -> Array:
-    """Columns with others from a number on, zero between."""
+    """Columns with others from a given index on, zero in between."""
     room = np.zeros((len(columns), size - columns.shape[1]))
     return np.column_stack([columns, room, more])

@@ -1,7 +1,7 @@
-"""Numbers of shared causes and the laws of all joints, fitted together.
+"""Joint fit of the numbers of shared causes and the laws of all joints.
 
-The causes' numbers with every joint's law projected out, then the laws again, until neither moves.
-What the logs do not determine stays near the model's own figures.
+The causes' numbers are fitted with every joint's law projected out, then the laws again, until both
+converge. Undetermined numbers stay near the model's nominal values.
 """
 
 import itertools
@@ -40,12 +40,13 @@ _DETERMINED, _OPEN = 1e-8, 1e-4
 
 @dataclass(frozen=True)
 class Settled:
-    """Causes and laws that fit each other.
+    """Causes and laws fitted together.
 
     Attributes:
         found: the causes. joints: with their laws fitted under them. clock: their blocks.
-        covariance: of each cause's numbers, by sums over blocks of time, (k, k); infinite where
-            the logs do not determine a number.
+        covariance: of each cause's numbers, from sums over blocks of time, (k, k); infinite for
+            numbers
+            that the logs do not determine.
     """
 
     found: Found
@@ -63,9 +64,9 @@ def settle(
     """Fit causes and laws together.
 
     Args:
-        found: causes with numbers to start from; joints: fitted under whatever.
-        each: a `map`, perhaps of processes. beside: labels of effects of single joints that are
-            fitted too.
+        found: causes with starting numbers; joints: fitted under any corrections.
+        each: a `map`, perhaps over processes. beside: labels of effects of single joints to fit
+            too.
     """
     now = tuple(j.corrected(found.state) for j in joints)
     if not found.causes:
@@ -90,14 +91,14 @@ def _fitted_again(
 ) -> tuple[FittedJoint, ...]:
     """Joints with their laws fitted again.
 
-    What comes back from a process has lost the columns that it had along its logs.
+    A result from another process has no cached columns along its logs.
     """
     found = each(how, joints)
     return tuple(replace(a, alongs=b.alongs) for a, b in zip(found, joints, strict=True))
 
 
 def _followed(joint: FittedJoint) -> FittedJoint:
-    """The law fitted again, from everywhere where it may have been bent."""
+    """The law fitted again, from all starts if it may be biased."""
     if joint.shift is not None and not np.any(joint.shift):
         return replace(joint, shift=None)
     again = joint.refitted()
@@ -116,15 +117,16 @@ def fitted_beside(
     terms: tuple[EffectTerm, ...],
     each: Each[FittedJoint, FittedJoint],
 ) -> tuple[FittedJoint, ...]:
-    """Joints with their laws fitted beside some effects."""
+    """Joints with their laws fitted together with some effects."""
     return _fitted_again([replace(j, beside=terms) for j in joints], _again, each)
 
 
 def screened(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Screened:
-    """Columns of the causes in the model, of some effects of single joints, by label, and of those
-    of all joints alike that the laws were fitted beside.
+    """Columns of the causes in the model, of some effects of single joints by label, and of the
+    common
+    effects that were fitted with the laws.
     """
     return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
 
@@ -132,25 +134,27 @@ def screened(
 def squares_left(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Array:
-    """Squares of each joint and block under causes and beside some effects of joints, (J, B)."""
+    """Sum of squares of each joint and block with causes and with some effects of joints, (J,
+    B)."""
     seen = screened(joints, blocks, found, beside)
     return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
 
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
-    """Squares left over those left before, joints counted alike."""
+    """Sum over joints of the ratio of the sums of squares after and before."""
     return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
 
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:
-    """Of each cause's numbers."""
+    """Covariance of each cause's numbers."""
     cov = covariance(seen.stack, columns_of((*seen.taken, *seen.candidates)))
     ends = np.cumsum([0, *(len(c.at) for c in seen.taken)])
     return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
 
 
 def covariance(stack: Stack, at: Columns) -> Array:
-    """Of coefficients fitted together, (k, k): blocks of time are independent, samples are not."""
+    """Covariance of coefficients fitted together, (k, k); blocks of time are independent,
+    samples not."""
     G = stack.presumed_apart(at)
     scale = roots(G)
     values, vectors = eigh(G / np.outer(scale, scale))
@@ -166,10 +170,10 @@ def covariance(stack: Stack, at: Columns) -> Array:
 
 
 def numbers_of(candidate: Candidate, numbers: Array, start: Array) -> Array:
-    """All numbers of a cause whose candidate may lack those that its bounds hold.
+    """All numbers of a cause, including those that stay on their bounds and are no columns.
 
     Args:
-        numbers: of the candidate's columns, in turn.
+        numbers: of the candidate's columns, in order.
     """
     x = start.copy()
     x[candidate.at - candidate.first] = numbers

@@ -1,7 +1,7 @@
-"""Waves of a shaft's friction level, proposed from the spectrum of what two joints leave.
+"""Waves of a shaft's friction level, from the spectrum of the residuals of two joints.
 
-Teeth and bearings that turn with the motor make its friction rise and fall with each turn, and both
-joints that turn it bear that.
+Teeth and bearings that turn with the motor make its friction vary with its angle, and both joints
+that turn it show this.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from frictionjoint.robot.joint import FittedJoint
 
 
 def with_waves(joints: Sequence[FittedJoint], found: Found) -> list[Cause]:
-    """Forms of the model's gear couplings whose friction level has a wave, one for each."""
+    """Forms of the model's gear couplings with a wave of the friction level, one each."""
     forms: list[Cause] = []
     for cause in found.causes:
         if isinstance(cause, GearCoupling) and not cause.waves:
@@ -34,7 +34,7 @@ def with_waves(joints: Sequence[FittedJoint], found: Found) -> list[Cause]:
 
 
 class _Part:
-    """What a joint leaves, its law projected out, in units of that."""
+    """Residual of a joint with its law projected out, in units of its rms."""
 
     def __init__(self, joint: FittedJoint, cause: GearCoupling) -> None:
         self.joint = joint
@@ -61,7 +61,7 @@ class _Part:
 
 
 def _strongest(parts: Sequence[_Part]) -> tuple[float, float] | None:
-    """The wave that explains most, 1/rad, and among how many lines; None where none has room."""
+    """The wave that explains most, 1/rad, and the number of lines searched; None if none fits."""
     turns = np.concatenate([p.turns for p in parts])
     span = float(np.ptp(turns))
     # periods are counted over where the shaft mostly is, as those of a joint

@@ -1,7 +1,7 @@
-"""What a robot's joints show together: the search for shared causes, as its definition reads.
+"""Search for shared causes of a robot's joints.
 
-fit every joint's law; repeat: screen every shared cause over all joints, take what is
-justified, fit causes and laws together, leave out what is no longer needed; until none comes.
+Fit every joint's law; repeat: screen every shared cause over all joints, accept justified ones, fit
+causes and laws together, drop redundant ones; until none is accepted.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,8 +45,8 @@ class Shared:
     """Outcome of the search.
 
     Attributes:
-        settled: causes with their numbers and the joints under them. choices: one a cause.
-        common: effects of all joints alike, which each joint's own model holds, with the choice.
+        settled: causes with their numbers, and the joints under them. choices: one per cause.
+        common: effects common to all joints, part of each joint's own model, with their evidence.
     """
 
     settled: Settled
@@ -63,13 +63,13 @@ def shared_causes(
 ) -> Shared:
     """Run the search.
 
-    Joints whose torque is known only up to a gain that their logs do not determine take no part.
+    Joints with a torque scale that their logs do not determine are left out.
 
     Args:
-        joints: with their laws fitted under the model as it is. moving: joints whose motion the
-            logs hold. each: a `map`, perhaps of processes.
-        seed: of flips and halves; equal seeds give equal results.
-        progress: called with what is being done.
+        joints: with their laws fitted with the user's model. moving: joints with logged motion.
+        each: a `map`, perhaps over processes.
+        seed: for sign flips and halves; equal seeds give equal results.
+        progress: called with a description of the current step.
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
@@ -140,7 +140,7 @@ def shared_causes(
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
-    """Effects of all joints among what was taken in a look, fitted with all the rest of it."""
+    """Common effects among those accepted in a step, fitted with all the others."""
     choices = [(c.candidate.common, c) for c in seen if c.candidate.common]
     if not choices:
         return ()
@@ -156,10 +156,10 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
 
 @dataclass(frozen=True)
 class _Now:
-    """Where the search is: causes settled, with the choice of each.
+    """State of the search: causes fitted with the laws, and the evidence of each.
 
     Attributes:
-        beside: labels of effects of single joints that they were settled with.
+        beside: labels of effects of single joints that were fitted with them.
     """
 
     settled: Settled
@@ -182,12 +182,12 @@ def _settled(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """With other causes, or beside other effects of single joints."""
+    """The same with other causes, or with other effects of single joints."""
     return _Now(settle(now.joints, found, each, beside), choices, beside)
 
 
 def _beside(now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]) -> _Now:
-    """With the laws fitted beside effects that all joints have alike."""
+    """The same with the laws fitted together with common effects."""
     joints = fitted_beside(now.joints, terms, each)
     return replace(now, settled=replace(now.settled, joints=joints))
 
@@ -198,9 +198,9 @@ def _grown(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now | None:
-    """With all that comes in, or the first alone; None where neither is needed and leaves less.
+    """With all accepted causes, or only the first; None if neither is needed and improves the fit.
 
-    To first order they are right; under laws that follow they may not be.
+    They were accepted to first order; with refitted laws they may not improve it.
     """
     for several in [new, new[:1]][: len(new)]:
         trial = _without_idle(_with(now, several, each, beside), each, beside)
@@ -217,7 +217,8 @@ def _with(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """With what comes in; a richer change of a thing goes in the simpler one's place."""
+    """With accepted causes added; a richer change of the same body or joint replaces the simpler
+    one."""
     terms = tuple(c.candidate.common for c in new if c.candidate.common)
     if terms:
         now = _beside(now, terms, each)
@@ -242,7 +243,7 @@ def _simplified(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> tuple[_Now, bool]:
-    """With fewer numbers that explain as much in the place of a cause, and whether so."""
+    """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
     found = now.settled.found
     proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, beside)
     for out, several in proposed:
@@ -257,18 +258,19 @@ def _simplified(
 
 
 def _strays(after: _Now, before: _Now) -> bool:
-    """Whether bodies go noticeably farther from the model's own figures."""
+    """Whether bodies move noticeably away from the model's nominal values."""
     return nearer(before.settled.found.strayed, after.settled.found.strayed)
 
 
 def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
-    """Whether causes leave the joints less, no joint noticeably more."""
+    """Whether causes improve the fit of the joints, and worsen none noticeably."""
     ratios = _left(after, before, beside)
     return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
 
 
 def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
-    """Squares left over those left before, by joint, (J,): beside effects of single joints."""
+    """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
+    joints."""
     found = []
     for now in (after, before):
         seen = screened(now.joints, now.clock, now.settled.found, beside)
@@ -278,7 +280,7 @@ def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
 
 
 def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now:
-    """Leave out, one after the other, what the robot is predicted as well without."""
+    """Remove, one after the other, causes without which the robot is predicted as well."""
     fewer: _Now | None = now
     while fewer is not None:
         now, fewer = fewer, _fewer(fewer, each, beside)
@@ -286,10 +288,11 @@ def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: froze
 
 
 def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now | None:
-    """Without the cause that is needed least; None where all are needed.
+    """Without the least needed cause; None if all are needed.
 
-    Once the others are settled without it they have to leave as little as they promise: to first
-    order they may stand in for it with numbers that are beyond their bounds.
+    After refitting the others without it, the residual must be as small as first order promised;
+    the
+    others may replace it only with numbers past their bounds.
     """
     found = now.settled.found
     others = []

@@ -1,9 +1,10 @@
-"""Fewer numbers that explain as much: one or two causes in the place of one or two with more.
+"""Replace one or two causes by one or two with fewer numbers that explain as much.
 
-A search that takes the best single cause first may take a body with all its ten parameters for what
-are a mass and a rotor, or a payload for the scale of all torques, or two causes of one number each
-for a third. While the laws are bent by what is missing, squares do not tell which; once they are
-straight, the fewest numbers are enough.
+A search that takes the best single cause first may accept a body with all its ten parameters
+instead
+of a mass and a rotor, or a payload instead of a torque scale, or two causes with one number each
+instead of a third. While missing causes bias the laws, the sums of squares do not show which; with
+unbiased laws the fewest numbers suffice.
 """
 
 import itertools
@@ -41,11 +42,11 @@ def simpler(
     common: Sequence[EffectTerm],
     beside: frozenset[str],
 ) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
-    """Causes of the model, one or two, with what explains as much with fewer numbers.
+    """Replace one or two causes of the model by causes with fewer numbers that explain as much.
 
     Args:
-        joints: with their laws fitted under `found`; choices: of its causes.
-        causes: all that may come; common: effects of all joints alike that may.
+        joints: with their laws fitted under `found`; choices: evidence of its causes.
+        causes: all candidates; common: common effects that are candidates.
         beside: labels of effects of single joints that compete.
     """
     left = squares_left(joints, clock, found, beside)
@@ -85,7 +86,7 @@ def simpler(
 
 
 def _ones_and_twos(count: int) -> Iterator[tuple[int, ...]]:
-    """Sets of one and of two of so many."""
+    """Subsets of one and of two of n elements."""
     return itertools.chain(*(itertools.combinations(range(count), k) for k in (1, 2)))
 
 
@@ -98,10 +99,11 @@ def _opened(
     terms: Sequence[EffectTerm],
     beside: frozenset[str],
 ) -> tuple[Columns, Screened]:
-    """What stands beside causes and effects that may come, and these as candidates.
+    """What is kept together with new causes and effects, and these as candidates.
 
-    Effects of single joints stand there as they are beside what is taken out: what is missing then
-    would bend their shapes.
+    Effects of single joints keep the shapes they have with the removed causes, which would
+    otherwise be
+    biased.
     """
     here = joints[0].beside
     seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)
@@ -118,7 +120,7 @@ def _settled(
     several: Sequence[Candidate],
     beside: frozenset[str],
 ) -> Found:
-    """Causes beside others, their numbers as exact as those."""
+    """Causes fitted together with others, with numbers as exact as theirs."""
     start = rest
     for candidate in several:
         assert candidate.cause is not None
@@ -129,17 +131,17 @@ def _settled(
 def _left(
     joints: Sequence[FittedJoint], clock: Clock, found: Found, beside: frozenset[str]
 ) -> Array:
-    """Squares of joints with causes that they were not corrected by, (J, B)."""
+    """Sums of squares of joints with causes that did not correct them, (J, B)."""
     return squares_left([j.corrected(found.state) for j in joints], clock, found, beside)
 
 
 def _size(several: Sequence[Candidate]) -> int:
-    """Numbers of all together."""
+    """Total number of parameters."""
     return sum(len(c.at) for c in several)
 
 
 def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tuple[Candidate, ...]:
-    """Fewest numbers, then fewest squares; of sets that leave alike, the catalogue's first."""
+    """Fewest numbers, then the smallest sum of squares; among equals, the catalogue's first."""
     fewest = min(numbers for numbers, _, _ in tried)
     left = min(squares for numbers, squares, _ in tried if numbers == fewest)
     alike = [x for n, squares, x in tried if n == fewest and squares <= (1.0 + _ALIKE) * left]
@@ -147,10 +149,10 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
 
 
 def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ...]]:
-    """Single causes and pairs of fewer numbers.
+    """Single causes and pairs with fewer numbers.
 
-    What is beyond its bounds alone, where it stands for another cause too, may be within them
-    beside that.
+    A cause past its bounds alone, where it compensates for another one, may be within them together
+    with that.
     """
     stack = seen.stack
     inside = [within_bounds(stack, c, known) for c in seen.candidates]
@@ -169,7 +171,7 @@ def _apart(a: Candidate, b: Candidate) -> bool:
 
 
 def _possible(seen: Screened, known: Columns, a: Candidate, b: Candidate) -> bool:
-    """Whether all numbers of both are within their bounds beside each other."""
+    """Whether all numbers of both are within their bounds when fitted together."""
     inside = [
         within_bounds(seen.stack, one, _with(known, (other,))) for one, other in ((a, b), (b, a))
     ]
@@ -183,7 +185,7 @@ def _with(known: Columns, several: Sequence[Candidate]) -> Columns:
 def _choices(
     seen: Screened, known: Columns, several: tuple[Candidate, ...], before: Choice
 ) -> tuple[Choice, ...]:
-    """Each with the evidence of the cause in whose place it comes, and its own gain."""
+    """Each with the evidence of the cause that it replaces, and its own gain."""
     whole = seen.stack.held_out(_with(known, several))
     numbers = seen.stack.solution(_with(known, several))[len(known) :]
     parts = np.split(numbers, np.cumsum([len(c.at) for c in several])[:-1])

@@ -1,7 +1,8 @@
-"""Gram matrices of all joints together: what columns shared by joints explain of all residuals.
+"""Gram matrices of all joints together: what shared columns explain of all residuals.
 
-Each joint's own law is projected out of its columns, and its rows are in units of what its fit
-leaves, so that joints count alike. A sum of squares over joints is then one of rows stacked.
+Each joint's own law is projected out of its columns, and its rows are scaled by its residual, so
+that
+joints count equally. A sum of squares over joints is then a sum over stacked rows.
 """
 
 from collections.abc import Sequence
@@ -26,14 +27,14 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class JointGram:
-    """Of one joint.
+    """Gram matrices of one joint.
 
     Attributes:
         grams: by block, the law projected out, the residual last, shape (B, c + 1, c + 1).
-        columns: of the stack that it has, shape (c,).
+        columns: indices of its columns in the stack, shape (c,).
         name: of the joint. samples: number of its rows.
-        left, friction: rms of what its fit leaves and of its friction, N m, both weighted.
-        unreached: squares of each block that its fit leaves where to first order it need not, (B,).
+        left, friction: rms of its residual and of its friction, N m, both weighted.
+        unreached: sum of squares of each block that would vanish to first order, (B,).
     """
 
     name: str
@@ -52,8 +53,9 @@ def joint_gram(
     """Gram matrices by block with the law's columns projected out, shape (B, c + 1, c + 1).
 
     Args:
-        law: shape (n, p); columns: (n, c); residual: (n,), all weighted alike.
-        at: the columns that go in. of_block: block of each sample, shape (n,). blocks: how many.
+        law: shape (n, p); columns: (n, c); residual: (n,), with equal weights.
+        at: indices of the columns. of_block: block of each sample, shape (n,). blocks: their
+            number.
     """
     U = np.column_stack([columns[:, at], residual])
     before = np.linalg.norm(U, axis=0)
@@ -70,7 +72,7 @@ def joint_gram(
 
 
 class Stack:
-    """All joints' Gram matrices.
+    """Gram matrices of all joints.
 
     Args:
         joints: one each. clock: the blocks.
@@ -107,7 +109,8 @@ class Stack:
         return G
 
     def held_out(self, at: Columns) -> Array:
-        """Squares of each joint and block under coefficients fitted without its fold, (J, B)."""
+        """Sum of squares of each joint and block with coefficients fitted without its fold, (J,
+        B)."""
         left = self.squares.copy()
         betas = least_squares(self.outside[:, at[:, None], at], self.outside[:, at, -1])
         # of each block, those fitted without its fold
@@ -121,18 +124,18 @@ class Stack:
         return left
 
     def solution(self, at: Columns) -> Array:
-        """Coefficients of columns fitted to all that is left, shape (k,)."""
+        """Coefficients of columns fitted to the residuals, shape (k,)."""
         return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
 
     def strayed(self, at: Columns) -> float:
-        """Squares of coefficients fitted together, over the variance presumed of each."""
+        """Squared coefficients, fitted together, over their prior variances."""
         own = self.precision[at] > 0.0
         precision = self.precision[at][own]
         x = self.solution(at)[own] - self.pull[at][own] / precision
         return float(precision @ x**2) / self.clock.alike
 
     def presumed_apart(self, at: Columns) -> Array:
-        """Gram matrix of columns by the logs alone, without priors, (k, k)."""
+        """Gram matrix of columns from the logs alone, without priors, (k, k)."""
         G: Array = self.total[np.ix_(at, at)].copy()
         G[np.arange(len(at)), np.arange(len(at))] -= self.precision[at]
         return G
@@ -162,10 +165,12 @@ class Stack:
         return grams[:, :-1, :-1], grams[:, :-1, -1]
 
     def surprise(self, at: Columns, known: Columns, room: Array, signs: Array) -> Array:
-        """How far out columns are beside others, and by chance, see `diagnose.chance`.
+        """Score of columns together with others, observed and by chance, see `diagnose.chance`.
 
         Args:
-            room: how far each coefficient may go either way, shape (k, 2); none where empty.
+            room: by how much each coefficient may change in either direction, shape (k, 2); no
+                limit if
+                empty.
             signs: of each block, shape (flips, B).
         """
         A, b = self.products(at, known)
@@ -180,10 +185,10 @@ class Stack:
 
 
 def least_squares(A: Array, b: Array) -> Array:
-    """Solutions of normal equations, the shortest where they are singular.
+    """Solutions of normal equations, the shortest ones if singular.
 
     Args:
-        A: shape (..., k, k). b: shape (..., k), as what comes back.
+        A: shape (..., k, k). b: shape (..., k), as the result.
     """
     if not b.shape[-1]:
         return b
@@ -194,6 +199,6 @@ def least_squares(A: Array, b: Array) -> Array:
 
 
 def roots(A: Array) -> Array:
-    """Of the diagonals of Gram matrices, 1 where a column is zero, shape (..., k)."""
+    """Square roots of the diagonals of Gram matrices, 1 for zero columns, shape (..., k)."""
     diagonal = np.diagonal(A, axis1=-2, axis2=-1)
     return np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))

@@ -1,7 +1,8 @@
-"""What else would explain what a shared cause does, restated on the final model.
+"""Alternatives to each shared cause, recomputed on the final model.
 
-While causes are missing, much is alike: what was as good as a cause when it came in may be far from
-it beside all the others, or be in the model itself by then.
+While causes are missing, many candidates look alike. A candidate that was as good as a cause when
+it
+was accepted may be far worse together with all the others, or be in the model itself by then.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,12 +31,12 @@ def restated(
     causes: Sequence[Cause],
     beside: frozenset[str],
 ) -> tuple[Choice, ...]:
-    """The choices with the ties that remain.
+    """The evidence of the causes, with the ties that remain.
 
     Args:
-        joints: with their laws fitted under `found`. choices: of its causes, with what tied with
-            each when it came in.
-        causes: all that may come. beside: labels of effects of single joints that are there too.
+        joints: with their laws fitted under `found`. choices: of its causes, with their earlier
+            ties.
+        causes: all candidates. beside: labels of effects of single joints in the model.
     """
     left = squares_left(joints, clock, found, beside)
     there = {c.label for c in found.causes} | beside
@@ -57,11 +58,11 @@ def restated(
 def _as_good(
     seen: Screened, own: Cause, wanted: frozenset[str], left: Array
 ) -> Iterator[Candidate]:
-    """Candidates that leave as little as a cause in the model does.
+    """Candidates with a residual as small as that of a cause in the model.
 
     Args:
         seen: without the cause, which is among the candidates. wanted: labels of those to compare.
-        left: squares under the model, (J, B).
+        left: sums of squares of the model, (J, B).
     """
     open_ones = [c for c in seen.candidates if c.label in wanted]
     itself = next(c for c in seen.candidates if c.cause == own)

@@ -1,12 +1,13 @@
-"""Between motor and link, where both have an encoder: stiffness, backlash, hysteresis of the gear.
+"""Between motor and link, with an encoder on each: stiffness, backlash, hysteresis of the gear.
 
     twist = motor / ratio - link = torque / K + b/2 side(torque) - h element(torque) + T velocity
 
-The torque is what the gear transmits, by the model's rigid body behind it. In a gap of width b the
-twist turns over where the torque changes its side; a contact that slides between motor and link
-makes the twist lag behind the torque by h either way, an elastic-plastic element in the torque. A
-delay T of the link's encoder makes a twist of its own, in proportion to the speed. The motor of a
-wrist may turn with the joint before it as well: that is a gear, and no twist.
+The torque is what the gear transmits, from the rigid-body model behind it. In a gap of width b the
+twist changes where the torque changes its sign. A contact that slides between motor and link makes
+the twist lag behind the torque by h in each direction, as an elastic-plastic element in the torque.
+A delay T of the link's encoder adds a twist proportional to the speed. The motor of a wrist may
+also
+turn with the previous joint; that is gearing, not twist.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,13 +46,11 @@ class Torsion:
     """The gear of one joint.
 
     Attributes:
-        ratio: turns of the motor in a turn of the link. twist: rms without its mean, rad.
-        geared: by joint, how far the motor turns with another joint, over how far it does with the
-            link.
-        left: rms of the twist that is not explained, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: T by which the
-            link's position is delayed against the motor's, s. Each None where the logs do not show
-            it.
+        ratio: turns of the motor per turn of the link. twist: rms without its mean, rad.
+        geared: by joint, turns of the motor with another joint relative to those with the link.
+        left: rms of the unexplained twist, rad.
+        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: delay T of the
+            link's position with respect to the motor's, s. Each is None if the logs do not show it.
     """
 
     ratio: float
@@ -83,10 +82,10 @@ class Torsion:
 
 
 def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
-    """Of a joint whose logs hold a second encoder; None where they do not.
+    """The gear of a joint with a second encoder in its logs; None without one.
 
     Args:
-        logs: as they were prepared, in turn.
+        logs: as prepared, in order.
     """
     if any(log.motor_position is None for log in logs):
         return None
@@ -124,7 +123,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
 
 @dataclass(frozen=True)
 class _Model:
-    """Columns of the twist with the names of those that may not be negative, the last ones."""
+    """Columns of the twist with names; the last ones have nonnegative coefficients."""
 
     X: Array
     y: Array
@@ -140,13 +139,14 @@ class _Model:
         return _Model(np.delete(self.X, i, axis=1), self.y, names)
 
     def estimate(self, name: str) -> tuple[float, float] | None:
-        """Coefficient and standard error by a jackknife over stretches of time; None: not there."""
+        """Coefficient and standard error by a jackknife over stretches of time; None if there is
+        none."""
         if name not in self.names:
             return None
         return self.at(self.X.shape[1] - len(self.names) + self.names.index(name))
 
     def at(self, i: int) -> tuple[float, float] | None:
-        """The same of a column by its number."""
+        """The same for a column by its index."""
         block = np.arange(len(self.y)) * _BLOCKS // len(self.y)
         count = len(self.names)
         left_out = np.array(
@@ -158,7 +158,7 @@ class _Model:
 
 
 def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
-    """Turns of the link in a turn of the motor, and `Torsion.geared`; each log with its zeros."""
+    """Turns of the link per turn of the motor, and `Torsion.geared`; zeros are fitted per log."""
     motor, link = (
         _moved([getattr(x, name) for x in logs]) for name in ("motor_position", "position")
     )
@@ -176,19 +176,19 @@ def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
 
 
 def _moved(positions: Sequence[Array]) -> Array:
-    """Each without its mean, one behind the other."""
+    """Each without its mean, concatenated."""
     return np.concatenate([x - x.mean() for x in positions])
 
 
 def _regressed(columns: Sequence[Array], y: Array) -> tuple[Array, float]:
-    """Coefficients of a least squares and what it leaves of the squares."""
+    """Least-squares coefficients and the residual sum of squares."""
     X = np.column_stack(columns)
     found = np.linalg.lstsq(X, y, rcond=None)[0]
     return np.asarray(found), float(np.sum((y - X @ found) ** 2))
 
 
 def _twist(log: JointLog, segment: Segment, ratio: float, geared: Mapping[str, float]) -> Array:
-    """On the kept samples, behind the filter of the balance."""
+    """Twist on the kept samples, after the torque filter."""
     assert log.motor_position is not None
     time = log.time[0] + segment.signals[:, TIME]
     turned = log.position + sum(c * log.other_positions[name] for name, c in geared.items())
@@ -207,7 +207,7 @@ def _element(prepared: Prepared, reach: float) -> Array:
 
 
 def _offsets(prepared: Prepared) -> Array:
-    """One column of ones a log."""
+    """A column of ones per log."""
     counts = [int(s.kept.sum()) for s in prepared.segments]
     return np.repeat(np.eye(len(counts)), counts, axis=0)
 
@@ -245,7 +245,7 @@ def _mean(offsets: Array, x: Array) -> Array:
 
 
 def _delay(model: _Model) -> Estimate | None:
-    """By the velocity, the column before the torque."""
+    """Coefficient of the velocity, the column before the torque."""
     found = model.at(model.X.shape[1] - len(model.names) - 1)
     return None if found is None else Estimate(*found, "s")
 

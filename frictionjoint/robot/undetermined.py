@@ -1,10 +1,11 @@
-"""What the logs of a robot leave open, in rows for the report."""
+"""Parameters that the logs of a robot do not determine, as rows for the report."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from frictionjoint.describe import meaning
 from frictionjoint.identify.result import Estimate
 from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
 
@@ -29,9 +30,9 @@ def undetermined(
     for joint, estimates in friction.items():
         names = [n for n, x in estimates.items() if _is_loose(x)]
         if names:
-            rows.append(
-                _row("friction", names, f"friction of {joint}: {', '.join(names)}", joint=joint)
-            )
+            words = dict.fromkeys(meaning(n.partition("_")[0]) for n in names)
+            text = f"friction of {joint}: {', '.join(words)}"
+            rows.append(_row("friction", names, text, joint=joint))
     return tuple(rows)
 
 
@@ -40,7 +41,7 @@ def _is_loose(x: Estimate) -> bool:
 
 
 def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
-    """By owner: what only occurs in sums, and whose parameters the sums hold."""
+    """By owner: parameters that appear only in sums, and the owners of the other terms."""
     owners: dict[str, tuple[list[str], list[str]]] = {}
     for k, other in enumerate(base.others):
         p = found.parameters[other]
@@ -53,7 +54,7 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         _row(
             "only in sums",
             names,
-            f"{', '.join(names)} of {owner} only in sums with parameters of "
+            f"{', '.join(names)} of {owner} appear only in sums with parameters of "
             f"{', '.join(dict.fromkeys(partners))}",
             owner=owner,
         )

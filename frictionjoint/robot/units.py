@@ -1,4 +1,4 @@
-"""Several robots of one kind: what each unit has, and how much the units differ."""
+"""Several robots of one kind: the parameters of each unit, and their variation between units."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -20,10 +20,10 @@ SCHEMA = "frictionjoint/units-1"
 
 @dataclass(frozen=True)
 class Spread:
-    """A number that several units have.
+    """A parameter that several units have.
 
     Attributes:
-        owner: the joint, or the shared cause with its place. name: of the number. unit: SI.
+        owner: the joint, or the shared cause with its place. name: of the parameter. unit: SI.
         of_unit: estimates by the unit's name.
     """
 
@@ -34,20 +34,19 @@ class Spread:
 
     @property
     def mean(self) -> float:
-        """Over units."""
+        """Mean over units."""
         return float(np.mean([x.value for x in self.of_unit.values()]))
 
     @property
     def deviation(self) -> float:
-        """Standard deviation over units; 0 of one."""
+        """Standard deviation over units; 0 for one unit."""
         values = [x.value for x in self.of_unit.values()]
         return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
 
     @property
     def error(self) -> float | None:
-        """What the deviation would be if units were alike: rms of the standard errors; None where
-        one is not known.
-        """
+        """Expected deviation if all units were equal: rms of the standard errors; None if one is
+        unknown."""
         errors = [x.stderr for x in self.of_unit.values()]
         known = [e for e in errors if e is not None]
         return float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(errors) else None
@@ -67,10 +66,10 @@ class Spread:
 
 @dataclass(frozen=True)
 class UnitsReport:
-    """Outcome of `close_loop_units`.
+    """Result of `close_loop_units`.
 
     Attributes:
-        units: a report by the unit's name. failed: one line for each that could not be explained.
+        units: a report by the unit's name. failed: one line per unit without a result.
     """
 
     units: dict[str, RobotReport]
@@ -78,8 +77,9 @@ class UnitsReport:
 
     @property
     def spreads(self) -> tuple[Spread, ...]:
-        """Of the friction law in the end, under the corrected model, joint by joint; then of the
-        shared causes. What only one unit has is left out.
+        """Parameters of the final friction laws, joint by joint, then of the shared causes.
+
+        Parameters of a single unit are left out.
         """
         rows: dict[tuple[str, str, str], dict[str, Estimate]] = {}
         for unit, report in self.units.items():
@@ -114,12 +114,12 @@ def close_loop_units(
     controller: GivenController | None = None,
     refine: bool = True,
 ) -> UnitsReport:
-    """`close_loop_robot` of each unit; one that cannot be explained stops no other.
+    """`close_loop_robot` for each unit; a unit without a result does not stop the others.
 
     Args:
         units: logs by the unit's name. Others: see `close_loop_robot`.
     Raises:
-        LogError: no unit can be explained.
+        LogError: no unit has a result.
     """
     found: dict[str, RobotReport] = {}
     failed: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Joints side by side: in processes of their own, or over the workers of a Dask cluster."""
+"""Joints in parallel: in processes, or over the workers of a Dask cluster."""
 
 import multiprocessing
 import os
@@ -23,9 +23,9 @@ _ENDS = {signal.SIGINT, signal.SIGTERM}
 
 @contextmanager
 def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # type: ignore[type-arg]
-    """A `map` over processes, of one alone in this one; or over a cluster's workers.
+    """A `map` over processes (a single one runs in this process) or over a cluster's workers.
 
-    An exception, and an interruption too, ends them all; on a cluster it cancels what was asked.
+    An exception or an interruption ends all processes; on a cluster it cancels the tasks.
 
     Args:
         scheduler: address of a Dask scheduler.
@@ -53,10 +53,9 @@ def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # ty
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """End all processes at once, whatever they do.
+    """End all processes at once.
 
-    The pool's own thread then complains of tasks that were cancelled before it could call them
-    broken (Python 3.11): nobody is to read that.
+    The pool's own thread may then report cancelled tasks (Python 3.11); this is suppressed.
     """
     thread: Any = pool._executor_manager_thread  # typeshed has another type
     hook = threading.excepthook
@@ -108,9 +107,9 @@ def processes(jobs: int) -> int:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Signals that end a program wait: a process half started would complain of its parent.
+    """Delay signals that end a program: a half-started process would complain about its parent.
 
-    What is started meanwhile does not listen to them until `_begin`.
+    Processes started meanwhile ignore them until `_begin`.
     """
     held: list[int] = []
     handlers, mask = {}, None
@@ -131,7 +130,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """A worker of one thread: the other cores have workers of their own."""
+    """Start a worker with one thread; the other cores have workers of their own."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends them
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDS)

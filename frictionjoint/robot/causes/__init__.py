@@ -1,1 +1,1 @@
-"""What several joints show at once, one file a cause: how it changes a rigid-body model."""
+"""Causes that several joints share, one file per cause: how each changes the rigid-body model."""

@@ -1,4 +1,4 @@
-"""A base that does not stand as the model says: another direction of gravity."""
+"""A base that is tilted with respect to the model: another direction of gravity."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar

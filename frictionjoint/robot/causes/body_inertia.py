@@ -1,7 +1,8 @@
-"""Wrong inertial parameters of a link: of its mass alone, of mass and centre, or of all ten.
+"""Wrong inertial parameters of a link: mass alone, mass and centre, or all ten.
 
-All three keep the body possible: its pseudo-inertia becomes (L T)(L T)' with L its Cholesky factor
-and T lower triangular with a positive diagonal (log-Cholesky; Rucker and Wensing 2022).
+All three keep the body physically possible: its pseudo-inertia becomes (L T)(L T)' with L its
+Cholesky factor and T lower triangular with a positive diagonal (log-Cholesky; Rucker and Wensing
+2022).
 """
 
 from dataclasses import dataclass
@@ -27,12 +28,13 @@ _BELOW = np.tril_indices(4, -1)
 
 @dataclass(frozen=True)
 class BodyInertia(Cause):
-    """Numbers: the logarithm of the mass over the model's; with the shift of the centre, m; or the
-    logarithms of T's diagonal and what is below it.
+    """Numbers: the logarithm of the mass over the model's; in addition the shift of the centre, m;
+    or the
+    logarithms of T's diagonal and its entries below.
 
     Attributes:
-        body: by number and name. form: which of its parameters are wrong.
-        size: length over which its centre may lie elsewhere, m.
+        body: number and name. form: which of its parameters are wrong.
+        size: length by which its centre may be shifted, m.
     """
 
     body: int

@@ -31,7 +31,7 @@ def catalogue(
     """Causes that could act on these joints.
 
     Args:
-        joints: whose drive the logs hold. moving: whose motion they hold.
+        joints: with logged drive. moving: with logged motion.
         velocity: of each of `joints` along the logs, rad/s (m/s), each of shape (n,).
     """
     rotors = [
@@ -64,10 +64,10 @@ def catalogue(
 def all_links(
     model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 ) -> tuple[Cause, ...]:
-    """Inertial parameters of all links that the joints move, as one cause; none of a single link.
+    """Inertial parameters of all links that the joints move, as one cause; none for a single link.
 
     Args:
-        joints: whose drive the logs hold. moving: whose motion they hold.
+        joints: with logged drive. moving: with logged motion.
     """
     phi, found = of_model(model), []
     for link in rigid_links(model, joints, moving).values():
@@ -83,7 +83,7 @@ def rigid_links(
 ) -> dict[frozenset[int], list[int]]:
     """Bodies that move as one in these logs, by the degrees of freedom that move them.
 
-    Only links that a driven joint moves; the body next to the base comes first.
+    Only links that a driven joint moves, starting next to the base.
     """
     tree = Tree(model)
     moved = {int(model.joint(name).dofadr[0]) for name in (*joints, *moving)}
@@ -119,11 +119,12 @@ def is_slide(model: mujoco.MjModel, joint: str) -> bool:
 
 
 def body_label(model: mujoco.MjModel, body: int) -> str:
-    """Name of a body, or what to say of one without."""
+    """Name of a body, or a description of a body without a name."""
     return str(model.body(body).name or f"body {body}")
 
 
 def _reach(model: mujoco.MjModel, body: int) -> float:
-    """Size of a body by its own inertia: the root of twice its radius of gyration squared, m."""
+    """Size of a body from its inertia: the square root of twice its squared radius of gyration,
+    m."""
     gyration = float(model.body_inertia[body].sum()) / float(model.body_mass[body])
     return float(np.sqrt(gyration)) + float(np.linalg.norm(model.body_ipos[body]))

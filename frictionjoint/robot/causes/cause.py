@@ -1,4 +1,4 @@
-"""What a shared cause offers: the corrections that it makes of its numbers."""
+"""The interface of a shared cause: from its numbers to corrections of the model."""
 
 from abc import ABC, abstractmethod
 from typing import ClassVar
@@ -17,10 +17,9 @@ class Cause(ABC):
 
     Attributes:
         name: canonical name.
-        homogeneous: whether twice the numbers are twice the torque, though it is not linear in
-            them.
-        essential: how many of its first numbers must be within their bounds for it to be at all.
-        among: how many lines of a spectrum it is the strongest of.
+        homogeneous: whether its torque is proportional to its numbers, though not linear in them.
+        essential: how many of its first numbers must be within their bounds for it to exist.
+        among: number of spectral lines of which it is the strongest.
     """
 
     name: ClassVar[str]
@@ -35,24 +34,24 @@ class Cause(ABC):
 
     @property
     def label(self) -> str:
-        """What it is and where."""
+        """Name and place."""
         place = ", ".join(self.place.values())
         return f"{self.name} of {place}" if place else self.name
 
     @property
     def changed(self) -> str:
-        """What it changes, of which a model has one change: a body's inertia, or its own place."""
+        """Key of the change, of which a model contains one: a body's inertia, or its own place."""
         body = self.place.get("body")
         return f"inertia of {body}" if body else self.label
 
     def acts_on(self, joint: str) -> bool:
-        """Whether a joint's torque may change by it."""
+        """Whether it may change a joint's torque."""
         return True
 
     @property
     @abstractmethod
     def steps(self) -> Array:
-        """Steps of a central difference by each number, shape (k,)."""
+        """Steps of a central difference for each number, shape (k,)."""
 
     @property
     @abstractmethod
@@ -66,28 +65,27 @@ class Cause(ABC):
 
     @property
     def prior(self) -> Array:
-        """Standard deviation of each number around the model's own figures, shape (k,); inf where
-        nothing is presumed.
-        """
+        """Standard deviation of each number around the model's value, shape (k,); inf without a
+        prior."""
         return np.full(len(self.bounds), np.inf)
 
     def rays(self, x: Array) -> list[Array]:
-        """Of a homogeneous cause: where to look for it, by numbers to first order in them."""
+        """For a homogeneous cause: directions to search along, from its first-order numbers."""
         return [x]
 
     @abstractmethod
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """A model's state with the cause in it."""
+        """Corrections with this cause added."""
 
     @abstractmethod
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """What it amounts to in a state without it: values and units by name."""
+        """Its values and units by name, relative to corrections without it."""
 
 
 def composed(
     causes: tuple[Cause, ...], numbers: tuple[Array, ...], state: Corrections
 ) -> Corrections:
-    """A state with all causes in it, in turn."""
+    """Corrections with all causes added in order."""
     for cause, x in zip(causes, numbers, strict=True):
         state = cause.applied(state, x)
     return state

@@ -1,7 +1,7 @@
 """A motor that turns with two joints, as in many wrists: its friction and rotor act on both.
 
-Lagrange's equations of a shaft at q_i + c q_j: what it takes acts on joint i as it is and on joint
-j times c. The TX40's sixth motor turns with the sum of joints 5 and 6 (Gautier and Janot).
+Lagrange's equations of a shaft at q_i + c q_j: its torque acts on joint i, and c times on joint j.
+The TX40's sixth motor turns with the sum of joints 5 and 6 (Gautier and Janot).
 """
 
 from dataclasses import dataclass, replace
@@ -18,12 +18,14 @@ from frictionjoint.robot.corrections import SHAFT_NUMBERS, Corrections, Shaft, t
 class GearCoupling(Cause):
     """Numbers: friction level, N m, viscous and concave friction, N m s/rad, and inertia, kg m^2.
 
-    Lubricated gears have concave friction. It is level at the top speed of the logs: beyond that
-    they do not tell. Teeth and bearings that turn with the motor make the level rise and fall with
-    each of its turns: sine and cosine, N m.
+    Lubricated gears have concave friction. It is constant above the top speed of the logs, where
+    they
+    do not determine it. Teeth and bearings that turn with the motor make the level vary with its
+    angle:
+    sine and cosine, N m.
 
     Attributes:
-        joints: names. ratio: of the second joint in the shaft's turn. top: its speed, rad/s.
+        joints: names. ratio: of the second joint in the shaft's angle. top: its speed, rad/s.
         waves: of the level along the shaft, 1/rad; 0: none. among: see `Cause`.
     """
 

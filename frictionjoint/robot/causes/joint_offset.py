@@ -1,4 +1,4 @@
-"""An encoder whose zero is not the model's."""
+"""An encoder with a zero that differs from the model's."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -12,7 +12,7 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class JointOffset(Cause):
-    """Number: what is to be added to the measured position, rad (m of a slide)."""
+    """Number: what to add to the measured position, rad (m for a slide)."""
 
     joint: str
     slide: bool = False

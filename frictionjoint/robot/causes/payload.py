@@ -1,6 +1,6 @@
-"""A mass in the hand that is not in the model.
+"""A mass at the hand that is not in the model.
 
-It is taken for a ball: the second moment of its mass about its centre is alike in all directions.
+It is assumed to be a ball: its second moment about its centre is equal in all directions.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Inertia of a motor's rotor behind its gear: a URDF has none, data sheets often not either."""
+"""Inertia of a motor's rotor behind its gear; URDFs lack it, and often data sheets too."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -12,10 +12,10 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class RotorInertia(Cause):
-    """Number: what is added to the model's armature, kg m^2 (kg of a slide).
+    """Number: what to add to the model's armature, kg m^2 (kg for a slide).
 
     Attributes:
-        joint: name. armature: the model's; with what is added it is never negative.
+        joint: name. armature: the model's; the sum is never negative.
     """
 
     joint: str

@@ -1,4 +1,4 @@
-"""Causes of one kind all at once: wrong links, each by a little, or rotors that no joint has."""
+"""All causes of one kind at once: small errors of all links, or rotors that no joint has."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class Together(Cause):
-    """Numbers: those of each cause, one after the other.
+    """Numbers: those of each cause, in order.
 
     Attributes:
         members: the causes. where: key of their places in the report.
@@ -79,7 +79,7 @@ def place_of(cause: Cause) -> str:
 
 
 def parts_of(cause: Cause, x: Array) -> Iterator[tuple[Cause, Array]]:
-    """The causes that one is made of, each of one body or joint, with their numbers."""
+    """The causes that a joint cause consists of, each of one body or joint, with their numbers."""
     if isinstance(cause, Together):
         yield from zip(cause.members, cause.parts(x), strict=True)
     else:
