@@ -1,6 +1,6 @@
 """Command line: ``frictionjoint demo | close-loop | identify | compare | install | check | ...``.
 
-One function a command; what they print is in `terminal`, how they end is in `main`.
+One function per command; `terminal` prints results, `main` handles errors.
 """
 
 import signal
@@ -120,7 +120,7 @@ def _path(error: Any) -> str:
 
 
 def _terminated(number: int, frame: Any) -> NoReturn:
-    """A plain exit, so that what was begun is cleared away."""
+    """Exit normally, so that unfinished files are removed."""
     raise SystemExit(128 + number)
 
 
@@ -132,7 +132,8 @@ def _one_line(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Warnings as one line, without the place in our code, each once: a model is read often."""
+    """Warnings as one line without the source location, each once: a model is read several
+    times."""
     text = str(message)
     if text not in _warned:
         _warned.add(text)

@@ -1,4 +1,4 @@
-"""The command `close-loop`, of one joint, a robot, or several robots of one kind."""
+"""The command `close-loop`, for one joint, a robot, or several robots of one kind."""
 
 import json
 import shlex
@@ -136,7 +136,7 @@ def close_loop_command(
     `frictionjoint close-loop a.csv --held-out 0.3 --column time_s=t --model arm.xml --joint elbow
     --out out --json`
 
-    A whole robot, every joint whose drive the logs hold: `frictionjoint close-loop a.csv b.csv
+    A whole robot, every joint with a logged drive: `frictionjoint close-loop a.csv b.csv
     --held-out c.csv --model arm.urdf --out out`
 
     Several robots of one kind: `frictionjoint close-loop --robot left=a.csv --robot right=b.csv

@@ -1,4 +1,4 @@
-"""``frictionjoint compare``: laws and parameter sets side by side."""
+"""The command `compare`: laws, parameter sets or reports in one table."""
 
 import json
 from dataclasses import replace
@@ -31,11 +31,12 @@ def compare(
     force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
-    """Compare laws, parameters or reports side by side.
+    """Compare laws, parameters or reports in one table.
 
-    Every law is driven through the same three motions: a slow pull from rest, small reversals
-    before sliding, and steady sliding over the speeds. Of reports, the verdicts, errors and
-    friction numbers are compared as well.
+    Every law is driven along the same three motions: a slow pull from rest, small reversals before
+    sliding, and steady sliding over a range of speeds. For reports, verdicts, errors and friction
+    numbers
+    are compared as well.
 
     Examples:
 

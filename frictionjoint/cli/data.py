@@ -1,4 +1,4 @@
-"""``frictionjoint data``: public measured logs, fetched from their authors' repositories."""
+"""The command `data`: public measured logs, fetched from their authors' repositories."""
 
 import json
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""The command `demo`: the main job on what ships with the package."""
+"""The command `demo`: stick-slip, and the analysis of recordings that the package contains."""
 
 from importlib.resources import files
 from pathlib import Path

@@ -44,10 +44,10 @@ def drift(
     drop_nan: DropNan = False,
     as_json: Json = False,
 ) -> None:
-    """Say which friction numbers of a report new logs confirm, and which have changed.
+    """State which friction numbers of a report new logs confirm, and which have changed.
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
-    *Not resolvable*: the new logs would not show it even if the number had changed by half.
+    *Not resolvable*: the new logs would not show a change by half of the number.
 
     Example: `frictionjoint drift report today.csv`
     """

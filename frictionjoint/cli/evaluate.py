@@ -57,7 +57,9 @@ def evaluate(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """State the error of a model on logs, with any friction; nothing is fitted.
+    """State the error of a model on logs; nothing is fitted.
+
+    The model may contain friction of this package, MuJoCo's own friction, or none.
 
     Examples:
 

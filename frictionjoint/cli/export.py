@@ -1,4 +1,4 @@
-"""``frictionjoint export``: convert the friction of a model for another program."""
+"""The command `export`: convert the friction of a model for another program."""
 
 import json
 from pathlib import Path

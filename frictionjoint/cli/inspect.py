@@ -1,4 +1,4 @@
-"""``frictionjoint inspect``: the friction numbers of a model or of a parameter file."""
+"""The command `inspect`: the friction numbers of a model or of a parameter file."""
 
 import json
 from pathlib import Path
@@ -69,7 +69,7 @@ def _of_model(file: Path) -> list[dict[str, Any]]:
 
 
 def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str, Any]:
-    """Friction of this package; of a file it is not known whether the joint is a slide."""
+    """Friction of this package. A parameter file does not say whether the joint is a slide."""
     from frictionjoint.describe import effect_texts, law_values
 
     law = f"law {joint.parameters.law}"

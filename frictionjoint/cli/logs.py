@@ -1,4 +1,4 @@
-"""What `close-loop` and `identify` have in common: which logs, and how they are read."""
+"""Options of commands that read logs: which logs, and how to read them."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -109,7 +109,7 @@ Model = Annotated[
 
 
 def models_of(model: list[str]) -> str | dict[str, str]:
-    """An MJCF, or one by a pattern of the names of logs.
+    """An MJCF, or one per pattern of log names.
 
     Raises:
         ModelError: some with a pattern and some without.
@@ -134,7 +134,7 @@ def paths_of(model: list[str]) -> list[Path]:
 
 
 def joints_of(model: list[str]) -> list[str]:
-    """Hinges and slides of a model, by name; of several models of one robot, those of the first."""
+    """Names of the hinges and slides of a model; with several models, of the first."""
     from frictionjoint.model_files import ONE_DOF, compile_model
 
     compiled = compile_model(paths_of(model)[0])
@@ -143,10 +143,10 @@ def joints_of(model: list[str]) -> list[str]:
 
 
 def the_joint(asked: str | None, model: list[str]) -> str:
-    """The joint that is asked for, else the only one of a model.
+    """The requested joint, else the only one of a model.
 
     Raises:
-        ModelError: none is asked for, and the model has not just one with a name.
+        ModelError: no joint is requested, and the model does not have exactly one with a name.
     """
     if asked:
         return asked
@@ -187,7 +187,7 @@ class Reading:
         joined: dict[Path, list[Path]] | None = None,
         drop_nan: bool = False,
     ) -> "Reading":
-        """From options.
+        """From the texts of options.
 
         Raises:
             LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
@@ -200,7 +200,7 @@ class Reading:
         return cls(joint, names, signals, wrap, gain, units, joined or {}, drop_nan)
 
     def read(self, path: str | Path) -> "JointLog":
-        """One log."""
+        """Read one log."""
         from frictionjoint.measured.joined import read_joined
         from frictionjoint.measured.readers import read_log
 
@@ -212,7 +212,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class LogPaths:
-    """Which logs a command reads.
+    """Logs that a command reads.
 
     Attributes:
         logs: to fit. held_out: logs and fractions. joined: see `Reading`.
@@ -224,10 +224,10 @@ class LogPaths:
 
 
 def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
-    """Folders and data sets as the logs in them; those held out are not fitted as well.
+    """The logs in folders and data sets; held-out logs are not among those to fit.
 
     Raises:
-        LogError: a folder holds no log.
+        LogError: a folder contains no log.
     """
     from frictionjoint.measured.readers import log_files
     from frictionjoint.measured.table import TABLES
@@ -256,10 +256,10 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:
-    """Foreign column names by ours, from texts OURS=THEIRS.
+    """Names of columns in a file, by our names, from texts OURS=THEIRS.
 
     Raises:
-        LogError: a text is not of that form.
+        LogError: a text does not have that form.
     """
     found = {}
     for text in column or []:
@@ -271,7 +271,7 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
 
 
 def kept_of(paths: list[Path], held_out: list[str]) -> tuple[list[Path], float | None]:
-    """Logs held out, and the fraction to cut off the end of every log to fit.
+    """Held-out logs, and the fraction of each log to hold out at its end.
 
     Raises:
         LogError: a log is both fitted and held out, or there are two fractions.
@@ -306,7 +306,7 @@ def split(
 
 
 def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:
-    """Assumed poses by joint.
+    """Fixed positions by joint.
 
     Raises:
         ModelError: not JOINT=VALUE, or a joint twice.

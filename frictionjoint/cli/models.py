@@ -1,4 +1,4 @@
-"""Commands on model files: ``install``, ``uninstall``, ``check`` and ``view``."""
+"""Commands on model files: `install`, `uninstall`, `check` and `view`."""
 
 import json
 import warnings
@@ -113,7 +113,8 @@ def check(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """List the friction of a model, what acts, and whether the time step is short enough.
+    """List the friction of a model, what else acts on its joints, and whether the time step
+    suffices.
 
     Examples:
 
@@ -180,7 +181,7 @@ def _files(joints: list[str]) -> dict[str, Path]:
 def _all_joints(
     spec: "mujoco.MjSpec", path: Path, exclude: list[str]
 ) -> "dict[str, JointFriction]":
-    """The same parameters for every named hinge and slide of a model, but the excluded ones."""
+    """The same parameters for every named hinge and slide of a model, without excluded ones."""
     from frictionjoint.files import read_parameters
     from frictionjoint.model_files import ONE_DOF
     from frictionjoint.simulate.mechanism import DEFLECTION
@@ -211,7 +212,7 @@ def _all_joints(
 
 
 def _write(spec: "mujoco.MjSpec", source: Path, out: Path) -> None:
-    """Write a model where its asset files are found, and see to it that it loads there."""
+    """Write a model with paths to its asset files, and check that it loads there."""
     from frictionjoint.model_text import model_text, placed, require_compiles
     from frictionjoint.report.write import write_files
 

@@ -1,4 +1,4 @@
-"""``frictionjoint motors``: identified motors, and parameter files of BAM."""
+"""The command `motors`: identified motors, and parameter files of BAM."""
 
 import json
 from pathlib import Path
@@ -94,7 +94,7 @@ def show_command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `motors list` prints it.")],
     as_json: Json = False,
 ) -> None:
-    """Show a motor: its numbers with errors, its friction-speed curve, source and conditions.
+    """Show the numbers of a motor with errors, its friction-speed curve, source and conditions.
 
     Example: `frictionjoint motors show ur10_j1`
     """

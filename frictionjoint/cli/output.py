@@ -1,4 +1,4 @@
-"""Where results go: whether they can be written and would overwrite their sources."""
+"""Checks of output paths: writable, and not overwriting input."""
 
 import tempfile
 import webbrowser
@@ -18,12 +18,12 @@ Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 def require_writable(
     out: Path, made_from: Iterable[Path], force: bool, files: Sequence[str] | None = None
 ) -> None:
-    """See that a result can be written, before the work; nothing is left behind.
+    """Check that a result can be written, before the work; nothing is left behind.
 
     Args:
-        out: a file; a folder where `files` are given, the names of what is written into it.
-        made_from: files that the command reads; what a model includes is one of them.
-        force: whether files that exist may be overwritten.
+        out: a file; or a folder, with the names of its `files`.
+        made_from: files that the command reads, including files that a model includes.
+        force: whether existing files may be overwritten.
     Raises:
         FrictionJointError: it cannot be written, or would overwrite a file without `force`.
     """
@@ -47,7 +47,7 @@ def require_writable(
 
 
 def open_page(page: Path) -> None:
-    """Open a page in the browser, where there is one."""
+    """Open a page in the browser, if there is one."""
     webbrowser.open(page.absolute().as_uri())
 
 

@@ -1,4 +1,4 @@
-"""Types of options and arguments in help texts, in words: FILE, INTEGER, nothing for a switch."""
+"""Types of options and arguments in help texts, in words: FILE, INTEGER, none for a switch."""
 
 from functools import partial
 from typing import Any
@@ -9,7 +9,7 @@ _WORDS = {"path": "FILE", "file": "FILE", "int": "INTEGER", "float": "NUMBER", "
 
 
 class _PlainTypes:
-    """A command whose help names the type of each parameter in a word."""
+    """A command whose help names the type of each parameter in one word."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """The parameters of the command."""

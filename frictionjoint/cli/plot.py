@@ -1,4 +1,4 @@
-"""``frictionjoint plot``: look at a log before anything is fitted."""
+"""The command `plot`: look at logs before anything is fitted."""
 
 from pathlib import Path
 from typing import Annotated
@@ -44,9 +44,9 @@ def plot(
     open_it: Open = False,
     force: Force = False,
 ) -> None:
-    """Draw logs as they were measured: position, velocity and drive.
+    """Draw logs as measured: position, velocity and drive.
 
-    Look for wrong units, gaps, a drive that is cut off, and rest, before you fit anything.
+    Look for wrong units, gaps, a saturated drive, and rest, before you fit anything.
 
     Examples:
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
 @dataclass(frozen=True)
 class RobotRequest:
-    """Which logs of which joints.
+    """Logs of the joints of a robot.
 
     Attributes:
         held_out: logs, or a fraction. joints: names, none for all. reading: of any joint.
@@ -39,7 +39,7 @@ class RobotRequest:
 
     @property
     def files(self) -> list[Path]:
-        """All that is read."""
+        """All files that are read."""
         return [*self.logs, *self.kept, self.model]
 
     @property
@@ -48,7 +48,7 @@ class RobotRequest:
         return kept_of([], self.held_out)[0]
 
     def of_unit(self, logs: list[Path]) -> "RobotRequest":
-        """The same of one of several robots."""
+        """The same for one of several robots."""
         return replace(self, logs=logs)
 
     def read(self) -> "RobotLogs":
@@ -75,7 +75,7 @@ class RobotRequest:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is made of the logs.
+    """What to do with the logs.
 
     Attributes:
         out, force: folder of the report, and whether it may be overwritten. as_json: on stdout.
@@ -100,7 +100,7 @@ class Wanted:
 
 
 def close_loop_of_robot(request: RobotRequest, wanted: Wanted) -> None:
-    """Read, explain, write, show."""
+    """Read, analyse, write and show."""
     from frictionjoint.report.write import FILES
     from frictionjoint.report.write_robot import write_robot_report
     from frictionjoint.robot.close_loop import close_loop_robot
@@ -122,7 +122,7 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
     """Logs by the robot's name, from texts NAME=LOG.
 
     Raises:
-        LogError: a text is not of that form, or a name is none of a folder.
+        LogError: a text does not have that form, or a name cannot name a folder.
     """
     found: dict[str, list[Path]] = {}
     for text in robots:
@@ -138,7 +138,7 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
 def close_loop_of_units(
     request: RobotRequest, units: dict[str, list[Path]], wanted: Wanted
 ) -> None:
-    """Read, explain, write and show several robots of one kind."""
+    """Read, analyse, write and show several robots of one kind."""
     from frictionjoint.report.write_robot_units import FILES, write_units_report
     from frictionjoint.robot.units import close_loop_units
 
@@ -159,7 +159,7 @@ def close_loop_of_units(
 
 
 def show_units(report: "UnitsReport") -> None:
-    """Each unit in a sentence, and how much they differ."""
+    """Each unit in a sentence, and their variation."""
     from frictionjoint.report.write_robot_units import unit_sentence
 
     out = console()

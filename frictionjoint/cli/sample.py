@@ -60,7 +60,7 @@ def _of_joint(content: Any, joint: str | None, file: Path) -> dict[str, Any]:
     """The part of a report that describes one joint.
 
     Raises:
-        ParameterError: not a report, or it is not plain which joint is meant.
+        ParameterError: not a report, or the joint is ambiguous.
     """
     from frictionjoint.errors import ParameterError
 

@@ -1,4 +1,4 @@
-"""What a person sees while a command runs and when it ends; silent and plain where it is piped."""
+"""Terminal output while a command runs and when it ends; plain text if it is redirected."""
 
 import contextlib
 import re
@@ -23,17 +23,18 @@ _PIPED_WIDTH = 120
 
 
 def console() -> Console:
-    """Standard output; wide enough for tables where it goes into a file."""
+    """Standard output, wide enough for tables if redirected to a file."""
     out = Console()
     return out if out.is_terminal else Console(width=_PIPED_WIDTH)
 
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr: what is being done, the part of it that is done, and the time left.
+    """A line on stderr: the current step, its progress, and the remaining time.
 
-    A message that counts ("4 of 12", "4/12") has a percentage; the time left is estimated from the
-    time that the counted steps have taken so far.
+    A message that counts ("4 of 12", "4/12") has a percentage; the remaining time is estimated from
+    the
+    counted steps so far.
     """
     err = Console(stderr=True)
     columns = (
@@ -55,14 +56,14 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 @dataclass
 class Steps:
-    """Steps of one counted kind of work, and when they began."""
+    """Counted steps of one kind of work, and when they began."""
 
     kind: str = ""
     begin: float = 0.0
     first: int = 0
 
     def left(self, text: str, now: float) -> str:
-        """Per cent that is done and the time left, from a message such as "4 of 12"."""
+        """Percentage and remaining time, from a message such as "4 of 12"."""
         counted = _COUNTED.search(text)
         if not counted:
             self.kind = ""
@@ -84,7 +85,7 @@ def _duration(seconds: float) -> str:
 
 @contextlib.contextmanager
 def warnings_afterwards() -> Iterator[None]:
-    """Show warnings of the block when it has succeeded, each once: an error is a line alone."""
+    """Show the warnings of a block after it has succeeded, each once; an error is shown alone."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
@@ -98,7 +99,7 @@ def show_report(report: "Report | RobotReport") -> None:
 
 
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
-    """Parameters with meaning, errors and units; one row where both directions are equal."""
+    """Parameters with meaning, errors and units; one row for both directions if they are equal."""
     from frictionjoint.report.numbers import law_numbers
 
     table = Table("parameter", "symbol", "value ± standard error")

@@ -87,7 +87,7 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
 def title(name: str) -> str:
     """Common name of an effect, from its canonical name; a place after " of " stays.
 
-    An effect of one's own, and one without a title, is called by its name, dashes as spaces.
+    An effect without a title is called by its canonical name, with spaces instead of dashes.
     """
     own, of, place = name.partition(" of ")
     plain = next((e.title for e in _ALL if e.name == own and e.title), "")

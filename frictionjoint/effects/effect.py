@@ -1,9 +1,10 @@
-"""The contract of an effect: physical cause, form, units, bounds, source, and how to spot it.
+"""The interface of an effect: physical cause, form, units, bounds, source, and its signature in
+logs.
 
 An effect adds the torque ``sum_i c_i * column_i(signals; shape)`` to the friction law. The
-coefficients c enter linearly; shape numbers (a period, a time constant) do not, and
-`shapes` proposes the grid on which they are searched before they are refined. The kernel
-behind `effect_id` (see kernel.py) computes the sum both for a log and in a simulation.
+coefficients c enter linearly; shape numbers (a period, a time constant) do not, and `shapes`
+proposes the grid on which they are searched before they are refined. The kernel with number
+`effect_id` (see kernel.py) computes the sum both for a log and in a simulation.
 """
 
 from collections.abc import Callable, Sequence

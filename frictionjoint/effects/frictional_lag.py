@@ -1,4 +1,4 @@
-"""frictional-lag: friction that follows a change of speed late."""
+"""frictional-lag: friction that follows a change of speed with a delay."""
 
 import math
 
@@ -18,8 +18,8 @@ _REACH = 5e-4
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c H1 (E delayed with the time constant tau - E), E = exp(-(v/Vs)^2), H1 = H within +-1.
 
-    Only the level is late. At a reversal friction changes direction without delay.
-    X[x] late E, X[x+1] torque per unit of c, X[x+2] last position.
+    Only the level is delayed. At a reversal friction changes direction without delay.
+    X[x] delayed E, X[x+1] torque per unit of c, X[x+2] last position.
     """
     ratio = sig[V] / P[e + 1]
     level = math.exp(-ratio * ratio)

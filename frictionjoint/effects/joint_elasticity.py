@@ -23,7 +23,7 @@ def _half_angle(w: float, h: float) -> float:
 
 @compiled
 def _steeper(w: float, h: float) -> float:
-    """Factor by which the trapezoidal rule must be faster to resonate at w."""
+    """Factor on the frequency so that the trapezoidal rule resonates at w."""
     angle = _half_angle(w, h)
     return angle / (math.sin(angle) * math.cos(angle)) if angle > 0.0 else 1.0
 

@@ -68,7 +68,8 @@ _heating = heating.torque
 
 @compiled
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Torque of one effect; a kernel knows no table of functions, hence the chain.
+    """Torque of one effect. A kernel cannot use a table of functions, hence the chain of
+    conditions.
 
     Ids 8 and 15 belonged to effects that no longer exist.
     """

@@ -1,4 +1,4 @@
-"""What each number of an effect or of a shared cause is, in words."""
+"""Descriptions of the numbers of effects and of shared causes."""
 
 _QUANTITIES = {
     "added": "of which your model lacks",
@@ -65,12 +65,12 @@ _OF_EFFECT = {
 
 
 def quantity_of(effect: str, number: str) -> str:
-    """What a number of an effect is.
+    """Description of a number of an effect.
 
     Args:
         effect: canonical name, also of a shared cause. number: name of the number.
     Returns:
-        for a number that is not known here, its name with spaces.
+        for an unknown number, its name with spaces.
     """
     own = _OF_EFFECT.get((effect, number)) or _QUANTITIES.get(number)
     return own or number.replace("_", " ")

@@ -25,7 +25,7 @@ _LONG_ROW, _FEW_ROWS = 200, 10
 
 
 def is_bare(path: Path) -> bool:
-    """Whether a text file begins with numbers, and no remark above them names the columns."""
+    """Whether a text file begins with numbers, and no comment above them names the columns."""
     try:
         lines = _first_lines(path)
     except (OSError, UnicodeDecodeError):
@@ -42,7 +42,7 @@ def is_bare(path: Path) -> bool:
 
 
 def bare_names(path: Path) -> list[str]:
-    """Numbers of the columns, or of the rows where the signals are in rows, from 1."""
+    """Numbers of the columns, or of the rows if each row is a signal, from 1."""
     width, rows = _size(path)
     return [str(i) for i in range(1, (rows or width) + 1)]
 
@@ -74,7 +74,7 @@ def bare_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 
 def _size(path: Path) -> tuple[int, int]:
-    """Numbers per row, and the number of rows where each of them holds a signal, else 0."""
+    """Numbers per row, and the number of rows if each row is a signal, else 0."""
     with path.open(encoding="utf-8-sig") as file:
         lines = (x for x in file if x.strip() and not x.startswith(_REMARKS))
         width = len(_cells(next(lines).strip()))
@@ -90,12 +90,12 @@ def _first_lines(path: Path) -> list[str]:
 
 
 def _separator(line: str) -> str | None:
-    """Between the cells of a line; None stands for any blanks, where a comma is a point."""
+    """Separator of the cells of a line; None: any blanks, with a decimal comma."""
     return ";" if ";" in line else None if len(line.split()) > 1 and ", " not in line else ","
 
 
 def _cells(line: str) -> list[str]:
-    """Cells of a line, without what follows a separator at its end."""
+    """Cells of a line, without an empty cell after a final separator."""
     separator = _separator(line)
     cells = [x.strip() for x in line.split(separator)]
     if separator != ",":

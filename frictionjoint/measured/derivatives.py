@@ -65,12 +65,14 @@ def uniform(time: Array, x: Array, grid: Array) -> Array:
 
 
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
-    """A measured position on a uniform grid, smooth between samples where they are curved.
+    """A measured position on a uniform grid, interpolated smoothly where the motion is curved.
 
-    A straight line between two samples cuts the bend of the motion, by another amount wherever
-    the clock jitters: differentiated twice, that is noise. Modified Akima pieces are local, so
-    that a gap in the log makes no waves. Where all of the bend is less than the noise of the
-    encoder's count, smooth pieces follow the counts and not the joint: straight ones are taken.
+    Linear interpolation between samples cuts corners, by an amount that varies with clock jitter;
+    differentiated twice, that is noise. Modified Akima pieces are local, so a gap in the log causes
+    no
+    oscillation. Where the curvature is below one encoder count, smooth pieces would follow the
+    counts;
+    there linear ones are used.
     """
     straight = uniform(time, position, grid)
     pieces = Akima1DInterpolator(time, position, method="makima")
@@ -84,8 +86,9 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
 def motion_band(position: Array, dt: float) -> MotionBand:
     """Frequency bands of a motion, from its spectrum.
 
-    Differentiated twice, the motion falls off towards high frequencies and the position's noise
-    rises. The whole of the motion ends at twice the frequency of the valley between the two.
+    In the second derivative, motion falls off towards high frequencies and position noise rises.
+    The
+    band of the motion ends at twice the frequency of the minimum between the two.
     """
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
@@ -127,12 +130,15 @@ def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivativ
 def followed(log: JointLog) -> Derivatives:
     """Smooth motion for initial states of simulations, in the band that predicts positions best.
 
-    By generalised cross-validation (Craven and Wahba 1979): the squares that the filter leaves over
-    the square of the part of the spectrum that it takes away are least where it takes away no
-    motion and as much noise as it can. Of the bands within a standard error of the best one it is
-    the narrowest, for a velocity is more of the noise than a position is. A motion in steps that is
-    slow beneath them has several valleys in its spectrum, and that of `motion_band` may be none
-    between motion and noise.
+    The band minimises generalised cross-validation (Craven and Wahba 1979): the squared residual of
+    the
+    filter over the square of the removed fraction of the spectrum. Among bands within a standard
+    error
+    of the best, the narrowest is used, because a velocity has relatively more noise than a
+    position. A
+    slow motion measured in coarse steps has several minima in its spectrum, and the one of
+    `motion_band`
+    may not separate motion from noise.
     """
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt

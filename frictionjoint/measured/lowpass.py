@@ -1,10 +1,10 @@
 """A zero-phase low-pass filter, its derivatives and a delay, all exact at every frequency.
 
-The response is applied to the discrete spectrum, so that a filtered derivative is the derivative of
-the filtered signal to rounding: whatever is balanced passes the same operator.
+The response is applied to the discrete spectrum, so a filtered derivative equals the derivative of
+the filtered signal to rounding: both sides of a torque balance pass the same operator.
 
 A log is unknown beyond its ends, and the assumed continuation affects samples near the ends. The
-range depends on the response: one that is cut off abruptly rings through the whole log.
+range depends on the response; a sharp cut-off rings through the whole log.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from frictionjoint.compiled import compiled, pointer
 
 
 class Spectrum(NamedTuple):
-    """Of signals without their chords.
+    """Spectrum of signals without the line through their ends.
 
     Attributes:
         values: shape (logs, rows, frequencies). ends: first and last value, shape (logs, rows, 2).
@@ -47,10 +47,12 @@ def steep(ratio: Array) -> Array:
 
 
 def gentle(ratio: Array) -> Array:
-    """A raised cosine, zero from twice the corner: of four samples a period nothing is cut off.
+    """A raised cosine, zero above twice the corner: four samples per period represent it
+    completely.
 
-    Of what is beyond the ends of a log 0.4% of its kernel's peak is seen a period of the corner
-    away, and 0.05% two periods away.
+    The influence of what lies beyond the ends of a log is 0.4% of the kernel's peak at one period
+    of the
+    corner, and 0.05% at two.
     """
     return np.asarray(np.cos(0.25 * np.pi * np.minimum(ratio, 2.0)) ** 2)
 
@@ -61,10 +63,9 @@ class LowPass:
 
     Attributes:
         n: samples of the signals. dt: sampling interval, s. corner_hz: half of the amplitude
-        passes.
+            passes.
         response: amplitude, `gentle` or `steep`.
-        step: one in `step` samples is given back. up: so many are given back for each, and then
-            one in `step` of those.
+        step: one in `step` samples is returned. up: first, so many are interpolated for each.
     """
 
     n: int
@@ -87,7 +88,7 @@ class LowPass:
         return found.T if x.ndim > 1 else found[0]
 
     def spectrum(self, x: Array) -> Spectrum:
-        """Of a signal, shape (n,)."""
+        """Spectrum of a signal, shape (n,)."""
         (found,) = self._alone.spectra(x[None])
         return found
 
@@ -98,7 +99,8 @@ class LowPass:
         delay: float = 0.0,
         weight: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """The filtered signal of a spectrum, differentiated, `delay` seconds late, shape (m,).
+        """The filtered signal of a spectrum, differentiated and delayed by `delay` seconds, shape
+        (m,).
 
         Args:
             weight: amplitude by angular frequency, rad/s, 1 at zero.
@@ -111,23 +113,23 @@ class LowPass:
 
     @property
     def given(self) -> int:
-        """How many samples are given back."""
+        """Number of returned samples."""
         return (self.n - 1) * self.up // self.step + 1
 
     @cached_property
     def fade(self) -> Array:
-        """By which what is beyond the ends fades out, from 0 far away to 1 at the signal."""
+        """Weight of the continuation beyond the ends, from 0 far away to 1 at the signal."""
         return np.asarray(np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, self.pad + 1)[1:]) ** 2)
 
     @cached_property
     def pad(self) -> int:
-        """Samples by which a signal is continued at its beginning."""
+        """Samples of the continuation before the beginning."""
         wanted = min(self.n - 1, max(8, int(_CONTINUED / (self.corner_hz * self.dt))))
         return max(1, wanted // self.step) * self.step if wanted >= self.step else 0
 
     @property
     def tail(self) -> int:
-        """Samples by which a signal is continued at its end."""
+        """Samples of the continuation after the end."""
         return min(self.length - self.pad - self.n, self.pad)
 
     @cached_property
@@ -143,7 +145,7 @@ class LowPass:
 
     @cached_property
     def amplitude(self) -> Array:
-        """At those."""
+        """Amplitudes at these frequencies."""
         return self.response(self.omega / (2.0 * np.pi * self.corner_hz))
 
 
@@ -176,7 +178,7 @@ class LowPasses:
         return self.back(self.spectra(x))
 
     def spectra(self, x: Array) -> list[Spectrum]:
-        """Of rows of signals, as above; in the order of the groups of filters."""
+        """Spectra of rows of signals, in the order of the groups of filters."""
         rows = np.ascontiguousarray(x, dtype=np.float64)
         return [group.spectrum(rows) for group in self._groups]
 
@@ -198,7 +200,7 @@ class _Alike:
     """Filters with transforms of equal length, computed together.
 
     Args:
-        begin, back: places of the logs among the samples that come in and those given back.
+        begin, back: positions of the logs in the input and in the output.
     """
 
     def __init__(
@@ -220,7 +222,7 @@ class _Alike:
         self._back = where, np.array([f.given for f in filters]), pad * self._up // self._step, n
 
     def spectrum(self, x: Array) -> Spectrum:
-        """Of the logs' parts of all rows."""
+        """Spectra of the logs' parts of all rows."""
         whole = np.zeros((len(self._dt), len(x), self._length))
         ends = np.empty((len(self._dt), len(x), 2))
         _fill_continued(x, *self._given, self._fade, whole, ends)
@@ -249,7 +251,7 @@ class _Alike:
 
 
 def places(lengths: Sequence[int]) -> list[slice]:
-    """Of each log where all lie one behind the other."""
+    """Slice of each log in the concatenation of all."""
     ends = np.cumsum(lengths).tolist()
     return [slice(end - n, end) for n, end in zip(lengths, ends, strict=True)]
 
@@ -265,15 +267,17 @@ def _fill_continued(
     whole: Array,
     ends: Array,
 ) -> None:
-    """Fill `whole` with signals without their chords, turned about both ends and faded out.
+    """Fill `whole` with signals without their chords, reflected about both ends and faded out.
 
-    Without the line through its first and last sample, `ends`, a signal goes on evenly when it is
-    turned about its ends, which keeps its value and its slope.
+    Without the line through its first and last sample, `ends`, a signal continues with the same
+    value
+    and slope when it is rotated about its ends.
 
     Args:
-        x: rows, shape (k, n). begin, n: place and samples of each log. pad, tail: samples of its
+        x: rows, shape (k, n). begin, n: start and samples of each log. pad, tail: samples of its
             continuations. fade: see `LowPass.fade`, shape (logs, most). whole: zeros, shape (logs,
-            k, m). ends: shape (logs, k, 2).
+            k,
+            m). ends: shape (logs, k, 2).
     """
     for i in range(len(n)):
         a, count, before = begin[i], n[i], pad[i]
@@ -306,11 +310,12 @@ def _fill_back(
     derivative: int,
     out: Array,
 ) -> None:
-    """Fill `out` with the signals themselves and their chords, as far as a derivative has them.
+    """Fill `out` with the filtered signals, including the contribution of their chords.
 
     Args:
-        x: what comes of the transforms, shape (logs, k, m). begin, given: place of each log in the
-            rows of `out`. first: of its samples in x. n: samples that came in.
+        x: inverse transforms, shape (logs, k, m). begin, given: start and samples of each log in
+            the
+            rows of `out`. first: index of its first sample in x. n: input samples.
     """
     for i in range(len(n)):
         a, b = begin[i], first[i]

@@ -31,7 +31,7 @@ _FRONT = 4096
 
 
 class MatlabError(Exception):
-    """What is wrong with a file, without its name."""
+    """What is wrong with a file, without the file's name."""
 
 
 class NotNumbersError(MatlabError):
@@ -59,13 +59,13 @@ def arrays(path: Path, wanted: Collection[str]) -> dict[str, Array]:
     """The requested variables that exist, in their own shape.
 
     Raises:
-        MatlabError: the file is corrupt, or a wanted variable is no array of real numbers.
+        MatlabError: the file is corrupt, or a requested variable is not an array of real numbers.
     """
     return {name: x for name, x in _variables(path, wanted) if x is not None}
 
 
 def _variables(path: Path, wanted: Collection[str]) -> Iterator[tuple[str, Array | None]]:
-    """Name, and the numbers where wanted, of each variable; what is not wanted is not kept."""
+    """Name of each variable, and its numbers if requested."""
     size = path.stat().st_size
     with open(path, "rb") as file:
         order = "<" if file.read(_HEADER)[126:128] == b"IM" else ">"
@@ -87,7 +87,7 @@ def _variables(path: Path, wanted: Collection[str]) -> Iterator[tuple[str, Array
 
 
 def _compressed(packed: bytes, order: str, wanted: Collection[str]) -> tuple[str, Array | None]:
-    """A variable behind zlib; unpacked as far as it takes, and never beyond what its tag says."""
+    """A variable compressed by zlib, unpacked up to the length that its tag states."""
     try:
         front = zlib.decompressobj().decompress(packed, _FRONT)
         kind, start, size = _tag(front, 0, order)
@@ -103,7 +103,7 @@ def _compressed(packed: bytes, order: str, wanted: Collection[str]) -> tuple[str
 
 
 def _front(data: bytes, order: str) -> tuple[str, str | list[int], int]:
-    """Name, dimensions or what it is instead of plain numbers, and where the data begins."""
+    """Name, dimensions (or the kind, if not plain numbers), and the offset of the data."""
     flags, at = _element(data, 0, order)
     if len(flags) < 4:
         raise MatlabError("a variable without its flags")
@@ -134,7 +134,7 @@ def _numbers(data: bytes, at: int, name: str, shape: str | list[int], order: str
 
 
 def _element(data: bytes, at: int, order: str) -> tuple[bytes, int]:
-    """Bytes of a small element, and where the next one begins."""
+    """Bytes of a small element, and the offset of the next one."""
     _, start, size = _tag(data, at, order)
     if start + size > min(len(data), _FRONT):
         raise MatlabError("a variable's name or size is corrupt")
@@ -143,7 +143,7 @@ def _element(data: bytes, at: int, order: str) -> tuple[bytes, int]:
 
 
 def _tag(data: bytes, at: int, order: str) -> tuple[int, int, int]:
-    """Data type of an element, where its data begins, its bytes."""
+    """Data type of an element, the offset of its data, and its length."""
     if at + 8 > len(data):
         raise MatlabError("the file ends within a tag")
     first, size = struct.unpack_from(f"{order}II", data, at)

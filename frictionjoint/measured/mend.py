@@ -1,6 +1,6 @@
 """Repairs of a log that need no guess, each with a note.
 
-Isolated wrong readings, wrapped positions, repeated rows.
+They concern isolated wrong readings, wrapped positions and repeated rows.
 """
 
 import itertools
@@ -108,7 +108,7 @@ def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, i
 
 
 def _moves(position: Array) -> bool:
-    """Whether a position goes further than its reading jitters from sample to sample."""
+    """Whether a position moves further than its reading jitters between samples."""
     if len(position) < 3:
         return False
     jitter = float(np.sqrt(np.mean(np.diff(position, 2) ** 2) / 6.0))
@@ -119,7 +119,7 @@ def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """Notes on drives that are exactly zero for long while the joint moves.
 
     Args:
-        columns: of the joint, shape (n,) each; with ``time_s`` and a position.
+        columns: of the joint, shape (n,) each, including ``time_s`` and a position.
     """
     position = next(x for name, x in columns.items() if name in ("position_rad", "position_m"))
     time, notes = columns["time_s"], []

@@ -1,10 +1,11 @@
 """Recordings of ``mujoco.sysid``: the .npz that its `SystemTrajectory` and `TimeSeries` save.
 
-A recording has series of its own times: sensors, controls, states. All are read at the times of the
-sensors (of the states, where there are no sensors); a control holds until the next one, as in a
-simulation. A signal of one number is a column under its name, of several a matrix. The positions
-and velocities of the state, ``elbow_qpos`` and ``elbow_qvel``, are ``elbow.position_rad`` and
-``elbow.velocity_rad_s`` already. What a control or a sensor stands for the file does not say.
+Each series of a recording has its own times: sensors, controls, states. All are read at the times
+of
+the sensors (or of the states, if there are no sensors); a control holds until the next one, as in a
+simulation. A signal with one number is a column of its name, with several a matrix. The positions
+and velocities of the state, ``elbow_qpos`` and ``elbow_qvel``, become ``elbow.position_rad`` and
+``elbow.velocity_rad_s``. The file does not say what a control or a sensor means.
 """
 
 import json
@@ -24,7 +25,7 @@ def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
     """Each signal at common times, shape (n,) or (n, k), with ``time_s``.
 
     Returns:
-        None where the archive is no such recording.
+        None if the archive is not such a recording.
     """
     if "times" in archive and "data" in archive:
         series = {"": (archive["times"], archive["data"], _names(archive, "signal_mapping"))}

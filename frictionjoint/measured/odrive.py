@@ -1,7 +1,7 @@
-"""Anti-cogging recordings of a bare motor on an ODrive (Chen et al.): .npy of three rows.
+"""Anti-cogging recordings of a bare motor on an ODrive (Chen et al.): .npy with three rows.
 
-Rows: time s, encoder counts (8192 a turn), motor current A. The current is a torque up to the
-motor's torque constant, which the file does not hold.
+Rows: time s, encoder counts (8192 per turn), motor current A. The current is a torque up to the
+motor's torque constant, which the file does not contain.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""The Panda log of Gaz et al. (2019): a folder of text files, seven joints per sample in turn.
+"""The Panda log of Gaz et al. (2019): a folder of text files, seven joints per sample in order.
 
 ``exciting_traj_time.txt`` s, ``..._positions.txt`` rad, ``..._velocity.txt`` rad/s,
-``..._torques.txt`` N m at the joint's torque sensor, gravity included; one number a line.
+``..._torques.txt`` N m at the joint's torque sensor, gravity included; one number per line.
 """
 
 from pathlib import Path
@@ -20,7 +20,7 @@ _FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}
 
 
 def is_panda(folder: Path) -> bool:
-    """Whether a folder holds such a log."""
+    """Whether a folder contains such a log."""
     return _file(folder, "time").is_file() or _file(folder, "positions").is_file()
 
 

@@ -1,7 +1,7 @@
 """Arrays of numpy inside a pickle, for an unpickler that imports nothing.
 
-numpy pickles an array as an empty one that takes its shape, type and bytes as a state. The
-stand-ins here know such states and call nothing else.
+numpy pickles an array as an empty array followed by a state of shape, type and bytes. The classes
+here stand in for numpy's and accept such states; they call nothing else.
 """
 
 import math
@@ -16,7 +16,7 @@ _NUMBERS = re.compile(r"[iu][1248]|f[248]|b1")
 
 
 class PickledArray:
-    """An array whose state comes after it; `numbers` is it."""
+    """An array whose state follows it in the pickle; `numbers` is the array."""
 
     numbers: np.ndarray[Any, Any]
 
@@ -48,7 +48,7 @@ class _Kind:
 
 
 def _bytes(text: str, code: str) -> bytes:
-    """Bytes as older pickles write them."""
+    """Bytes in the encoding of older pickles."""
     if code != "latin1":
         raise pickle.UnpicklingError(f"_codecs.encode to {code!r}")
     return text.encode("latin1")
@@ -58,7 +58,7 @@ _RECONSTRUCT = ("numpy.core.multiarray", "numpy._core.multiarray")
 
 
 def stand_in(module: str, name: str) -> Callable[..., Any] | None:
-    """What takes the place of a name of numpy in a pickle; None where an array does not need it."""
+    """Replacement for a name of numpy in a pickle; None if an array does not need it."""
     if module in _RECONSTRUCT and name == "_reconstruct":
         return PickledArray
     known: dict[tuple[str, str], Callable[..., Any]] = {

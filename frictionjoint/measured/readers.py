@@ -1,9 +1,9 @@
-"""Read a log, whatever its format; the format follows from the file's name and content.
+"""Read a log of any format; the format follows from the file's name and content.
 
-The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and
-.mat with a mapping of names, recordings of mujoco.sysid, ROS bags, LeRobot data sets, rollouts of
-PACE, Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda, ODrive and
-TX40. A folder of logs is several, see `log_files`.
+The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and .mat
+with a mapping of names, recordings of mujoco.sysid, ROS bags, LeRobot data sets, rollouts of PACE,
+Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda, ODrive and TX40. A
+folder of logs stands for all of them, see `log_files`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -120,7 +120,7 @@ def log_files(path: str | Path) -> list[Path]:
     Args:
         path: a log, a LeRobot data set (``FOLDER#0-7``: some of its episodes), or a folder.
     Raises:
-        LogError: a folder holds no log.
+        LogError: a folder contains no log.
     """
     path = Path(path)
     if is_lerobot(path):
@@ -137,7 +137,7 @@ def log_files(path: str | Path) -> list[Path]:
 
 
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints of a log whose drive it holds, none where its columns name no joint.
+    """Names of the joints with a logged drive; none if the columns name no joint.
 
     Args:
         path, columns: see `read_log`.
@@ -162,11 +162,11 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
 
 
 def require_logs(logs: Any, held_out: Any) -> None:
-    """See that logs, and those held out or their fraction, can be such.
+    """Check the arguments for logs and held-out logs or their fraction.
 
     Raises:
-        TypeError: one log where a list is asked for, or what is no log.
-        LogError: there is none to fit.
+        TypeError: one log instead of a list, or not a log.
+        LogError: there is no log to fit.
     """
     _require_list("logs", logs)
     if not isinstance(held_out, int | float):

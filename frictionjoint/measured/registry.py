@@ -1,8 +1,9 @@
 """Public measured data: addresses pinned to a commit, hashes, licences.
 
-Nothing of it is shipped with the package. Files come from their authors' repositories with pooch
-into its cache folder; a local folder is used instead, and the network never, where the environment
-variable FRICTIONJOINT_DATA names a folder that holds a folder for each data set.
+The package contains no such data. Files are fetched from their authors' repositories with pooch
+into
+its cache folder. If the environment variable FRICTIONJOINT_DATA names a local folder with a
+subfolder per data set, that is used instead, and never the network.
 """
 
 import os
@@ -18,16 +19,16 @@ _RAW = "https://raw.githubusercontent.com"
 
 @dataclass(frozen=True)
 class DataSet:
-    """Logs of one source.
+    """Logs from one source.
 
     Attributes:
-        name: as `get_data` takes it, and name of its folder in a local one.
+        name: argument of `get_data`, and name of its folder in a local copy.
         title: what was measured, by whom.
         licence: as its authors state it.
         source: page of the repository.
-        address: of the folder the files lie in, with the commit.
+        address: of the folder with the files, including the commit.
         files: name -> sha256.
-        logs: what `read_log` takes, relative to the folder; ``.`` is the folder itself.
+        logs: arguments of `read_log`, relative to the folder; ``.`` is the folder itself.
     """
 
     name: str
@@ -147,7 +148,7 @@ _SETS = {s.name: s for s in (_EMPS, _PANDA, _XL330)}
 
 
 def list_data() -> tuple[DataSet, ...]:
-    """All data sets that `get_data` brings."""
+    """All data sets that `get_data` can fetch."""
     return tuple(_SETS.values())
 
 

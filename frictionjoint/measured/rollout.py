@@ -1,11 +1,12 @@
 """Rollouts in tensors of all joints: ``.pt`` and ``.npz`` of PACE, Isaac Lab, mjlab and the like.
 
-A file holds arrays of shape (n, joints), or (n, worlds, joints), under the names that these
+A file contains arrays of shape (n, joints) or (n, worlds, joints), with the names that these
 programs give to the data of an articulation: ``joint_pos`` or ``dof_pos`` rad, ``joint_vel`` rad/s,
 ``joint_pos_target`` or ``des_dof_pos`` rad, ``applied_torque`` N m. Time is ``time``, shape (n,),
-s, or ``dt``, one number, or ``fps``. ``joint_names`` names the joints; without it they are
-``joint_1`` ... in the file's order. ``kp`` and ``kd``, one number per joint, are figures of the
-log, for a controller with ``kp = "log:kp"``.
+s,
+or ``dt``, one number, or ``fps``. ``joint_names`` names the joints; without it they are ``joint_1``
+... in the file's order. ``kp`` and ``kd``, one number per joint, become metadata of the log, for a
+controller with ``kp = "log:kp"``.
 (PACE: Bjelonic et al. 2025, github.com/leggedrobotics/pace-sim2real.)
 """
 
@@ -36,7 +37,7 @@ _GAINS = ("kp", "kd")
 
 @dataclass(frozen=True)
 class _Rollout:
-    """What a file holds: arrays of shape (n, joints) by our column name, time (n,), gains."""
+    """Content of a file: arrays of shape (n, joints) by our column name, time (n,), gains."""
 
     time: Array
     of_joints: dict[str, Array]
@@ -45,7 +46,8 @@ class _Rollout:
 
 
 def is_rollout(path: Path, columns: Mapping[str, str] | None = None) -> bool:
-    """Whether a file is such a rollout: a .pt, or an .npz with such names and no others asked."""
+    """Whether a file is such a rollout: a .pt, or an .npz with such names and no requested
+    columns."""
     if path.suffix.lower() == ".pt":
         return True
     if path.suffix.lower() != ".npz" or not set(columns or ()) <= {"joints", "world"}:
@@ -69,7 +71,7 @@ def read_rollout(
 
     Args:
         columns: ``{"joints": "FL_hip,FL_thigh"}``, names of the joints in the file's order, and
-            ``{"world": "3"}``, the number of the world where there are several.
+            ``{"world": "3"}``, the index of the world if there are several.
         units: see `units`.
     Raises:
         LogError: not such a file, no such joint, or see `validate`.
@@ -146,7 +148,7 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
 
 
 def _arrays(path: Path) -> tuple[dict[str, Array], list[str]]:
-    """Arrays of numbers by name, and the names of joints that the file holds."""
+    """Arrays of numbers by name, and the joint names in the file."""
     if path.suffix.lower() == ".pt":
         return read_tensors(path), []
     try:

@@ -1,13 +1,14 @@
 """ROS bags with sensor_msgs/JointState: ROS 2 folders, single .db3 and .mcap files, ROS 1 .bag.
 
-Read with the ``rosbags`` library, no ROS installation needed. ``effort`` is the torque, N m (N for
-a slide). Time is the message's stamp; where no stamp was set, the time of recording.
+They are read with the ``rosbags`` library; no ROS installation is needed. ``effort`` is the torque,
+N m (N for a slide). Time is the message's stamp, or the time of recording if there is no stamp.
 
-Commands are read from a topic of their own, which is named: JointState messages that hold commanded
-positions, the state of a joint trajectory controller, whose reference is what the position loop
-was told, or the Float64MultiArray of a forward controller, whose joints are named in its order; it
-has no stamp and takes the time of recording. A JointTrajectory is not enough: how it is
-interpolated is up to its controller.
+Commands come from a topic that the user names: JointState messages with commanded positions; the
+state of a joint trajectory controller, whose reference is the target of the position loop; or the
+Float64MultiArray of a forward controller, whose joints are named in its order and whose time is
+that
+of recording. A JointTrajectory is not sufficient, because its interpolation is up to its
+controller.
 """
 
 from collections.abc import Iterator, Mapping
@@ -48,10 +49,11 @@ def read_rosbag(
     """Read one joint; rows in messages are its samples, counted from 1.
 
     Args:
-        columns: ``{"topic": name}`` where the bag has several JointState topics,
-            ``{"command": name}``, the topic of the commands, ``{"joints": "a,b"}``, whose they are
-            in order where they carry no names, and ``{"position_m": "position"}`` to say that the
-            joint is a slide. units: see `units`.
+        columns: ``{"topic": name}`` if the bag has several JointState topics, ``{"command": name}``
+            for
+            the topic of the commands, ``{"joints": "a,b"}`` for their joints in order if they carry
+            no
+            names, and ``{"position_m": "position"}`` if the joint is a slide. units: see `units`.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """
@@ -95,7 +97,7 @@ def read_rosbag(
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints whose effort, or command, a bag holds.
+    """Names of the joints with effort or commands in a bag.
 
     Raises:
         LogError: see `read_rosbag`.
@@ -109,7 +111,7 @@ def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[
 def _by_joint(
     path: Path, topic: str | None, command: str | None, joints: str | None
 ) -> dict[str, Array]:
-    """Rows of time, position, velocity, effort, target by joint; what is not told is NaN."""
+    """Rows of time, position, velocity, effort, target by joint; missing values are NaN."""
     order = [name.strip() for name in joints.split(",")] if joints else []
     rows: _Rows = {}
     commands: _Rows = {}
@@ -147,9 +149,9 @@ def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str
     """Joints of a command with their commanded positions.
 
     Args:
-        order: names of the joints, for a command that carries none.
+        order: names of the joints, for a command without names.
     Raises:
-        LogError: there are not as many names as commands.
+        LogError: the numbers of names and commands differ.
     """
     if hasattr(message, "data"):
         if len(order) != len(message.data):
@@ -175,7 +177,8 @@ def _with_target(
     commands: list[tuple[float, ...]],
     start: int,
 ) -> Array:
-    """Rows of a joint, shape (n, 5): a command holds until the next one; before there is none."""
+    """Rows of a joint, shape (n, 5): a command holds until the next one; before the first there
+    is none."""
     found = np.full((len(samples), 5), np.nan)
     found[:, :4] = [((int(t) - start) * 1e-9, *rest) for t, *rest in samples]
     if not commands:
@@ -199,7 +202,7 @@ def _messages(
     """Messages of one topic with their recording times, ns.
 
     Args:
-        kinds: types of the messages. other_than: a topic that is meant for something else.
+        kinds: types of the messages. other_than: a topic with another purpose.
     """
     try:
         from rosbags.highlevel import AnyReader

@@ -12,7 +12,7 @@ _APART, _SURE = 0.05, 0.9
 
 
 def speed_note(log: JointLog) -> tuple[str, ...]:
-    """What to say of a velocity that is not the slope of the position; nothing where it is."""
+    """A note if the velocity is not the derivative of the position; empty if it is."""
     if log.velocity is None:
         return ()
     integral = cumulative_trapezoid(log.velocity, log.time, initial=0.0)

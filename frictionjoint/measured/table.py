@@ -1,9 +1,9 @@
-"""Logs in tables: CSV and other text, Parquet, npz and MATLAB files with one column a quantity.
+"""Logs in tables: CSV and other text, Parquet, npz and MATLAB files with one column per quantity.
 
 Memory: only the columns of the chosen joint and the positions and velocities of the others are
-read; 8 bytes a row for each of them stay, and at most three times that is held meanwhile.
-Measured: four columns of 10 million rows stay in 320 MB, with a peak of 930 MB (CSV) or 770 MB
-(Parquet).
+read,
+8 bytes per row each; at most three times that is used while reading. Measured: four columns of 10
+million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
 """
 
 from collections.abc import Iterable, Mapping
@@ -63,9 +63,9 @@ def read_table(
     """Read one joint from a table.
 
     Args:
-        columns: our column name -> name in the file, for files with names of their own.
-        signals: further columns to read. wrap: range that positions wrap at, rad (m).
-        units: unit by quantity, of what is not in SI units, see `units`.
+        columns: our column name -> name in the file, for files with other names.
+        signals: further columns to read. wrap: range at which positions wrap, rad (m).
+        units: unit by quantity, for quantities not in SI units, see `units`.
         drop_nan: leave out rows with an empty cell or NaN, with a note.
     Raises:
         LogError: see `validate`; also unknown columns or joints.
@@ -128,14 +128,15 @@ def log_of(
     units: Mapping[str, str] | None = None,
     drop_nan: bool = False,
 ) -> JointLog:
-    """A log from arrays under our column names, wrapped positions and repeated rows mended.
+    """A log from arrays with our column names; wrapped positions and repeated rows are repaired.
 
     Args:
-        data: shape (n,) each; the names of other joints' motion carry their prefix. Besides the
-            names of `columns`, ``torque_enabled``: above 0.5 where the drive is on.
+        data: shape (n,) each; names of other joints' motion carry their prefix. In addition to the
+            names
+            of `columns`, ``torque_enabled``: above 0.5 while the drive is on.
         prefix: of the joint's own columns in the file, for messages.
-        signals: further quantities by name. wrap: range that positions wrap at, rad (m).
-        units: unit by quantity, of what is not in SI units, see `units`.
+        signals: further quantities by name. wrap: range at which positions wrap, rad (m).
+        units: unit by quantity, for quantities not in SI units, see `units`.
     Raises:
         LogError: see `validate`, `mend` and `units`.
     """
@@ -222,7 +223,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
     """Names of a table's columns, without reading its rows.
 
     Args:
-        columns: asked for, as `read_table` has them: of matrices, these parts are named.
+        columns: the requested ones, see `read_table`; of matrices, these parts are named.
     """
     kind = path.suffix.lower()
     if kind in (".npz", ".mat"):
@@ -238,7 +239,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
 
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
-    """Only the columns asked for, each of shape (n,); that of time may be of dates."""
+    """Only the requested columns, each of shape (n,); the time column may contain dates."""
     kind = path.suffix.lower()
     if kind == ".npz":
         return npz_columns(path, names)

@@ -1,12 +1,12 @@
-"""Tables as text: header, columns, and the line of a bad cell.
+"""Text tables: header, columns, and the line of a bad cell.
 
-The separator is the comma; a header without commas may use semicolons, tabs or single blanks, and
-numbers below it a comma for their point. The header is the first line that names a column for each
-cell of the samples; lines above it are skipped (a recorder's own), and a note says so. Lines that
-begin with # are remarks; the last of them is the header where only numbers follow, as numpy writes
-it. One line of units may stand below the header. Columns without a name are dropped. Blank lines
-hold no sample and count as lines in messages. A column of dates with times, as ISO 8601 writes
-them, is read as seconds since its first.
+The separator is a comma; a header without commas may use semicolons, tabs or single blanks, and
+then
+numbers may use a decimal comma. The header is the first line that names a column for each cell of
+the samples; lines above it, from a recorder, are skipped with a note. Lines that begin with # are
+comments; the last one is the header if only numbers follow, as numpy writes it. One line of units
+may follow the header. Columns without a name are dropped. Blank lines are no samples but count as
+lines in messages. A column of dates and times (ISO 8601) is read as seconds since the first.
 """
 
 import csv
@@ -42,14 +42,14 @@ _ZONE = 3
 
 
 class _Layout(NamedTuple):
-    """How a file is written.
+    """Layout of a file.
 
     Attributes:
         names: of its columns, None for one without a name. separator: between cells.
-        point: of decimal numbers. before: lines before the first that may hold a sample.
-        moments: type of columns of dates. title: line of the header.
-        skipped: lines above it that are no remarks.
-        units: cell below each name, where a line of units is there.
+        point: decimal separator. before: lines before the first that may be a sample.
+        moments: type of date columns. title: line number of the header.
+        skipped: lines above it that are no comments.
+        units: cell below each name, if there is a line of units.
     """
 
     names: list[str | None]
@@ -84,7 +84,7 @@ def units_row(path: Path) -> tuple[int, dict[str, str]]:
 
 
 def notes(path: Path) -> tuple[str, ...]:
-    """What a reader of a result must know of how the file was read."""
+    """Notes on how the file was read."""
     layout = _layout(path)
     if layout.title <= 1 or not layout.skipped:
         return ()
@@ -95,12 +95,12 @@ def notes(path: Path) -> tuple[str, ...]:
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
     """Some columns of a file, each of shape (n,).
 
-    Only these are parsed: 8 bytes a number in the end, 16 at most meanwhile, plus small blocks.
+    Only these are parsed: 8 bytes per number in the result, at most 16 while reading.
 
     Args:
-        time: the column that may be of dates with times.
+        time: the column that may contain dates and times.
     Raises:
-        LogError: line-exact, for a cell that is no number or a line of another width.
+        LogError: with the line number, for a cell that is no number or a line of another width.
     """
     layout = _layout(path)
     moments = {name: kind for name, kind in layout.moments.items() if name == time}
@@ -128,9 +128,9 @@ def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[
 
 
 def owned(column: pa.ChunkedArray) -> Array:
-    """An Arrow column of numbers as an array of its own, missing cells NaN; one copy at most.
+    """An Arrow column of numbers as a new array, missing cells NaN; at most one copy.
 
-    Of dates with times, the seconds since the first.
+    For dates and times, the seconds since the first.
     """
     if pa.types.is_timestamp(column.type):
         moments = column.to_numpy()
@@ -140,7 +140,7 @@ def owned(column: pa.ChunkedArray) -> Array:
 
 
 def line_of(path: Path, sample: int) -> int:
-    """Line number, from 1, of a sample; blank lines between are counted, not sampled."""
+    """Line number, from 1, of a sample; blank lines are counted as lines, not as samples."""
     before = _layout(path).before
     for i, (number, _) in enumerate(_data_lines(path, before)):
         if i == sample:
@@ -159,7 +159,7 @@ def _layout(path: Path) -> _Layout:
 
 
 def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
-    """Of a file by its first lines."""
+    """Layout of a file from its first lines."""
     some = [text.rstrip("\r\n") for text in islice(lines, _SOME)]
     if not some:
         raise LogError(f"{name}: empty, it needs a header row and samples")
@@ -223,7 +223,7 @@ def _is_units_line(cells: list[str]) -> bool:
 def _header_line(lines: list[str], first: int) -> int:
     """Index of the first line that names a column for each cell of the samples below it.
 
-    The first line where none does: it is the header then, and the samples are at fault.
+    If there is none, the first line: it is the header then, and the samples are wrong.
     """
     wider = []
     for i in range(first, len(lines)):
@@ -251,7 +251,7 @@ def _last(cells: list[str]) -> int:
 
 
 def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
-    """Names for every cell of a sample where what is more or less than them is empty."""
+    """Names for every cell of a sample, if the surplus of either is empty."""
     wide = len(sample)
     if sample and wide < len(names) and not any(names[wide:]):
         return names[:wide]
@@ -264,7 +264,7 @@ def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataTy
     """Type of each column that begins with a date and a time.
 
     Args:
-        some: the first lines that may hold samples.
+        some: the first lines that may be samples.
     """
     sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
     cells = zip(names, map(_MOMENT.fullmatch, sample), strict=False)
@@ -274,12 +274,12 @@ def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataTy
 
 
 def _numbers_only(line: str) -> bool:
-    """Whether a line holds nothing but numbers."""
+    """Whether a line contains only numbers."""
     return all(_NUMBER.fullmatch(x) for x in re.split(r"[,;\s]+", line))
 
 
 def _data_lines(path: Path, before: int) -> Iterator[tuple[int, str]]:
-    """Number and text of every line that holds a sample, those `before` them left out."""
+    """Number and text of every sample line, after the first `before` lines."""
     with path.open(encoding="utf-8", errors="replace", newline="") as file:
         number = 0
         for chunk in file:
@@ -293,7 +293,7 @@ def _data_lines(path: Path, before: int) -> Iterator[tuple[int, str]]:
 def _first_fault(
     path: Path, layout: _Layout, names: list[str], moments: Container[str], error: str
 ) -> str:
-    """Find the cell Arrow stumbled over, to name its line and column."""
+    """Find the cell that Arrow could not read, and name its line and column."""
     all_names, number = layout.all_names, 0
     # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
     row = re.search(r"Row #(\d+)", error)

@@ -1,10 +1,10 @@
-"""Tensors of a file that ``torch.save`` wrote, without torch.
+"""Tensors from a file written by ``torch.save``, without torch.
 
 Such a file is a zip archive: a pickle of plain containers, whose tensors refer to members
-``data/0``, ``data/1``, ... that hold their numbers (PyTorch 1.6 and later,
+``data/0``, ``data/1``, ... with their numbers (PyTorch 1.6 and later,
 https://docs.pytorch.org/docs/stable/notes/serialization.html). A pickle can call any function by
-name, so this one is read by an unpickler that knows the names of a table of tensors, and of arrays
-of numpy beside them, and refuses all others.
+name, so it is read by an unpickler that knows only the names in a table of tensors and of numpy
+arrays, and refuses all others.
 """
 
 import io
@@ -43,10 +43,10 @@ class _Storage(NamedTuple):
 
 
 def read_tensors(path: Path) -> dict[str, Array]:
-    """The tensors and arrays of a file that holds a table of them, by name, as float64.
+    """The tensors and arrays of a file with a table of them, by name, as float64.
 
     Raises:
-        LogError: not such a file, or one that holds more than tensors and plain containers.
+        LogError: not such a file, or one that contains more than tensors and plain containers.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -90,7 +90,7 @@ def _load(path: Path, archive: zipfile.ZipFile) -> Any:
 
 
 class _Unpickler(pickle.Unpickler):
-    """Of tensors and plain containers; no other name is looked up, none is imported."""
+    """Unpickler of tensors and plain containers; it looks up and imports no other name."""
 
     def __init__(
         self, path: Path, archive: zipfile.ZipFile, folder: str, order: str, content: bytes
@@ -99,7 +99,7 @@ class _Unpickler(pickle.Unpickler):
         self.path, self.archive, self.folder, self.order = path, archive, folder, order
 
     def find_class(self, module: str, name: str) -> Any:
-        """Stand-ins for the few names that a table of tensors needs."""
+        """Replacements for the few names that a table of tensors needs."""
         if module == "torch" and name in _STORAGES:
             return _STORAGES[name]
         if (module, name) == ("torch._utils", "_rebuild_tensor_v2"):

@@ -1,10 +1,10 @@
 """The Staubli TX40 log of figaroh-examples: a folder with two tables, no time column, 5 kHz.
 
-``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: what the drives say of their
-currents, in units in which the data's authors take them for torques at the motors, N m. Columns
-``Joint_1`` to ``Joint_6`` of the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF.
-Joint positions are inverse(K) times motor positions and, by virtual work, joint torques are
-transpose(K) times motor torques: the wrist is coupled, motor 6 turns with joint 5 too.
+``pos_read_data.csv``: motor positions, rad. ``curr_data.csv``: motor currents as the drives report
+them, in units that the authors treat as motor torques, N m. Columns ``Joint_1`` to ``Joint_6`` of
+the file are joints ``joint_1`` to ``joint_6`` of the robot's URDF. Joint positions are inverse(K)
+times motor positions and, by virtual work, joint torques are transpose(K) times motor torques. The
+wrist is coupled: motor 6 also turns with joint 5.
 """
 
 from pathlib import Path
@@ -26,7 +26,7 @@ _K[5, 4] = 32.0
 
 
 def is_tx40(folder: Path) -> bool:
-    """Whether a folder holds such a log."""
+    """Whether a folder contains such a log."""
     return (folder / _POSITIONS).is_file()
 
 

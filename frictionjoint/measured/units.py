@@ -1,10 +1,10 @@
-"""Units of a log's columns other than SI, converted where the user names them.
+"""Units of a log's columns other than SI, converted if the user names them.
 
-`--unit position=deg` says what the file holds, `--unit torque=-0.05` is a factor to SI; nothing is
-converted without being asked. A quantity
-is ``time``, ``position``, ``velocity``, ``torque``, ``force``, ``target``, ``voltage``,
-``current``, ``supply``, ``temperature`` or ``motor_position``, of one joint with
-``elbow.position``. A target has the unit of the position unless its own is given.
+`--unit position=deg` states the unit in the file, `--unit torque=-0.05` a factor to SI. Nothing is
+converted unless requested. A quantity is ``time``, ``position``, ``velocity``, ``torque``,
+``force``, ``target``, ``voltage``, ``current``, ``supply``, ``temperature`` or ``motor_position``;
+``elbow.position`` is that of one joint. A target has the unit of the position unless its own is
+given.
 """
 
 import math
@@ -82,7 +82,7 @@ def units_of(texts: Iterable[str]) -> dict[str, str]:
     """Unit by quantity, from texts ``position=deg``.
 
     Raises:
-        LogError: a text is not of that form, or names no quantity or unit.
+        LogError: a text does not have that form, or names an unknown quantity or unit.
     """
     found = {}
     for text in texts:
@@ -95,7 +95,7 @@ def units_of(texts: Iterable[str]) -> dict[str, str]:
 
 
 def check_units(units: Mapping[str, str]) -> None:
-    """See that quantities and units are known.
+    """Check that quantities and units are known.
 
     Raises:
         LogError: the first one that is not.
@@ -139,7 +139,7 @@ def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Arr
 
 
 def unit_of(name: str, units: Mapping[str, str]) -> str | None:
-    """The unit given for a column of ours, None where none is."""
+    """The unit given for one of our columns, or None."""
     joint, _, last = name.rpartition(".")
     for quantity in _COLUMNS.get(last, ((), {}))[0]:
         unit = units.get(f"{joint}.{quantity}", units.get(quantity))
@@ -149,17 +149,17 @@ def unit_of(name: str, units: Mapping[str, str]) -> str | None:
 
 
 def quantity_of(name: str) -> str:
-    """What --unit calls the quantity of a column of ours."""
+    """Name of a column's quantity in the option --unit."""
     return _COLUMNS[name.rpartition(".")[2]][0][0]
 
 
 def is_unit(text: str) -> bool:
-    """Whether a cell of a table can be the name of a unit, in brackets or not; empty counts."""
+    """Whether a cell of a table can be a unit, with or without brackets; empty counts."""
     return _plain(text) in {"", "-", "1", "%", *_SPELLINGS}
 
 
 def is_si(name: str, text: str) -> bool:
-    """Whether a cell names the very unit of a column of ours, or none."""
+    """Whether a cell names the SI unit of one of our columns, or none."""
     plain = _plain(text)
     names, table = _COLUMNS.get(name.rpartition(".")[2], ((), {}))
     return not names or plain == "" or (table.get(plain) == 1.0 and plain not in _ZERO)
@@ -169,7 +169,7 @@ _SPELLINGS = frozenset(unit for _, table in _COLUMNS.values() for unit in (*tabl
 
 
 def _plain(unit: str) -> str:
-    """A unit as the tables spell it."""
+    """A unit in the spelling of the tables."""
     text = unit.strip().strip("[]()").lower()
     for mark in (" ", "*", "·", "⋅", ".", "-", "_", "°"):
         text = text.replace(mark, "deg" if mark == "°" else "")
@@ -178,7 +178,7 @@ def _plain(unit: str) -> str:
 
 
 def _factor(unit: str, table: Mapping[str, float]) -> float | None:
-    """Factor to SI, None for a unit that the table does not have."""
+    """Factor to SI, None for an unknown unit."""
     kind, colon, number = unit.partition(":")
     if _plain(kind) == _COUNTS and table is _ANGLE:
         try:

@@ -1,6 +1,6 @@
-"""Checks that a log can be trusted; each error is one line with file, row, column and mend.
+"""Checks of a log; each error is one line with file, row, column and remedy.
 
-Nothing is changed here: what can be mended without a guess is mended in `mend`, and said.
+Nothing is changed here. What can be repaired without a guess is repaired in `mend`, with a note.
 """
 
 from collections.abc import Callable, Mapping
@@ -52,12 +52,12 @@ _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "volta
 
 
 def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) -> None:
-    """Raise LogError where the columns are not numbers along increasing time.
+    """Raise LogError unless the columns are numbers along increasing time.
 
     Args:
         source: file name for the message.
         columns: by column name (a joint's prefix allowed), each of shape (n,); needs ``time_s``.
-        row: row number in the file of sample i, or of the first sample where they follow on.
+        row: row number in the file of sample i, or of the first sample if they are consecutive.
     """
     row_of: RowOf = row if callable(row) else lambda i: i + row
     check_lengths(source, columns)
@@ -67,12 +67,12 @@ def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) 
 
 
 def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) -> None:
-    """Raise LogError where the columns of a log cannot be right.
+    """Raise LogError if the columns of a log cannot be right.
 
     Args:
         source: file name for the message.
         columns: see `check_rows`; positions must not be wrapped.
-        row: row number in the file of sample i, or of the first sample where they follow on.
+        row: row number in the file of sample i, or of the first sample if they are consecutive.
     """
     row_of: RowOf = row if callable(row) else lambda i: i + row
     with np.errstate(over="ignore", invalid="ignore"):
@@ -86,7 +86,7 @@ def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int = 
 
 
 def check_lengths(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError for columns of unlike length, or too few rows."""
+    """Raise LogError for columns of different length, or too few rows."""
     n = len(columns["time_s"])
     for name, x in columns.items():
         if x.ndim != 1 or len(x) != n:
@@ -111,7 +111,7 @@ def check_finite(source: str, name: str, x: Array, row: RowOf) -> None:
 
 
 def check_time(source: str, time: Array, row: RowOf) -> None:
-    """Raise LogError for time that stands, runs backwards or is not in seconds."""
+    """Raise LogError for time that stands still, runs backwards or is not in seconds."""
     step = np.diff(time)
     if step.min() <= 0:
         i = int(np.argmax(step <= 0)) + 1
@@ -129,7 +129,7 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
 
 
 def check_moves(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError where the joint of a log does not move (NoMotionError), or its drive never
+    """Raise LogError if the joint of a log does not move (NoMotionError), or its drive never
     changes."""
     for name, x in columns.items():
         unit = name.rpartition(".")[2]
@@ -146,7 +146,7 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def require_motion(source: str, position: Array) -> None:
-    """Raise NoMotionError where a position has too few readings for any velocity.
+    """Raise NoMotionError if a position has too few different readings for a velocity.
 
     Args:
         source: name of the log and its joint for the message. position: shape (n,).
@@ -160,10 +160,10 @@ def require_motion(source: str, position: Array) -> None:
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError where much of a position's travel lies in leaps.
+    """Raise LogError if much of a position's travel happens in jumps.
 
     Args:
-        columns: without rows that all stand equally often, see `mend.without_repeats`.
+        columns: without repeated rows, see `mend.without_repeats`.
     """
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF
@@ -179,7 +179,7 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
 def _travel_leapt(time: Array, position: Array) -> float:
     """Fraction of all travel made in single samples with hardly any motion before and after.
 
-    Over a gap in time a joint goes on unseen.
+    A gap in time is no jump.
     """
     tick = np.diff(time)
     step = np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
@@ -207,7 +207,8 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
 
 
 def _check_fractions(source: str, name: str, x: Array) -> None:
-    """Whole numbers are counts or degrees: no encoder reads an angle in steps of a radian."""
+    """Raise if positions are whole numbers: counts or degrees, because no encoder has steps of a
+    radian."""
     if name.rpartition(".")[2] not in _SPEED_OF or np.any(x != np.round(x)):
         return
     n = len(np.unique(x))
@@ -220,7 +221,8 @@ def _check_fractions(source: str, name: str, x: Array) -> None:
 
 
 def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
-    """A position or time in a wrong unit shows by a measured velocity, where there is one."""
+    """Compare with a measured velocity, if there is one: it reveals a wrong unit of position or
+    time."""
     prefix, dot, unit = name.rpartition(".")
     speed_name = f"{prefix}{dot}{_SPEED_OF[unit]}"
     if speed_name not in columns:
@@ -247,11 +249,12 @@ def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, 
 
 
 def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
-    """A position follows its target, so that their units can be compared.
+    """Compare the units of target and position, because a position follows its target.
 
-    A joint may stick and hardly move at all, but not run far beyond its target; where it moves
-    less, only the very factor of degrees or of millimetres is taken for a wrong unit, and only of
-    a target that goes far.
+    A joint may stick and hardly move, but does not run far beyond its target. If it moves less,
+    only the
+    exact factor of degrees or millimetres counts as a wrong unit, and only for a target with much
+    motion.
     """
     prefix, dot, unit = name.rpartition(".")
     target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"

@@ -1,11 +1,13 @@
-"""Whether a refined model predicts unlike motion better: whole kinds of logs are left out.
+"""Cross-validation of a refined model: whole kinds of logs are left out.
 
-A kind is what a user will have more of: another gain, another load, another motion. Logs left out
-at random are like those that are kept, and tell how well a model interpolates.
+A kind is what a user will meet again: another gain, another load, another motion. Logs left out at
+random resemble the others, and test only interpolation.
 
-For each kind the refined numbers are moved to where the other logs alone would have them, by a
-search that begins with the derivatives that are known; the balance is fitted without it too, for a
-model knows the logs that it was fitted to. Both simulate the logs left out.
+For each kind the refined numbers are moved to the minimum of the other logs, by a search that
+starts
+with the known derivatives. The fit to torque is repeated without the kind too, because a model
+knows
+the logs that it was fitted to. Both models simulate the left-out logs.
 """
 
 from collections.abc import Callable, Hashable, Sequence
@@ -46,7 +48,7 @@ _STEPS = 10
 
 
 def kinds(courses: Sequence[Course]) -> list[Mask]:
-    """Samples to leave out together, shape (all samples,) each: one mask a kind."""
+    """Samples to leave out together, shape (all samples,) each: one mask per kind."""
     lengths = [len(c.position) for c in courses]
     if len(courses) == 1:
         n = lengths[0]
@@ -56,7 +58,7 @@ def kinds(courses: Sequence[Course]) -> list[Mask]:
 
 
 def _groups(courses: Sequence[Course]) -> list[list[int]]:
-    """Logs of a kind, for every way in which the logs are of some kinds."""
+    """Logs of each kind, for every way in which logs differ in kind."""
     names = sorted({name for c in courses for name in c.figures})
     found: dict[tuple[tuple[int, ...], ...], None] = {}
     for name in names:
@@ -84,7 +86,7 @@ def without_each(
 
 
 def on_each(objective: Objective, moved: Array, masks: Sequence[Mask]) -> Array:
-    """Errors of numbers fitted without each kind on it, rad (m), NaN elsewhere, (kinds, n).
+    """Errors on each kind of the numbers fitted without it, rad (m), NaN elsewhere, (kinds, n).
 
     Args:
         moved: in units of the objective, which may be another one of the same numbers, (kinds, p).
@@ -95,7 +97,7 @@ def on_each(objective: Objective, moved: Array, masks: Sequence[Mask]) -> Array:
 def balanced_without_each(
     prepared: Prepared, fitted: Fit, courses: Sequence[Course], masks: Sequence[Mask]
 ) -> Array:
-    """Errors on each kind of the balance fitted without it, rad (m), NaN elsewhere, (kinds, n)."""
+    """Errors on each kind of the torque fit without it, rad (m), NaN elsewhere, (kinds, n)."""
     rows = []
     for mask in masks:
         other = refit(_kept(prepared, courses, mask), fitted.terms, fitted.shape, ROUGH)
@@ -106,7 +108,7 @@ def balanced_without_each(
 
 
 def _kept(prepared: Prepared, courses: Sequence[Course], mask: Mask) -> Prepared:
-    """The logs, or the part of a log that is alone, that are not left out."""
+    """The logs, or the part of a single log, that are not left out."""
     if len(courses) > 1:
         ends = np.cumsum([len(c.position) for c in courses])[:-1]
         left_out = [bool(part.any()) for part in np.split(mask, ends)]
@@ -117,10 +119,10 @@ def _kept(prepared: Prepared, courses: Sequence[Course], mask: Mask) -> Prepared
 
 
 def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
-    """Covariance of numbers from what they are without each kind (jackknife), shape (p, p).
+    """Covariance of numbers from their values without each kind (jackknife), shape (p, p).
 
-    It holds what is wrong in another way in each kind, which the errors of single samples do not.
-    Where logs are of kinds in several ways, the mean of those.
+    It contains errors that differ between kinds, which the errors of single samples do not. If logs
+    differ in kind in several ways, it is the mean of those.
     """
     found, ways, begin = np.zeros((len(z), len(z))), 0, 0
     for end in range(1, len(masks) + 1):
@@ -134,13 +136,15 @@ def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
 
 
 def uncertain(told: Array, U: Array, wider: float) -> Array:
-    """Covariance of numbers in units of the prior where logs err `wider` than they do, (p, p).
+    """Covariance of numbers in units of the prior if the logs' errors are `wider` by a factor, (p,
+    p).
 
-    What the logs do not tell stays as the prior has it, however large their errors.
+    Numbers that the logs do not determine keep the prior, however large the errors are.
 
     Args:
-        told: J'J of the derivatives of the logs' soft errors, shape (p, p). U: what kinds of logs
-            have apart, shape (p, p).
+        told: J'J of the derivatives of the logs' soft errors, shape (p, p). U: covariance between
+            kinds
+            of logs, shape (p, p).
     """
     return np.asarray(np.linalg.inv(told / wider**2 + np.eye(len(told))) + U)
 
@@ -148,15 +152,17 @@ def uncertain(told: Array, U: Array, wider: float) -> Array:
 def missing_width(
     objective: Objective, z: Array, cov: Callable[[float], Array], errors: Array
 ) -> float:
-    """By how much logs must err more for bands to hold what was left out; at least 1.
+    """Factor on the logs' errors for which prediction bands cover the left-out logs; at least 1.
 
-    What every model lacks is in no spread of its numbers. But it is in what it errs on kinds left
-    out, beyond what the encoder rounds. A log errs as a whole, so of a few logs that is no more
-    certain than a variance of as many numbers: the band is Student's.
+    An error common to all logs is in no variation of the numbers, but in the errors on left-out
+    kinds,
+    beyond the rounding of the encoder. A log errs as a whole, so for few logs the factor is as
+    uncertain
+    as a variance of as many numbers: the band is Student's.
 
     Args:
-        cov: of the numbers by how much wider logs err, shape (p, p). errors: on kinds left out, NaN
-            elsewhere, (kinds, n).
+        cov: covariance of the numbers for a factor on the logs' errors, shape (p, p). errors: on
+            left-out kinds, NaN elsewhere, (kinds, n).
     """
     moves = differences(objective.errors, objective.bounds, z, objective.errors(z))
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
@@ -183,13 +189,14 @@ def missing_width(
 
 
 def held(low: Array, high: Array) -> Array:
-    """How much of readings of an encoder lies inside a band of what is predicted of them.
+    """Fraction of the encoder readings inside a prediction band.
 
-    A reading is all that is rounded to it, and lies inside with the part of its chance that does:
-    so a true prediction's band holds `BAND` of them, however coarse the encoder.
+    A reading stands for all positions that are rounded to it, and is inside with the fraction of
+    its
+    probability that is. So a correct prediction's band contains `BAND` of them for any encoder.
 
     Args:
-        low, high: chance, predicted, of less than each reading, and of no more than it.
+        low, high: predicted probability of less than each reading, and of no more than it.
     """
     least, most = 0.5 - 0.5 * BAND, 0.5 + 0.5 * BAND
     inside = np.clip(high, least, most) - np.clip(low, least, most)
@@ -199,7 +206,7 @@ def held(low: Array, high: Array) -> Array:
 def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
     """Mean absolute error of each log over all kinds that leave it out, shape (logs,).
 
-    Of a log that is alone: of each part of what was left out.
+    For a single log: of each part that was left out.
     """
     if len(courses) == 1:
         left_out = errors[0, ~np.isnan(errors[0])]
@@ -216,7 +223,7 @@ def clearly_less(after: Array, before: Array) -> bool:
 
 
 def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
-    """Where the numbers would be without some samples; a log of which none is kept is not run."""
+    """Numbers fitted without some samples; a log without remaining samples is not simulated."""
     ends = np.cumsum([len(c.position) for c in objective.courses])[:-1]
     some = [not part.all() for part in np.split(mask, ends)]
     there = np.concatenate(

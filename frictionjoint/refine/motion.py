@@ -18,7 +18,7 @@ _ASTRAY = 10.0
 
 
 def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> list[Array]:
-    """Simulated less measured position at the samples of each log, rad (m).
+    """Simulated minus measured position at the samples of each log, rad (m).
 
     Args:
         window_s: s between restarts from the measured motion; None: whole logs.

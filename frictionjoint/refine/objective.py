@@ -1,4 +1,4 @@
-"""What a refinement makes small: errors of simulated motion, and what the balance said before."""
+"""Objective of a refinement: errors of simulated motion, and the prior from the torque fit."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -18,14 +18,15 @@ _LEAST = 1e-4
 
 
 class Objective:
-    """Soft errors of all samples, then the prior's, at numbers in units of the prior.
+    """Soft errors of all samples, then those of the prior, at numbers in units of the prior.
 
-    A soft loss (as the square where an error is small, as its size where it is large) keeps a
-    single missed breakaway from deciding.
+    A soft loss (quadratic for small errors, linear for large ones) keeps a single missed breakaway
+    from
+    dominating.
 
     Args:
         window_s: s between restarts from the measured motion; None: whole logs.
-        x: where the search begins, in the vector's own numbers: what is a small error there.
+        x: start of the search, in the vector's own numbers; it sets the scale of small errors.
     """
 
     def __init__(
@@ -36,7 +37,7 @@ class Objective:
         self._last: tuple[bytes, Array] | None = None
 
     def of(self, courses: Sequence[Course]) -> "Objective":
-        """The same of some of the logs alone."""
+        """The same for some of the logs."""
         some = copy(self)
         some.courses, some._last = courses, None
         return some
@@ -46,25 +47,25 @@ class Objective:
         return np.asarray((x - self.vector.start) / self.vector.unit)
 
     def numbers(self, z: Array) -> Array:
-        """Inverse of `units`, within the bounds: a search rounds, and no law has less than none."""
+        """Inverse of `units`, clipped to the bounds against rounding."""
         x = self.vector.start + z * self.vector.unit
         return np.clip(x, self.vector.low, self.vector.high)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Of the numbers, in units of the prior."""
+        """Bounds of the numbers, in units of the prior."""
         return self.units(self.vector.low) - 1e-9, self.units(self.vector.high) + 1e-9
 
     def errors(self, z: Array) -> Array:
-        """Simulated minus measured position, rad (m), of all logs one after the other."""
+        """Simulated minus measured position, rad (m), of all logs concatenated."""
         return np.concatenate(self.errors_of(self.vector.fit(self.numbers(z))))
 
     def errors_of(self, fitted: Fit) -> list[Array]:
-        """Of any model, one array a log."""
+        """Errors of any model, one array per log."""
         return errors(self.courses, fitted, self.window_s)
 
     def soft(self, e: Array) -> Array:
-        """Errors as the search counts them."""
+        """Errors after the soft loss."""
         x = e / self.size
         return np.asarray(np.sign(e) * np.sqrt(2.0 * (np.sqrt(1.0 + x**2) - 1.0) / _CORRELATED))
 

@@ -1,8 +1,8 @@
-"""How uncertain a model is, as parameter sets to draw: for training under every joint it could be.
+"""Uncertainty of a model as parameter sets to draw, for domain randomisation.
 
-The posterior is that of the numbers of a parameter file, not of those that a fit varies: a report
-alone is enough to draw from it. Numbers that are never negative are drawn with lognormal spread, a
-curve by its increments; a set that no joint can have is drawn anew.
+The posterior is that of the numbers of a parameter file, not of the variables of a fit, so a report
+alone is sufficient to draw from it. Nonnegative numbers are drawn from lognormal distributions, a
+curve by its increments; an impossible set is drawn again.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,7 +40,7 @@ class Posterior:
 
     @classmethod
     def of(cls, values: Array, cov: Array, made: Callable[[Array], JointFriction]) -> "Posterior":
-        """From a fit's numbers, their covariance and the friction that they make."""
+        """From a fit's numbers, their covariance, and the friction they define."""
         squares, U = eigh(0.5 * (cov + cov.T))
         known = np.isfinite(squares) & (squares > 0.0)
         moves = (U[:, known] * np.sqrt(squares[known])).T
@@ -49,7 +49,7 @@ class Posterior:
         size = len(mean)
 
         def reached(x: Array) -> Array | None:
-            """The numbers of a friction, None where it is impossible."""
+            """The numbers of a friction, None if it is impossible."""
             try:
                 return numbers_in(_content(made(x)))
             except ParameterError:
@@ -69,7 +69,8 @@ class Posterior:
         """Draw parameter sets, for `install`.
 
         Raises:
-            ParameterError: not at least one; a negative seed; hardly any set drawn is possible.
+            ParameterError: fewer than one requested; a negative seed; hardly any drawn set is
+                possible.
         """
         if n < 1 or seed < 0:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
@@ -122,7 +123,7 @@ def _content(friction: JointFriction) -> dict[str, Any]:
 
 
 def numbers_in(content: Mapping[str, Any]) -> Array:
-    """All numbers of a parameter file: levels over Coulomb's, curves by increments."""
+    """All numbers of a parameter file: Fs as its excess over Fc, curves as increments."""
     found: list[float] = []
     for key, x in content.items():
         if key == "knots":

@@ -1,4 +1,4 @@
-"""Least squares on simulated motion, from the balance fit, and whether its result is taken."""
+"""Least squares on simulated motion, starting from the torque fit, and the decision to use it."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,16 +20,18 @@ _FALL = "excess"
 
 @dataclass(frozen=True)
 class Refined:
-    """Outcome of a refinement.
+    """Result of a refinement.
 
     Attributes:
-        fit: refined, or the balance's own where it does not clearly predict unlike motion better.
+        fit: refined, or the torque fit if the refined one does not clearly predict unlike motion
+            better.
         taken: whether it is the refined one. names: of the numbers in `values`.
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
-        left_out: mean absolute error of each log, see `guard.of_logs`, by what was fitted to other
-            kinds of logs, before and after, shape (logs,) each, rad (m).
+        left_out: mean absolute error of each log, see `guard.of_logs`, of models fitted to other
+            kinds
+            of logs, before and after, shape (logs,) each, rad (m).
         near: the same of the refined numbers in windows from the measured motion, shape (logs,).
-        near_fitted: of those windows by what was fitted to all logs, shape (logs,).
+        near_fitted: in those windows, of the model fitted to all logs, shape (logs,).
     """
 
     fit: Fit
@@ -43,13 +45,13 @@ class Refined:
 
     @property
     def stands(self) -> Array:
-        """`left_out` of the outcome."""
+        """`left_out` of the model that is used."""
         before, after = self.left_out
         return after if self.taken else before
 
     @property
     def gain_error(self) -> float:
-        """Standard error of the gain of the drive over the gain; 0 where it is known."""
+        """Relative standard error of the drive's gain; 0 if it is known."""
         return float(np.sqrt(self.cov[0, 0])) if self.vector.has_gain else 0.0
 
     @property
@@ -69,8 +71,8 @@ def refine(
     """Refine all numbers of a fitted model by the motion of its logs.
 
     Args:
-        cov: of the fit's parameters, in the order of its jacobian. courses: of the logs it was
-            fitted to.
+        cov: of the fit's parameters, in the order of its Jacobian. courses: the logs it was fitted
+            to.
     """
     begins = [fitted, *without_stribeck(prepared, fitted)]
     armature = courses[0].run.load.armature
@@ -82,10 +84,11 @@ def refine(
 
 
 def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
-    """A fit with a law whose level does not fall with the speed; none where it is so already.
+    """A fit with a law whose level does not fall with speed; none if it is so already.
 
-    A balance bends that fall to whatever else is wrong, over speeds that friction does not know,
-    and no small step of a search leads back from there.
+    A torque fit bends that fall to absorb any other error, over speeds at which friction does not
+    fall,
+    and a local search does not return from there.
     """
     shape = fitted.shape
     numbers = dict(zip(shape.variables, shape.vector(), strict=True))
@@ -96,7 +99,7 @@ def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
 
 
 def judged(prepared: Prepared, found: Tried, courses: Sequence[Course]) -> Refined:
-    """Numbers that were searched, against the balance that they began with."""
+    """Refined numbers compared with the torque fit they started from."""
     fitted = found.vector.fitted
     left = balanced_without_each(prepared, fitted, courses, found.masks)
     before = of_logs(left, courses)
@@ -105,7 +108,7 @@ def judged(prepared: Prepared, found: Tried, courses: Sequence[Course]) -> Refin
 
 
 def outcome(found: Tried, taken: bool, before: Array) -> Refined:
-    """A refinement of which it is known whether it is taken.
+    """The result of a refinement after the decision to use it or not.
 
     Args:
         before: see `Refined.left_out`.

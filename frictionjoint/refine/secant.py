@@ -1,9 +1,10 @@
-"""Derivatives of simulated motion: by differences at first, then kept up to date by each step.
+"""Derivatives of simulated motion: by differences at first, then updated by each step.
 
-A step tells how the errors change along it, which one simulation has already found; Broyden's
-update (1965) puts that into the derivatives and leaves all other directions as they are. Where they
-tell nothing of a step, differences are taken again. New ones need not be better than those kept:
-where a joint sticks or not, a small difference sees little of what a step makes.
+Each step shows how the errors change along it, at the cost of one simulation; Broyden's update
+(1965)
+puts that into the derivatives and leaves all other directions unchanged. If they do not predict a
+step, differences are computed again. New ones need not be better: at the boundary between sticking
+and sliding, a small difference misses the effect of a step.
 """
 
 from collections.abc import Callable
@@ -17,12 +18,13 @@ _STEP = 0.02
 
 
 class Secant:
-    """Jacobian for a search, called at each point that it goes on from.
+    """Jacobian for a search, called at each accepted point.
 
     Args:
-        residual: of the search. bounds: within which a number is moved. last: a point with its
-            residual and derivatives, where they are known. again: whether differences are taken
-            again; else the derivatives known stay in use.
+        residual: of the search. bounds: of the numbers. last: a point with its residual and
+            derivatives,
+            if known. again: whether differences are computed again; else known derivatives stay in
+            use.
     Attributes:
         last: the point of the last call. new: whether its derivatives are differences.
     """

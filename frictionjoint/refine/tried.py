@@ -1,8 +1,8 @@
-"""Numbers at the least squares of simulated motion, before anything is made of them.
+"""Least-squares fit to simulated motion, and its held-out evidence.
 
-Windows come first: short runs from the measured motion are smooth in the parameters where a whole
-log is not, for a joint that sticks once too early is somewhere else for the rest of it. Whole logs
-come last, for they are what is judged.
+Windows come first: short runs from the measured motion are smooth in the parameters. A whole log is
+not, because a joint that sticks once too early stays at another position for the rest of it. Whole
+logs come last, because they are used for the comparison.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,9 +35,7 @@ _AS_NEAR = 1.25
 
 
 class Tried:
-    """Numbers found, and what logs say of them: each is worked out when it is first asked for.
-
-    A model that is tried and not taken is mostly asked for one thing.
+    """Fitted numbers and their evidence, computed when first needed.
 
     Attributes:
         vector, values: the numbers, shape (p,).
@@ -61,19 +59,20 @@ class Tried:
 
     @cached_property
     def near(self) -> Array:
-        """Of each log in windows from the measured motion by what was fitted to other kinds."""
+        """Error of each log in windows, of the model fitted to other kinds."""
         found = on_each(self._windows, self._without[0], self.masks)
         return of_logs(found, self._windows.courses)
 
     @cached_property
     def near_fitted(self) -> Array:
-        """Of each log in windows by what was fitted to all of them, rad (m), shape (logs,)."""
+        """Error of each log in windows, of the model fitted to all of them, rad (m), shape
+        (logs,)."""
         found = self._windows.errors_of(self.vector.fit(self.values))
         return np.array([np.mean(np.abs(e)) for e in found])
 
     @cached_property
     def left_out(self) -> Array:
-        """Of each whole log by what was fitted to other kinds, rad (m), shape (logs,)."""
+        """Error of each whole log, of the model fitted to other kinds, rad (m), shape (logs,)."""
         return of_logs(self._without[1], self._objective.courses)
 
     @cached_property
@@ -92,10 +91,10 @@ def tried(
     starts: Sequence[Array],
     progress: Callable[[str], None] = lambda text: None,
 ) -> Tried:
-    """Search the numbers of a model that move nearest.
+    """Search the numbers of a model with the smallest position error.
 
     Args:
-        starts: numbers to begin with on whole logs, wherever they are near.
+        starts: numbers to start from on whole logs.
     """
     windows = Objective(vector, courses, WINDOW_S, vector.start)
     objective = Objective(vector, courses, None, starts[0])
@@ -111,7 +110,8 @@ def by_windows(
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Vector, Array]:
-    """The model that windows bring nearest on whole logs, and its numbers."""
+    """Of models refined on windows, the one with the smallest error on whole logs, and its
+    numbers."""
     found = []
     for vector in vectors:
         windows = Objective(vector, courses, WINDOW_S, vector.start)
@@ -128,10 +128,10 @@ def _cost(objective: Objective, x: Array) -> float:
 
 
 def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
-    """Numbers at the least squares nearby, and the derivatives there in units of the prior.
+    """Numbers at the nearest least squares, and the derivatives there in units of the prior.
 
-    A search on derivatives that its steps keep up to date may end early: it begins again with new
-    ones until that brings nothing.
+    A search with updated derivatives may end early; it is restarted with new differences until they
+    bring no improvement.
     """
     bounds = objective.bounds
     z = np.clip(objective.units(x), *bounds)

@@ -31,9 +31,9 @@ _LEAST_SCALE = 1e-3
 
 
 def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
-    """A fit with one effect more, of given coefficients, N m.
+    """A fit with one more effect, with given coefficients, N m.
 
-    A damping of the law that comes with the effect begins at nothing, see `layout_of`.
+    A damping of the law that belongs to the effect starts at zero, see `layout_of`.
     """
     terms = (*fitted.terms, term)
     layout = layout_of(prepared, fitted.shape, terms)
@@ -45,14 +45,15 @@ def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: A
 
 
 class Vector:
-    """Numbers that a refinement moves, in this order: gain, coefficients, law, shape numbers.
+    """Numbers that a refinement varies, in this order: gain, coefficients, law, shape numbers.
 
     Args:
-        prepared: the logs of the fit. fitted: whose names and structure stay. cov: of its
-            parameters, in the order of its jacobian. armature: of the MJCF: no model has less.
-        begin: a fit of that structure whose numbers come first; None: those of the fit.
+        prepared: the logs of the fit. fitted: defines names and structure. cov: of its parameters,
+            in
+            the order of its Jacobian. armature: of the MJCF: the sum is never negative.
+        begin: a fit with the same structure as the start; None: `fitted`.
     Attributes:
-        start: what comes first, shape (p,). low, high: bounds. unit: of the prior.
+        start: start of the search, shape (p,). low, high: bounds. unit: of the prior.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class Vector:
                 self.unit[at] = np.maximum(self.unit[at], _HELD)
 
     def _of(self, fitted: Fit) -> Array:
-        """Numbers of a fit of this structure, within the bounds, shape (p,)."""
+        """Numbers of a fit with this structure, within the bounds, shape (p,)."""
         linear = fitted.beta[self.has_gain :] * fitted.gain
         gain = [np.log(fitted.gain)] if self.has_gain else []
         law = fitted.shape.vector()
@@ -142,14 +143,14 @@ class Vector:
 
     @property
     def _inertias(self) -> list[int]:
-        """Where the numbers are inertias."""
+        """Indices of the numbers that are inertias."""
         terms = enumerate(self.fitted.terms)
         own = [i for i, t in terms if isinstance(t, EffectTerm) and t.effect.is_inertia]
         return [self.layout.coefficients(i).start for i in own]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the numbers, shape (p,); those of a term by its name, which no place in a list is."""
+        """Names of the numbers, shape (p,); those of a term contain its name, which is unique."""
         count: Counter[str] = Counter()
         places: dict[str, str] = {}
         for i, term in enumerate(self.layout.terms):
@@ -159,16 +160,16 @@ class Vector:
         return tuple(f"{places.get(first, first)}{dot}{rest}" for first, dot, rest in split)
 
     def carried(self, other: "Vector", values: Array) -> Array:
-        """Numbers of another model's vector in this one, and its own where that has none."""
+        """Numbers of another model's vector in this one; numbers that it lacks keep their start."""
         known = dict(zip(other.names, values, strict=True))
         pairs = zip(self.names, self.start, strict=True)
         found: Array = np.array([known.get(name, x) for name, x in pairs])
         return np.clip(found, self.low, self.high)
 
     def covariance(self, cov: Array) -> Array:
-        """That of a fit's own parameters in the order and units of this vector, shape (p, p).
+        """Covariance of a fit's own parameters, converted to this vector, shape (p, p).
 
-        What the logs say nothing of stays where it is.
+        Undetermined numbers get no variance.
         """
         silent = ~np.isfinite(np.diag(cov))
         known = np.where(np.isfinite(cov), cov, 0.0)
@@ -177,14 +178,14 @@ class Vector:
         return np.asarray(slopes @ known @ slopes.T)
 
     def own_covariance(self, fitted: Fit, cov: Array) -> Array:
-        """That of the numbers in the order and units of a fit's own parameters, (p, p)."""
+        """Covariance of the numbers, converted to a fit's own parameters, (p, p)."""
         slopes = np.linalg.inv(self._slopes(fitted))
         return np.asarray(slopes @ cov @ slopes.T)
 
     def _slopes(self, fitted: Fit) -> Array:
         """Derivatives of the numbers by a fit's own parameters, shape (p, p).
 
-        The fit has the reciprocal of the gain, and what is in N m divided by the gain.
+        A fit has the reciprocal of the gain, and coefficients in N m divided by the gain.
         """
         slopes, n = np.eye(len(self.layout.names)), self.layout.linear.stop
         slopes[range(n), range(n)] = fitted.gain
@@ -194,7 +195,7 @@ class Vector:
         return slopes
 
     def fit(self, x: Array) -> Fit:
-        """The model at a point; residual and jacobian stay those of the balance."""
+        """The model at a point; residual and Jacobian stay those of the torque fit."""
         f, k = self.fitted, int(self.has_gain)
         gain = float(np.exp(x[0])) if k else f.gain
         n = self.layout.linear.stop

@@ -1,4 +1,4 @@
-"""What a report draws, as data: the page draws it on a canvas, `Report.plot` with matplotlib."""
+"""Charts of a report as data: the page draws them on a canvas, `Report.plot` with matplotlib."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -58,20 +58,20 @@ class Chart:
 
 @dataclass(frozen=True)
 class Stretch:
-    """The part of a log that is shown in detail: its curve and samples."""
+    """A stretch of a log shown in detail: its curve and samples."""
 
     curve: Curve
     window: slice
 
     @property
     def times(self) -> tuple[float, float]:
-        """s, first and last."""
+        """First and last time, s."""
         time = self.curve.time[self.window]
         return float(time[0]), float(time[-1])
 
 
 def worst_stretch(report: Report) -> Stretch:
-    """Where the drive of a held-out log (else of a fitted one) is predicted worst."""
+    """The stretch of a held-out log (else of a fitted one) with the largest error of the drive."""
     curves = [c for c in report.curves if c.role == "held-out"] or list(report.curves)
     best = Stretch(curves[0], slice(0, len(curves[0].time))), -1.0
     for c in curves:
@@ -141,14 +141,14 @@ def position_charts(
 
 
 def worst_position(report: Report) -> SimulatedPosition | None:
-    """The held-out log (else a fitted one) whose position is simulated worst."""
+    """The held-out log (else a fitted one) with the largest position error."""
     held = [x for x in report.positions if x.role == "held-out"] or list(report.positions)
     errors = [_rms(x.after - x.measured) for x in held]
     return held[int(np.argmax(errors))] if held else None
 
 
 def worst_times(found: SimulatedPosition) -> tuple[float, float]:
-    """First and last time, s, of the stretch of a log where its position is simulated worst."""
+    """First and last time, s, of the stretch of a log with the largest position error."""
     first, last = float(found.time[0]), float(found.time[-1])
     size = max(_STRETCH_S, _STRETCH * (last - first))
     squares = np.nan_to_num((found.after - found.measured) ** 2)
@@ -161,7 +161,7 @@ def worst_times(found: SimulatedPosition) -> tuple[float, float]:
 
 
 def friction_speed(report: Report) -> Chart:
-    """Friction against speed: the fitted law, and what the rest of the model leaves of the data."""
+    """Friction against speed: the fitted law, and the data without the rest of the model."""
     moving = [c for c in report.curves if c.in_motion.any()] or list(report.curves)
     v = np.concatenate([c.velocity[c.in_motion] for c in moving])
     F = np.concatenate([(c.measured - c.after + c.friction)[c.in_motion] for c in moving])
@@ -177,7 +177,7 @@ def friction_speed(report: Report) -> Chart:
 
 
 def sliding(law: Friction, fastest: float, points: int = 40) -> tuple[Array, Array]:
-    """Steady friction at speeds of both signs up to the fastest, shape (2 points + 1,)."""
+    """Steady friction at speeds of both signs up to the largest, shape (2 points + 1,)."""
     half = np.geomspace(1e-3 * fastest, fastest, points)
     speeds = np.concatenate([-half[::-1], [np.nan], half])
     torques = [
@@ -190,9 +190,9 @@ def sliding(law: Friction, fastest: float, points: int = 40) -> tuple[Array, Arr
 
 
 def presliding(report: Report) -> Chart | None:
-    """Friction behind turning points, measured and by the law; None where the logs show none.
+    """Friction after turning points, measured and by the law; None if the logs contain none.
 
-    All turns are drawn as if the joint went on in the positive direction.
+    All turns are drawn as if the joint continued in the positive direction.
     """
     size = _REACH * presliding_distance(report.laws[1], 0.9)
     found = [(c, window) for c in report.curves for window in turns(c, size)]
@@ -219,7 +219,7 @@ def presliding(report: Report) -> Chart | None:
 
 
 def error_charts(report: Report) -> tuple[tuple[Chart, ...], tuple[Chart, ...]]:
-    """Error against measured quantities; second, those of other joints that explain nothing."""
+    """Error against measured quantities; then charts of other joints, which explain nothing."""
     found = {name for c in report.curves for name in c.quantities}
     left = [n for n, _ in report.unexplained if n in found and n not in _QUANTITIES]
     first = [n for n in _QUANTITIES if n in found] + left
@@ -246,7 +246,7 @@ def _against(report: Report, quantity: str) -> Chart:
 
 
 def small(chart: Chart, most: int = 300) -> Chart:
-    """The chart with fewer points, for one of many side by side."""
+    """The chart with fewer points, for a page with many charts."""
     series = []
     for s in chart.series:
         x, y = thinned(most, s.x, s.y)
@@ -255,19 +255,19 @@ def small(chart: Chart, most: int = 300) -> Chart:
 
 
 def _drive(report: Report) -> str:
-    """What the torques of a report are called."""
+    """Name of the drive in a report."""
     own = "force" if report.slide else "torque"
     names = {"N m": own, "N": own, "A": "current", "V": "voltage"}
     return names.get(report.units[0], f"{own} over kp")
 
 
 def _source(report: Report) -> str:
-    """Where the drive comes from."""
+    """Source of the drive."""
     return "controller’s" if report.reconstructed else "measured"
 
 
 def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) -> Series:
-    """A line over time of at most so many points, broken where samples were left out."""
+    """A line over time with at most so many points, interrupted where samples were left out."""
     t, y = thinned(most, t, y)
     y = y.copy()
     if len(t) > 2:

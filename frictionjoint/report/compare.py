@@ -1,8 +1,7 @@
-"""Laws and parameter sets side by side, driven through the same three motions.
+"""Comparison of laws and parameter sets along the same three motions.
 
-Nothing here knows a law: each is driven by `friction_torque`, so any law with parameters in a file
-can be compared. Effects beyond the law depend on more than the joint's own motion; they are named,
-not drawn.
+Every law is driven by `friction_torque`, so any law with a parameter file can be compared. Effects
+beyond the law depend on more than the joint's own motion; they are named, not drawn.
 """
 
 import io
@@ -145,7 +144,7 @@ def _pull(parameters: Friction) -> tuple[Array, float]:
 
 
 def _fastest(parameters: Friction) -> float:
-    """Speed up to which sliding is drawn: ten Stribeck velocities, where the law has one."""
+    """Speed up to which sliding is drawn: ten Stribeck velocities, if the law has one."""
     own = [x for key, x in parameters.to_dict().items() if key.startswith("Vs")]
     return 10.0 * max(own) if own else 1.0
 
@@ -169,13 +168,13 @@ def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
 
 
 def _loop_work(q: Array, F: Array) -> float:
-    """Work that the last whole loop takes, J."""
+    """Work of the last whole loop, J."""
     last = slice(len(q) - 401, len(q))
     return float(np.trapezoid(F[last], q[last]))
 
 
 def rows(found: list[Compared]) -> list[tuple[str, list[str]]]:
-    """The figures as text, a row each with a cell a parameter set; a dash where a law has none."""
+    """The figures as text, one row each with a cell per parameter set; a dash if a law has none."""
     names = dict.fromkeys(name for x in found for name in x.figures)
     return [(name, [_cell(x.figures.get(name)) for x in found]) for name in names]
 
@@ -187,7 +186,7 @@ def _cell(value: float | str | None) -> str:
 
 
 def draw(found: list[Compared], kind: str) -> str | bytes:
-    """The three panels as a page of its own (.html) or a picture (.png, .svg)."""
+    """The three panels as a page (.html) or a picture (.png, .svg)."""
     return _page(found) if kind == ".html" else _picture(found, kind.removeprefix("."))
 
 

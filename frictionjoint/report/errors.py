@@ -1,7 +1,7 @@
 """Errors of a report before and after, and the noise of the instruments, from report.json.
 
-What the logs do not support is withheld, with its reason: a noise estimate above an error that
-remains or far below what an instrument resolves, and a percentage of a drive that is next to zero.
+Figures that the logs do not support are withheld, with a reason: a noise estimate above a remaining
+error or far below the resolution of an instrument, and a percentage of a drive close to zero.
 """
 
 from collections.abc import Mapping
@@ -26,12 +26,12 @@ _UNIT_NAMES = {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """An error before or after, on the logs fitted and held out.
+    """An error before or after, on fitted and held-out logs.
 
     Attributes:
         quantity: what is predicted. stage: "before" or "after". unit: of the values.
-        values: by role, None where not stated. fractions: of the drive by role, as text.
-        interval: 95%, of the logs held out where there are any.
+        values: by role, None if not stated. fractions: of the drive by role, as text.
+        interval: 95%, of the held-out logs if there are any.
     """
 
     quantity: str
@@ -57,7 +57,7 @@ def units_of(content: Content) -> tuple[str, str]:
 
 
 def drive_of(content: Content, unit: str) -> str:
-    """What the torques of a report are called."""
+    """Name of the torques in a report."""
     own = "force" if content.get("slide") else "torque"
     # in the unit of a position they are over a kp that is not known
     name = _UNIT_NAMES.get(unit, f"{own} over kp")
@@ -120,7 +120,7 @@ def _remaining(content: Content) -> float | None:
 
 
 def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
-    """The noise of the instruments in a sentence, and its value where it is plausible."""
+    """The noise of the instruments in a sentence, and its value if plausible."""
     estimate, least = content.get("noise_floor"), _remaining(content)
     if not estimate or least is None:
         return "The noise of the instruments cannot be determined from these logs.", None

@@ -1,7 +1,8 @@
-"""Effects that were added, and the candidates of each step of the search, from report.json.
+"""Added effects, and the candidates of each step of the search, from report.json.
 
-An effect that its p-value or its size does not support is in the model, but it is not called
-missing. A candidate that explains as much as the one that was chosen could also be the cause.
+An effect that its p-value or its size does not support is in the model, but is not called missing.
+A
+candidate that explains as much as the chosen one could also be the cause.
 """
 
 import math
@@ -19,14 +20,14 @@ Content = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class EffectRow:
-    """An effect that was added.
+    """An added effect.
 
     Attributes:
         name: canonical. title: common name. cause, size: in words.
         gain, p_value, frequency: evidence as decided. error: rms after adding it, by role.
-        rivals: common names of what could also be the cause.
-        next_best: common name and gain of the runner-up, where it explains less.
-        doubt: why the logs do not support it by itself; empty where they do.
+        rivals: common names of effects that could also be the cause.
+        next_best: common name and gain of the runner-up, if it explains less.
+        doubt: why the logs do not support it by itself; empty if they do.
     """
 
     name: str
@@ -115,7 +116,7 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
 
 
 def threshold_of(content: Content, effects: tuple[EffectRow, ...]) -> str:
-    """When an effect is normally added, and which of those shown were added with less."""
+    """When an effect is normally added, and which added effects fall short of that."""
     limits = content.get("thresholds")
     if not limits:
         return ""

@@ -1,4 +1,4 @@
-"""What all pages have in common: template, style, charts. Reading a page fetches nothing."""
+"""Template, style and charts shared by all pages. A page loads nothing from elsewhere."""
 
 import json
 import math
@@ -20,13 +20,13 @@ _FIGURES = 5
 
 
 def versions() -> dict[str, str]:
-    """Versions of what makes a report, by name."""
+    """Versions of the software that makes a report, by name."""
     found = {name: version(name) for name in _MADE_BY}
     return found | {"Python": platform.python_version()}
 
 
 def fill(template: str, filters: dict[str, Any], **values: Any) -> str:
-    """A page from a template of this folder; whatever is no `Markup` is escaped."""
+    """A page from a template of this folder; text is escaped unless it is `Markup`."""
     loader = DictLoader({"macros": _text("macros.html.j2")})
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=loader)
     environment.filters |= filters | {"chart": chart_html}
@@ -67,7 +67,7 @@ def chart_html(chart: Chart, small: bool = False) -> Markup:
 
 
 def _rounded(x: Array) -> list[float | None]:
-    """Numbers to five figures; null where there is none."""
+    """Numbers to five figures; null for missing ones."""
     return [
         None if not math.isfinite(v) else float(f"{v:.{_FIGURES}g}")
         for v in np.asarray(x, dtype=float).tolist()

@@ -1,4 +1,4 @@
-"""A log as it was measured, drawn before anything is fitted."""
+"""Drawing of a log as measured, before anything is fitted."""
 
 import numpy as np
 
@@ -47,7 +47,7 @@ def log_charts(log: JointLog) -> tuple[Chart, ...]:
 
 
 def described(log: JointLog) -> str:
-    """Samples, duration and rate of a log, and how far the joint travels, in one line."""
+    """Samples, duration, rate and range of positions of a log, in one line."""
     rate = (len(log.time) - 1) / log.duration
     low, high = float(log.position.min()), float(log.position.max())
     unit = "m" if log.slide else "rad"
@@ -58,7 +58,7 @@ def described(log: JointLog) -> str:
 
 
 def unit_doubt(log: JointLog) -> str:
-    """That the positions may be in degrees, if the joint turns far or fast; else empty."""
+    """A hint that the positions may be in degrees, if the joint turns far or fast; else empty."""
     travel = float(np.ptp(log.position))
     steps = np.abs(np.diff(log.position)) / np.diff(log.time)
     speed = float(np.quantile(steps, 0.99))

@@ -1,4 +1,4 @@
-"""A report as Jupyter shows it: verdict, friction numbers, picture."""
+"""A report in Jupyter: verdict, friction numbers, picture."""
 
 from html import escape
 
@@ -12,7 +12,7 @@ _COLOURS = "--soft: #808080; --line: rgba(128, 128, 128, 0.3)"
 
 
 def report_html(report: Report) -> str:
-    """HTML that needs no style sheet and fetches nothing."""
+    """HTML without a style sheet that loads nothing."""
     s = summarise(report.to_dict())
     lines = "".join(f"<p><b>{escape(k)}:</b> {escape(text)}</p>" for k, text in s.verdict_lines)
     rows = [(x.meaning, x.qualified) for x in s.friction]

@@ -13,10 +13,10 @@ _WHOSE = re.compile(r"^[\w ,./-]{1,60}: ")
 
 
 def without_repetition(notes: Iterable[str]) -> tuple[str, ...]:
-    """Each note once; of several that differ in numbers, law or log alone, the first one.
+    """Each note once; of several that differ only in numbers, law or log, the first one.
 
-    The first one names the other logs, joints or laws, or counts the other notes. The
-    order, most important first, stays.
+    The first one names the other logs, joints or laws, or counts the other notes. Their order, most
+    important first, is kept.
     """
     alike: dict[str, list[str]] = {}
     for note in dict.fromkeys(notes):

@@ -1,6 +1,6 @@
-"""Parameters of a report as a reader meets them: friction numbers, sizes of effects, the model.
+"""Parameters of a report in words: friction numbers, sizes of effects, the model.
 
-Everything is read from the content of report.json.
+Everything comes from the content of report.json.
 """
 
 import math
@@ -34,7 +34,7 @@ class Number:
     """One parameter.
 
     Attributes:
-        name: symbol, without a direction where both are equal. meaning: in words.
+        name: symbol, without a direction if both are equal. meaning: in words.
         text: value ± standard error with its unit. status: how well the logs determine it.
     """
 
@@ -45,7 +45,7 @@ class Number:
 
     @property
     def qualified(self) -> str:
-        """The text with what a reader must know of it in brackets."""
+        """The text with the status in brackets, unless it is determined or fixed."""
         known = self.status in ("determined", "fixed")
         return self.text if known else f"{self.text} ({self.status})"
 
@@ -56,7 +56,7 @@ def estimates(parameters: Content) -> dict[str, Estimate]:
 
 
 def result_estimates(content: Content) -> dict[str, Estimate]:
-    """Estimates of the law of the result: those of the refinement where that is the result."""
+    """Estimates of the resulting law: those of the refinement if it is the result."""
     refined = content.get("refined")
     if refined and refined["taken"]:
         return {n: x for n, x in estimates(refined["parameters"]).items() if " " not in n}
@@ -75,7 +75,7 @@ def effect_estimates(content: Content, added: Content) -> dict[str, Estimate]:
 
 
 def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
-    """Every parameter of a law; the two directions are one row where they are equal."""
+    """Every parameter of a law; one row for both directions if they are equal."""
     found = []
     for name, x in law.items():
         base, _, side = name.rpartition("_")
@@ -92,7 +92,7 @@ def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
 
 
 def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
-    """The friction numbers that every engineer asks for first."""
+    """The friction numbers in the order of a report."""
     rows = law_numbers(law)
     return tuple(
         row
@@ -115,7 +115,9 @@ def with_unit(x: Estimate) -> str:
 def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
     """How well the logs determine a parameter of a law.
 
-    Friction rises from Fc to Fs below the Stribeck velocity, so Fs is open where that velocity is.
+    Friction rises from Fc to Fs below the Stribeck velocity, so an undetermined Stribeck velocity
+    leaves
+    Fs undetermined.
     """
     x, (symbol, _, side) = law[name], name.partition("_")
     stribeck = f"Vs_{side}" if side else "Vs"
@@ -133,8 +135,12 @@ def _equal(a: Estimate, b: Estimate) -> bool:
 
 
 def size_of(effect: str, parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
-    """Numbers of an effect in words; a wave is an amplitude, a count per turn and a
-    phase; the direction (cx, cy) of a first moment is that of the model's own."""
+    """Numbers of an effect in words.
+
+    A wave becomes an amplitude, a number per turn and a phase. The direction (cx, cy) of a first
+    moment
+    is the model's own.
+    """
     left = dict(parameters)
     found = []
     for suffix in ("", *(f"_{k}" for k in range(2, len(left)))):

@@ -1,4 +1,4 @@
-"""report.html of one joint: a self-contained page for a reader who did not make it."""
+"""report.html of one joint: a self-contained page."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -24,8 +24,8 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
     """The page as text.
 
     Args:
-        report: whose time series are drawn.
-        content: of report.json, which all figures and sentences come from.
+        report: for the time series.
+        content: of report.json, the source of all figures and sentences.
     """
     s = summarise(content)
     stretch = charts.worst_stretch(report)
@@ -83,5 +83,5 @@ def _shows_presliding(report: Report) -> bool:
 
 
 def _widest(s: Summary) -> float:
-    """The largest gain of a candidate, which the bars are drawn by."""
+    """The largest gain of a candidate, which scales the bars."""
     return max([0.1, *(c.gain for step in s.steps for c in step)])

@@ -62,7 +62,7 @@ def draw(report: Report, style: Mapping[str, Any] = MappingProxyType({})) -> Fig
 def draw_charts(
     rows: Sequence[charts.Chart], title: str, style: Mapping[str, Any] = MappingProxyType({})
 ) -> Figure:
-    """Charts below each other."""
+    """Draw charts below each other."""
     with rc_context(_STYLE | dict(style)):
         heights = [_ROW * (0.6 if c.low else 1.0) for c in rows]
         figure = Figure(figsize=(_WIDE, sum(heights)), layout="constrained")
@@ -94,7 +94,7 @@ def draw_robot(report: RobotReport) -> Figure:
 
 
 def draw_chart(axes: Axes, chart: charts.Chart) -> None:
-    """A chart into axes."""
+    """Draw a chart into axes."""
     for s in chart.series:
         if s.kind == "points":
             axes.plot(
@@ -118,10 +118,10 @@ def draw_chart(axes: Axes, chart: charts.Chart) -> None:
 
 
 def svg(figure: Figure, name: str) -> Markup:
-    """A figure as a part of a page, in the page's own colours.
+    """A figure as SVG in the colours of the page.
 
     Args:
-        name: unlike that of any other figure of the page.
+        name: unique on the page.
     """
     buffer = io.StringIO()
     with rc_context(PAGE_STYLE | {"svg.hashsalt": name}):
@@ -136,7 +136,7 @@ def svg(figure: Figure, name: str) -> Markup:
 
 
 def page_figure(width: float, height: float) -> tuple[Figure, Axes]:
-    """An empty figure in a page's style, inches."""
+    """An empty figure in a page's style; size in inches."""
     with rc_context(PAGE_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots()

@@ -1,4 +1,4 @@
-"""Where logs show presliding: the samples behind turning points."""
+"""Samples after turning points, where logs show presliding."""
 
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ _LEAST_SAMPLES = 10
 
 
 def turns(c: Curve, size: float) -> list[slice]:
-    """Samples from each turning point on until the joint has gone `size`, or turned again."""
+    """Samples from each turning point until the joint has moved by `size`, or turned again."""
     step = np.diff(c.position)
     moving = np.flatnonzero(step != 0.0)
     # a gap in the samples is no turn

@@ -1,4 +1,4 @@
-"""Every figure and sentence that a report shows of a whole robot, from report.json alone."""
+"""Every figure and sentence in the report of a whole robot, from report.json alone."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _ROBOT = ("schema", "logs", "made")
 
 @dataclass(frozen=True)
 class SharedRow:
-    """A shared cause: where it is, its numbers, and the torque error of each joint it acts on."""
+    """A shared cause: place, numbers, and the torque error of each joint it acts on."""
 
     title: str
     size: tuple[str, ...]
@@ -49,7 +49,7 @@ class JointRow:
 
 @dataclass(frozen=True)
 class TorsionRow:
-    """Between motor and link."""
+    """The gear between motor and link."""
 
     joint: str
     stiffness: str
@@ -62,7 +62,7 @@ class TorsionRow:
 
 @dataclass(frozen=True)
 class RobotSummary:
-    """All that is shown of a robot.
+    """Content of a robot's report.
 
     Attributes:
         joints: summary of each. rows: one per joint. failed: why a joint has no result.
@@ -84,18 +84,18 @@ class RobotSummary:
 
     @property
     def friction_head(self) -> tuple[str, ...]:
-        """Heads of the columns of friction numbers."""
+        """Headings of the columns of friction numbers."""
         return ("Coulomb", "breakaway", "viscous", "presliding stiffness")
 
 
 def joint_content(content: Content, name: str) -> dict[str, Any]:
-    """The content of one joint of report-2, as that of a report-1."""
+    """The content of one joint of report-2, in the form of a report-1."""
     own = {key: content[key] for key in _ROBOT if key in content}
     return {**own, "joint": name, **content["joints"][name]}
 
 
 def summarise_robot(content: Content) -> RobotSummary:
-    """All that is shown of a robot.
+    """Summarise the report of a robot.
 
     Args:
         content: of report.json, schema report-2.
@@ -153,7 +153,7 @@ def summarise_robot(content: Content) -> RobotSummary:
 
 
 def _confirmed(s: Summary) -> bool:
-    """Whether the error of the drive falls on held-out logs, where there are any."""
+    """Whether the error of the drive falls on held-out logs, if there are any."""
     name = s.drive.split(" ", 1)[1]
     change = compared(s.error(name, "before"), s.error(name, "after"), s.role)
     return s.role != "held_out" or change not in ("rises", "no fall")
@@ -211,7 +211,7 @@ def _row(
 
 
 def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
-    """A friction number; the two directions where they differ."""
+    """A friction number; both directions if they differ."""
     if symbol in numbers:
         return str(numbers[symbol].qualified)
     sides = [
@@ -223,7 +223,7 @@ def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
 
 
 def _change(texts: Mapping[Stage, str], s: Summary) -> str:
-    """An error before and after; a simulation that leaves the logged motion has none."""
+    """An error before and after; "diverges" if the simulation leaves the logged motion."""
     if not texts:
         return _NONE
     return " → ".join(texts.get(x, "diverges") for x in (STAGES if s.changed else STAGES[1:]))

@@ -1,8 +1,8 @@
-"""Every figure and sentence that a report shows of one joint, derived from report.json alone.
+"""Every figure and sentence in the report of one joint, derived from report.json alone.
 
-The terminal, the page and `Report.summary` all print what stands here, so that no two of them can
-differ. What the logs do not support is withheld where the figure is made: `errors`, `evidence`,
-`numbers`, `verdict`.
+The terminal, the page and `Report.summary` print these, so no two of them can differ. Figures that
+the logs do not support are withheld where they are made: `errors`, `evidence`, `numbers`,
+`verdict`.
 """
 
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ _MUCH_AT_REST = 0.5
 
 @dataclass(frozen=True)
 class LogRow:
-    """A log with its own errors of the drive in motion."""
+    """A log with its errors of the drive in motion."""
 
     name: str
     samples: int
@@ -51,15 +51,15 @@ class LogRow:
 
 @dataclass(frozen=True)
 class Summary:
-    """All that is shown of one joint.
+    """Content of the report of one joint.
 
     Attributes:
-        verdict: as in report.json. units: of drive and position. drive: what it is called.
-        role: of the logs that the headline is of. noise: a sentence; `noise_level` its value where
-            it is plausible. errors: most telling first. at_rest: fraction of the samples.
-        position_first: whether position leads, as for servos. changed: whether the result is
-            another model than the base fit. friction: the numbers an engineer asks for first.
-        parameters: what model.xml contains. steps: candidates of each step of the search.
+        verdict: as in report.json. units: of drive and position. drive: its name.
+        role: of the logs in the headline. noise: a sentence; `noise_level` its value if plausible.
+        errors: most important first. at_rest: fraction of the samples.
+        position_first: whether position comes first, as for servos. changed: whether the result
+            differs from the base fit. friction: the main friction numbers.
+        parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
     """
 
@@ -94,14 +94,14 @@ class Summary:
 
     @property
     def suspected(self) -> tuple[Candidate, ...]:
-        """Candidates that are significant but too small to be added, where nothing was added."""
+        """Candidates that are significant but too small to be added, if nothing was added."""
         if self.effects or not self.steps:
             return ()
         return tuple(c for c in self.steps[-1] if c.gain >= _SUSPECT and c.p_value <= _SIGNIFICANT)
 
     @property
     def covered(self) -> str:
-        """The samples that the errors and the search are of."""
+        """The samples to which the errors and the search refer."""
         if self.at_rest < _MUCH_AT_REST:
             return "these logs"
         return f"the {1.0 - self.at_rest:.0%} of the samples in which the joint moves"
@@ -113,7 +113,7 @@ class Summary:
 
 
 def summarise(content: Content) -> Summary:
-    """All that is shown of one joint.
+    """Summarise the report of one joint.
 
     Args:
         content: of report.json, schema report-1, or of one joint of report-2 with its logs.

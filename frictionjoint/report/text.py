@@ -1,4 +1,4 @@
-"""A report as plain text: what the terminal and `Report.summary` print."""
+"""A report as plain text, for the terminal and `Report.summary`."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -75,7 +75,7 @@ def _missing(s: Summary) -> str:
 
 
 def _doubts(s: Summary) -> str:
-    """What stays open of effects that lower the error without being certain themselves."""
+    """What is undetermined about effects that lower the error together."""
     return "which of them, or how large each is" if len(s.effects) > 1 else "its size"
 
 
@@ -109,7 +109,7 @@ def _error_line(s: Summary) -> str:
 
 
 def _rivals_line(s: Summary) -> str:
-    """What these logs cannot distinguish from the effects that are named."""
+    """Effects that these logs cannot distinguish from the named ones."""
     tied = [f"{listed(e.rivals)} instead of {e.title}" for e in s.effects if e.rivals]
     if tied:
         return f"{'; '.join(tied)}: these logs do not distinguish them."

@@ -1,4 +1,4 @@
-"""Numbers, units and names as reports print them."""
+"""Text of numbers, units and names in reports."""
 
 import math
 import re
@@ -17,7 +17,7 @@ _ROUNDING = 12
 
 
 def known_as(effect: str) -> str:
-    """Common name of an effect, with its canonical name in brackets where that differs."""
+    """Common name of an effect, with its canonical name in brackets if that differs."""
     plain = title(effect)
     return plain if plain.lower().replace(" ", "-") == effect else f"{plain} ({effect})"
 
@@ -37,13 +37,13 @@ def axis(variable: str, slide: bool) -> str:
 
 
 def percentage(value: float, whole: float) -> str:
-    """A part of a whole to two figures."""
+    """A part of a whole in per cent, to two figures."""
     part = 100.0 * value / whole if whole else math.nan
     return f"{part:.0f}%" if part >= 9.95 else f"{part:.2g}%"
 
 
 def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
-    """A figure with its unit, and per cent of a whole where that is known."""
+    """A figure with its unit, and per cent of a whole if that is known."""
     if value is None:
         return "not stated"
     percent = "" if math.isnan(whole) else f" ({percentage(value, whole)})"
@@ -51,7 +51,7 @@ def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
 
 
 def unit(text: str) -> str:
-    """A unit as it is written for people."""
+    """A unit as text."""
     return "none" if text == "1" else text.replace("^2", "²").replace(" ", "\u00a0")
 
 
@@ -68,7 +68,7 @@ def interval(pair: tuple[float, float] | None) -> str:
 def value(x: Estimate | None, spread: bool = False) -> str:
     """A value to the second figure of its standard error, else to five figures.
 
-    With `spread` the standard error follows; a value without one is fixed.
+    With `spread` the standard error follows; a value without one is marked as fixed.
     """
     if x is None:
         return "–"
@@ -90,7 +90,7 @@ def value(x: Estimate | None, spread: bool = False) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without exponent where the number is not far from one, with a minus sign."""
+    """Without an exponent if the number is close to one, with a minus sign."""
     number = float(text)
     if "e" in text and 1e-4 <= abs(number) < 1e7:
         text = f"{number:f}".rstrip("0").rstrip(".") if abs(number) < 1.0 else f"{number:.0f}"

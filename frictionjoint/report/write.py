@@ -1,4 +1,4 @@
-"""Write a report's folder whole or not at all."""
+"""Write a report's folder as a whole or not at all."""
 
 import contextlib
 import json
@@ -58,14 +58,15 @@ def write_files(
     contents: Mapping[str, str | bytes],
     checks: Mapping[str, Callable[[Path], None]] | None = None,
 ) -> None:
-    """Write files into a folder, all of them or none, whatever ends the run meanwhile.
+    """Write files into a folder, all of them or none, even if the run is interrupted.
 
-    They are finished under hidden names first. A new folder then takes its name in one step, so
-    that it is whole or absent; into a folder that exists each file is moved finished.
+    They are first written under hidden names. A new folder then gets its name in one step; into an
+    existing folder each finished file is moved.
 
     Args:
-        checks: by name of a file: called with where it lies finished, before it takes its name, in
-            the folder itself or one next to it; what it raises leaves nothing new.
+        checks: by name of a file: called with the path of the finished file, before it is renamed,
+            in
+            the folder itself or one next to it; an exception leaves nothing new.
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
@@ -120,7 +121,7 @@ def _finish(
     contents: Mapping[str, str | bytes],
     checks: Mapping[str, Callable[[Path], None]],
 ) -> None:
-    """Write and check all files under their names with a prefix."""
+    """Write and check all files under names with a prefix."""
     for name, content in contents.items():
         data = content if isinstance(content, bytes) else content.encode()
         (folder / (prefix + name)).write_bytes(data)

@@ -1,6 +1,6 @@
-"""Write a robot's report: one page for all, one a joint behind it, report.json and model.xml.
+"""Write a robot's report: a page for the robot, a page per joint, report.json and model.xml.
 
-Where controllers are known, each joint has its own: what was found of its drive is in it.
+If controllers are known, each joint gets its own controller file with the effects of the drive.
 """
 
 import re
@@ -46,8 +46,8 @@ def render_robot(report: RobotReport, pages: dict[str, str], content: Mapping[st
     """The page as text.
 
     Args:
-        report: whose time series are drawn. pages: file name of each joint's own page.
-        content: of report.json, which all figures and sentences come from.
+        report: for the time series. pages: file name of each joint's own page.
+        content: of report.json, the source of all figures and sentences.
     """
     pictures = []
     for name, result in report.joints.items():
@@ -66,7 +66,7 @@ def render_robot(report: RobotReport, pages: dict[str, str], content: Mapping[st
 
 
 def page_names(joints: list[str]) -> dict[str, str]:
-    """A file name for each joint, of letters, digits, points and dashes."""
+    """A file name per joint, of letters, digits, dots and dashes."""
     found: dict[str, str] = {}
     for i, name in enumerate(joints):
         plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)

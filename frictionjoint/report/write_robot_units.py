@@ -1,4 +1,4 @@
-"""Write the reports of several robots of one kind: a page over all, a folder for each unit."""
+"""Write the reports of several robots of one kind: a page over all, a folder per unit."""
 
 import shutil
 from collections.abc import Mapping
@@ -15,9 +15,9 @@ FILES = ("report.json", "report.html")
 
 
 def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
-    """Write report.json and report.html into `folder`, and each unit's report into a folder there.
+    """Write report.json and report.html into `folder`, and each unit's report into a subfolder.
 
-    A folder that did not exist is left whole or absent.
+    A new folder is written as a whole or not at all.
 
     Raises:
         FrictionJointError: the folder cannot be written, or a model would not load there.
@@ -53,6 +53,6 @@ def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
 
 
 def unit_sentence(content: Mapping[str, Any]) -> str:
-    """One unit's verdict and errors in two sentences."""
+    """A unit's verdict and errors in two sentences."""
     missing, error = summarise_robot(content).verdict_lines[:2]
     return f"{': '.join(missing)} {': '.join(error)}"
