@@ -134,7 +134,7 @@ def test_a_torque_held_between_ticks_is_allowed_for_and_told(held):
     assert error < 0.2 * HALF_A_TICK
     (note,) = timing_note(found, cov)
     assert "torque leads" in note
-    assert f"{1e3 * delay_of(found.terms):.2g} +-" in note
+    assert f"{1e3 * delay_of(found.terms):.2g} ±" in note
 
 
 def test_the_viscosity_is_not_that_of_an_inertia_that_lags(held):

@@ -1,4 +1,4 @@
-"""How far a model is from logs, whatever friction it has; nothing is fitted."""
+"""Error of a model on logs, whatever its friction; nothing is fitted."""
 
 from frictionjoint.evaluation.run import evaluate
 

@@ -1,7 +1,7 @@
-"""A user's model as it is evaluated: its friction in words, and where a log's drive enters it.
+"""A user's model for evaluation: its friction in words, and where a log's drive acts on it.
 
-A measured torque takes the place of all actuators; of a `dcmotor` only the friction and the cogging
-stay. A measured voltage or current is the control of the joint's own actuator.
+A measured torque replaces all actuators; of a `dcmotor` only friction and cogging stay. A measured
+voltage or current is the control of the joint's own actuator.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,14 +31,14 @@ class EvaluatedModel:
     """A compiled model whose other joints are held.
 
     Args:
-        source: path or text of an MJCF or URDF. joints: that are evaluated.
-        moving: further joints whose motion the logs hold.
-        drives: what each joint's log holds, "torque", "voltage" or "current".
-        fixed: poses of joints that no log holds, by name, rad or m.
+        source: path or text of an MJCF or URDF. joints: to evaluate.
+        moving: other joints with logged motion.
+        drives: kind of each joint's logged drive, "torque", "voltage" or "current".
+        fixed: positions of joints that no log contains, by name, rad or m.
     Attributes:
-        model: compiled; contacts are off. dofs, qpos: addresses of the joints, shape (k,).
+        model: compiled, without contacts. dofs, qpos: addresses of the joints, shape (k,).
         controls: index in `ctrl` of each joint's drive; None: it is a torque.
-        friction: what friction each joint has, in words.
+        friction: friction of each joint, in words.
     Raises:
         ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
     """
@@ -80,12 +80,12 @@ class EvaluatedModel:
 
     @property
     def remembers(self) -> bool:
-        """Whether MuJoCo itself keeps a state that must be stepped: activations, plasticity."""
+        """Whether MuJoCo has a state that must be stepped: activations, plasticity."""
         return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
 
     @contextmanager
     def acting(self) -> Iterator[None]:
-        """The friction that the model carries acts inside the block."""
+        """Context in which the friction of the model acts."""
         with attach(self.model) if self.carries else nullcontext():
             yield
 
@@ -110,7 +110,7 @@ class EvaluatedModel:
         return int(takes[0])
 
     def _silence(self, used: set[int]) -> None:
-        """Take the torque off actuators that the logs do not drive."""
+        """Disable the torque of actuators that the logs do not drive."""
         for i in set(range(count_of(self.model))) - used:
             if _is_dcmotor(self.model, i):
                 self.model.actuator_gainprm[i, _CONSTANT] = _NO_CONSTANT
@@ -126,10 +126,10 @@ class EvaluatedModel:
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:
-    """Number of a hinge or slide.
+    """Index of a hinge or slide.
 
     Raises:
-        ModelError: the model has none of that name.
+        ModelError: the model has none with that name.
     """
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
@@ -141,7 +141,7 @@ def require_joint(model: mujoco.MjModel, joint: str) -> int:
 
 
 def count_of(model: mujoco.MjModel) -> int:
-    """Number of actuators; a `dcmotor` without input is one that has no control."""
+    """Number of actuators; a `dcmotor` without input has no control but counts."""
     return len(model.actuator_group)
 
 
@@ -161,7 +161,7 @@ def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
 
 
 def friction_words(model: mujoco.MjModel, joint: str) -> str:
-    """What friction a joint has in a model, in words."""
+    """Friction of a joint in a model, in words."""
     said = []
     if joint in blocks(model):
         carried = read_friction(model)[joint]

@@ -11,7 +11,7 @@ _DRAWN = 4000
 
 
 def page(evaluation: Evaluation) -> str:
-    """HTML that stands alone."""
+    """A self-contained HTML page."""
     drawn = {name: _charts(joint) for name, joint in evaluation.joints.items()}
     return fill("evaluation.html.j2", {"figures": figures}, e=evaluation, drawn=drawn)
 
@@ -22,7 +22,7 @@ def figures(x: float | None, unit: str = "") -> str:
 
 
 def _charts(joint: JointEvaluation) -> list[Chart]:
-    """Torque of the log that is furthest off, error of all logs over velocity, closed loop."""
+    """Torque of the log with the largest error, error of all logs against velocity, closed loop."""
     worst = max(joint.curves, key=lambda c: float(np.sum(c.torque_error**2)))
     every = _every(worst)
     time = worst.time[::every]
@@ -54,7 +54,7 @@ def _charts(joint: JointEvaluation) -> list[Chart]:
 
 
 def _loop(joint: JointEvaluation) -> list[Chart]:
-    """Simulated and measured position of the log that is furthest off."""
+    """Simulated and measured position of the log with the largest error."""
     runs = [(c, c.closed_loop) for c in joint.curves if c.closed_loop is not None]
     if not runs:
         return []

@@ -1,4 +1,4 @@
-"""One log of one or more joints, on the grid that a model is driven along."""
+"""One log of one or more joints, on the grid along which a model is driven."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,16 +28,16 @@ _KINDS = ("torque", "voltage", "current")
 
 @dataclass(frozen=True)
 class Recording:
-    """A log ready to be compared.
+    """A log prepared for comparison.
 
     Attributes:
         name: of the log. logs: as read, by joint.
-        time: s, from 0, shape (n,). step: s between two of them.
+        time: s, from 0, shape (n,). step: sampling interval, s.
         motion: smooth position, velocity and acceleration by joint, each of shape (n,).
-        led: the same of joints that are not evaluated.
-        drive: as measured, by joint, shape (n,). filtered: behind the filter of the motion.
+        led: the same for joints that are not evaluated.
+        drive: as measured, by joint, shape (n,). filtered: after the filter of the motion.
         kinds: "torque", "voltage" or "current" by joint.
-        known: where the drive is known, by joint, shape (n,).
+        known: whether the drive is known, by joint, shape (n,).
         smooth: the filter on this grid.
     """
 
@@ -58,7 +58,7 @@ class Recording:
         """Put the joints of one log on a grid of a millisecond or less.
 
         Args:
-            logs: of each joint that is evaluated, all of the same times.
+            logs: of each joint to evaluate, all with the same times.
         """
         first = next(iter(logs.values()))
         raw_time, _, sample = on_a_grid(first)
@@ -100,7 +100,7 @@ class Recording:
         )
 
     def filter(self, x: Array) -> Array:
-        """What the filter of the motion leaves of a torque on this grid, shape (n,)."""
+        """A torque on this grid after the filter of the motion, shape (n,)."""
         return self.smooth(x)
 
 
@@ -112,7 +112,7 @@ def _kind(log: JointLog) -> str:
 
 
 def _known(log: JointLog, time: Array) -> NDArray[np.bool_]:
-    """Where the drive of a log is what moved the joint."""
+    """Whether the logged drive is what moved the joint, by sample."""
     known = np.ones(len(log.time), dtype=bool)
     if log.torque_enabled is not None:
         known &= log.torque_enabled

@@ -34,13 +34,13 @@ ReadLog = Callable[[str | Path, str], JointLog]
 
 @dataclass(frozen=True)
 class JointCurves:
-    """What a log and the model did at one joint, each of shape (n,).
+    """A log and the model's prediction at one joint, each of shape (n,).
 
     Attributes:
         log: name. time: s. velocity: rad/s or m/s, measured.
-        drive: torque that acted. needed: torque that the model needs for the motion; both behind
-            one filter. known: where they are compared. position: measured.
-        replay_error: rad or m, NaN where nothing was run; None: no replay.
+        drive: measured torque. needed: torque that the model needs for the motion; both after one
+            filter. known: where they are compared. position: measured.
+        replay_error: rad or m, NaN where nothing was simulated; None: no replay.
         closed_loop: simulated position; None: no closed loop.
     """
 
@@ -56,7 +56,7 @@ class JointCurves:
 
     @property
     def torque_error(self) -> Array:
-        """Needed less acted, where compared."""
+        """Needed minus measured torque, where compared."""
         return (self.needed - self.drive)[self.known]
 
 

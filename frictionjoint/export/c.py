@@ -1,8 +1,8 @@
 """``--to c``: one C99 header with the law, the effects and the parameters of a model's joints.
 
-The functions are those of simulations (`frictionjoint.translate.functions`), only as much of them
-as the model's laws and effects need, and give the same torque. Nothing is allocated; from the C
-library come exp, log and pow.
+The functions are those of the simulation (`frictionjoint.translate.functions`), limited to the
+model's laws and effects, and give the same torque. Nothing is allocated; of the C library only exp,
+log and pow are used.
 """
 
 import inspect
@@ -55,9 +55,9 @@ class CJoint:
     """One joint in the header.
 
     Attributes:
-        identifier: its name as C takes it. numbers: as text, each with what it is.
-        effects: where the effects' numbers begin. state: doubles of memory.
-        surroundings: whether an effect asks for more than the motion.
+        identifier: its name in C. numbers: as text, each with a description.
+        effects: index at which the effects' numbers begin. state: doubles of memory.
+        surroundings: whether an effect needs more than the motion.
     """
 
     name: str
@@ -105,7 +105,7 @@ def header(friction: Mapping[str, JointFriction], guard: str) -> str:
 
 
 def lost_effects(friction: Mapping[str, JointFriction]) -> list[str]:
-    """``joint: effect, why`` for what is nought in the header."""
+    """``joint: effect, why`` for effects that are zero in the header."""
     found = []
     for name, joint in friction.items():
         heated = any(carried.effect is HEATING for carried in joint.effects)
@@ -124,7 +124,7 @@ def _effect_arguments() -> str:
 
 
 def _known(carried: Iterable[JointFriction]) -> Known:
-    """The laws and effects there are, so that the header holds no others."""
+    """The laws and effects in use, so that the header contains no others."""
     joints = list(carried)
     laws = frozenset(float(joint.parameters.pack()[0]) for joint in joints)
     effects = frozenset(float(e.effect.effect_id) for joint in joints for e in joint.effects)
@@ -153,7 +153,7 @@ def _joint(name: str, carried: JointFriction) -> CJoint:
 
 
 def _law_labels(parameters: Friction, block: Array) -> list[str]:
-    """What each number of a law's block is."""
+    """Description of each number of a law's block."""
     first = f"law: {parameters.law}"
     if parameters.law == "integrated":
         kinds = ["variant: 0 ganseman1997, 1 lampaert2002", "virgin: 0 literal, 1 masing"]
@@ -178,5 +178,5 @@ def _number(value: float) -> str:
 
 
 def _identifier(name: str) -> str:
-    """A name as C takes it, after a prefix."""
+    """A name as a C identifier, after a prefix."""
     return re.sub(r"\W", "_", name, flags=re.ASCII)

@@ -1,9 +1,10 @@
-"""What an export loses, in numbers: torque along a motion, and the error of a control loop.
+"""Losses of an export: error of the torque along a motion, and of a control loop.
 
-Both friction torques are MuJoCo's own: inverse dynamics of the model that carries friction and of
-the exported one, less that of the model without. The control loop is the same in both, and soft so
-that friction shows: friction alone displaces the joint by a tenth of the motion's range. Its
-damping ratio is 0.3, gravity and the wanted acceleration are compensated, other joints are held.
+Both friction torques are MuJoCo's own: inverse dynamics of the model with friction and of the
+exported one, minus that of the model without. The control loop is the same in both, and soft so
+that
+friction matters: friction alone displaces the joint by a tenth of the motion's range. Its damping
+ratio is 0.3, gravity and the desired acceleration are compensated, other joints are held.
 """
 
 import contextlib
@@ -30,14 +31,14 @@ _ROBOT = 1  # an actuator group
 
 @dataclass(frozen=True)
 class Loss:
-    """What one joint loses along one motion.
+    """Losses of one joint along one motion.
 
     Attributes:
         joint, motion: names. unit: of the torques.
-        torque: rms of the friction torque, ours. torque_lost: rms of exported less ours.
+        torque: rms of the friction torque. torque_lost: rms of its error after the export.
         sliding_lost: the same in sliding alone, away from rest and reversals; None: no sliding.
         error: rms position error of the loop with our friction, rad (m). error_exported: with the
-            exported one. apart: rms distance of the two runs.
+            exported one. apart: rms difference of the two runs.
     """
 
     joint: str
@@ -76,11 +77,11 @@ def losses(
     """The losses of each joint along its motion.
 
     Args:
+        ours: the model with friction. bare: the same without. exported: the same with the exported
+            friction; actuators that it adds act. Flags and time steps of all three are changed.
+        actuators: torque along the motion, by joint, of actuators that represent friction and are
+            unknown to inverse dynamics; shape (n,).
         presliding: distance from a reversal beyond which a joint slides, rad (m).
-        ours: carries friction. bare: the same without. exported: the same with what was exported;
-            it may have actuators of its own, which act. Their flags and steps are changed.
-        actuators: torque along the motion, by joint, of those that act as friction, which inverse
-            dynamics does not know; shape (n,).
     Raises:
         ModelError: the exported model diverges in the loop.
     """
@@ -138,7 +139,7 @@ def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Arra
 
 
 def _alone(model: mujoco.MjModel, actuators: int) -> None:
-    """Nothing but the joints acts; the first `actuators` are those of the robot, and off."""
+    """Disable contacts, limits and the robot's actuators, which are the first `actuators`."""
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
     model.opt.disableflags |= int(off)
     model.actuator_group[:actuators] = _ROBOT
@@ -178,7 +179,7 @@ def _loop(
     stiffness: float,
     attached: bool,
 ) -> Array:
-    """Position of the joint under a loop of this stiffness, N m/rad, at the motion's times."""
+    """Position of the joint in a loop with this stiffness, N m/rad, at the motion's times."""
     data, before = mujoco.MjData(model), model.opt.timestep
     tracks = _tracks(model, joint, motion)
     driven = [j for j in range(model.njnt) if model.jnt_type[j] in ONE_DOF]

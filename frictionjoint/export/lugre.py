@@ -1,8 +1,9 @@
 """``--to native --lugre``: MuJoCo's own LuGre, which has presliding and the Stribeck effect.
 
-MuJoCo has it inside the actuator `dcmotor`. Here each joint gets one that does nothing else. That
-adds actuators, and not everything that loads MJCF has them. LuGre has no memory of reversals: it
-drifts under a load that oscillates below breakaway.
+MuJoCo has it inside the actuator `dcmotor`. Here each joint gets one with no other function. That
+adds actuators, and not every program that loads MJCF supports them. LuGre has no memory of
+reversals:
+it drifts under a load that oscillates below breakaway.
 """
 
 from collections.abc import Mapping
@@ -26,13 +27,13 @@ _STIFFNESS = (0.05, 5.0)
 
 
 def lugre_friction(parameters: Friction, motion: Motion) -> LuGreParameters:
-    """The LuGre joint nearest to a law along a motion, alike in both directions.
+    """The LuGre joint nearest to a law along a motion, equal in both directions.
 
-    The levels are means of the directions'; the bristle's stiffness is fitted by least squares of
-    the torque. MuJoCo's Stribeck exponent is 2, whatever the law's.
+    The levels are means over the directions; the bristle's stiffness is a least-squares fit to the
+    torque. MuJoCo's Stribeck exponent is 2, whatever the law's is.
 
     Raises:
-        ModelError: the law knows no presliding.
+        ModelError: the law has no presliding.
     """
     if parameters.stiffness == 0.0:
         raise ModelError(f"the law {parameters.law} has no presliding stiffness: leave out --lugre")
@@ -64,7 +65,7 @@ def lugre_torque(lugre: LuGreParameters, motion: Motion) -> Array:
 def add_lugre(
     spec: mujoco.MjSpec, lugre: Mapping[str, LuGreParameters], plain: Mapping[str, PlainFriction]
 ) -> mujoco.MjSpec:
-    """A new spec with a `dcmotor` a joint, and of plain friction all but the Coulomb part.
+    """A new spec with a `dcmotor` per joint, and with plain friction except its Coulomb part.
 
     Raises:
         ModelError: as `add_plain`.

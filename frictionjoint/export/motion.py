@@ -30,8 +30,9 @@ class Motion:
     """A motion of one joint, arrays of shape (n,).
 
     Attributes:
-        name: for people. time: s, even steps. position, velocity, acceleration: rad, rad/s,
-            rad/s^2 (m ...). others: positions of other joints by name.
+        name: description. time: s, uniform steps. position, velocity, acceleration: rad, rad/s,
+            rad/s^2
+            (m ...). others: positions of other joints by name.
     """
 
     name: str
@@ -61,10 +62,11 @@ class Motion:
 def stated_motion(
     parameters: Friction, start: float, speeds: tuple[float, float] | None, unit: str = "rad"
 ) -> Motion:
-    """One sine within presliding, sines of sliding, and a travel there and back at one speed.
+    """One sine within presliding, sines of sliding, and a travel back and forth at one speed.
 
-    The sines have peak speeds in even ratios from the lowest to the highest, the travel the mean of
-    those in that sense: slow enough to stick and slip.
+    The peak speeds of the sines are a geometric series from the lowest to the highest. The travel
+    has
+    their geometric mean, slow enough for stick-slip.
 
     Args:
         start: rad, where the motion begins and ends.
@@ -94,9 +96,9 @@ def log_motions(path: Path, joints: list[str], columns: Mapping[str, str]) -> di
     """The motions of joints in a log, by joint.
 
     Args:
-        joints: those that carry friction. columns: our column name -> the log's.
+        joints: those with friction. columns: our column name -> the log's.
     Raises:
-        LogError: unreadable, or a log that does not say which of several joints it is of.
+        LogError: unreadable, or it is ambiguous which joint the log describes.
     """
     found = {}
     for joint in joints:

@@ -1,7 +1,7 @@
-"""``--to native``: an MJCF with the best friction that plain MuJoCo has, for what loads MJCF.
+"""``--to native``: an MJCF with the best approximation by MuJoCo's plain friction.
 
-Coulomb friction is MuJoCo's constraint `frictionloss`, made as stiff as MuJoCo takes it: with its
-defaults a joint under half the limit creeps at 0.05 rad/s, 10,000 times faster than with these.
+Coulomb friction is MuJoCo's constraint `frictionloss`, as stiff as MuJoCo allows: with the default
+settings a joint under half the limit creeps at 0.05 rad/s, 10,000 times faster than with these.
 Constant torques and springs become `stiffness` and `springref`, an inertia error `armature`.
 """
 
@@ -24,7 +24,7 @@ TERMS = 3
 
 
 def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """The same spec without the friction it carries; changed in place."""
+    """Remove the friction from a spec; changed in place."""
     model = spec.copy().compile()
     ours = 0
     for at in blocks(model).values():
@@ -38,10 +38,10 @@ def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
 
 
 def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> mujoco.MjSpec:
-    """Add plain friction to that of joints; changed in place.
+    """Add plain friction to joints; changed in place.
 
     Raises:
-        ModelError: an inertia error that makes an armature negative.
+        ModelError: an inertia error makes an armature negative.
     """
     step = float(spec.option.timestep)
     for name, plain in friction.items():
@@ -62,7 +62,7 @@ def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> muj
 
 
 def _add(joint: mujoco.MjsJoint, field: str, values: tuple[float, ...]) -> None:
-    """Add coefficients to a polynomial, or to the one number of a MuJoCo without polynomials."""
+    """Add coefficients to a polynomial, or to the single number of a MuJoCo without polynomials."""
     now = np.array(getattr(joint, field), dtype=np.float64)
     np.ravel(now)[: len(values)] += values
     setattr(joint, field, now if now.ndim else float(now))

@@ -1,4 +1,4 @@
-"""One export: the text for a target, what it cannot express, and what that costs in numbers."""
+"""One export: the text for a target, what it cannot represent, and the resulting errors."""
 
 import os
 import xml.etree.ElementTree as ET
@@ -33,7 +33,7 @@ from frictionjoint.simulate.shaft_wave import said_of_waves
 
 
 class Target(StrEnum):
-    """What a model can be exported to."""
+    """Target of an export."""
 
     NATIVE = "native"
     URDF = "urdf"
@@ -55,11 +55,11 @@ _MECHANICAL = frozenset(e.name for e in CATALOGUE if e.acts != "torque")
 
 @dataclass(frozen=True)
 class Exported:
-    """An export.
+    """Result of an export.
 
     Attributes:
-        text: of the file. lost: what the target cannot express, a sentence each.
-        losses: in numbers, a joint each; none where law and effects go along.
+        text: of the file. lost: what the target cannot represent, one sentence each.
+        losses: errors, one row per joint; empty if the target represents everything.
     """
 
     text: str
@@ -69,7 +69,7 @@ class Exported:
 
 @dataclass(frozen=True)
 class _Task:
-    """What an export starts from."""
+    """Input of an export."""
 
     path: Path
     out: Path
@@ -79,14 +79,14 @@ class _Task:
     yielding: bool = False
 
     def spec(self, mechanism: bool = False) -> mujoco.MjSpec:
-        """The model without the friction it carries; rigid joints, or with springs and gaps."""
+        """The model without its friction; with rigid joints, or with springs and gaps."""
         spec = without_friction(mujoco.MjSpec.from_file(str(self.path)))
         for name in () if mechanism else self.friction:
             remove_mechanism(spec, name)
         return spec
 
     def rigid(self) -> mujoco.MjModel:
-        """With the friction, on rigid joints: what an export is compared with."""
+        """The model with its friction on rigid joints: the reference for an export."""
         spec = self.spec()
         carried = self.friction.items()
         effects = {n: [e for e in c.effects if e.effect.acts == "torque"] for n, c in carried}
@@ -105,17 +105,19 @@ def export(
     yielding: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Exported:
-    """The friction that an MJCF carries, in the terms of a target.
+    """Convert the friction of an MJCF for a target.
 
     Args:
         path: of the MJCF. out: of the file to write, for its name and its path to the model.
-        speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to
-            20 times the Stribeck velocity, for Isaac those above the Stribeck range.
-        log: whose motion stands in for the stated one, with `columns` ours -> the log's.
+        speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to 20
+            times
+            the Stribeck velocity, for Isaac those above the Stribeck range.
+        log: its motion replaces the standard one, with `columns` ours -> the log's.
         lugre: for the native target: friction by MuJoCo's own LuGre. yielding: by springs that
-            yield, MuJoCo 4.0.
+            yield,
+            MuJoCo 4.0.
     Raises:
-        ModelError: no friction, or a model that the target cannot hold. LogError: a bad log.
+        ModelError: no friction, or a model that the target cannot represent. LogError: a bad log.
     """
     model = load_model(path)
     friction = read_friction(model)
@@ -209,7 +211,7 @@ def _written(
 
 
 def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
-    """The spec's MJCF; files that it names are looked for from where the export will lie."""
+    """The spec's MJCF, with paths of asset files relative to the export."""
     text: str = spec.to_xml()
     if not (spec.meshes or spec.hfields or spec.textures or spec.skins):
         return text
@@ -257,7 +259,7 @@ def _lost(
     bare: mujoco.MjModel,
     softened: Mapping[str, float],
 ) -> list[str]:
-    """Sentences, a joint after the other."""
+    """What each joint loses, one sentence each."""
     found = []
     for name, p in plain.items():
         law, what = task.friction[name].parameters, []
@@ -292,7 +294,7 @@ def _lost(
 
 
 def output_file(out: Path, target: Target) -> Path:
-    """The file to write; in a folder it has a name by its target.
+    """The file to write; in a folder its name depends on the target.
 
     Raises:
         ModelError: a folder's parent is a file.

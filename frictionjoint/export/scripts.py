@@ -1,4 +1,4 @@
-"""Exports that are Python for another program to import, from the templates in this folder."""
+"""Exports as Python modules for another program, from the templates in this folder."""
 
 import os
 import re
@@ -40,7 +40,7 @@ def newton_text(source: Path, friction: Mapping[str, PlainFriction], model: mujo
     """A module with the numbers of `newton.Model` and a function that writes them.
 
     Args:
-        model: with the friction, whose totals are written.
+        model: with the friction; its totals are written.
     """
     joints = {}
     for name in friction:
@@ -58,7 +58,7 @@ def newton_text(source: Path, friction: Mapping[str, PlainFriction], model: mujo
 
 
 def isaac_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoco.MjModel) -> str:
-    """A module with one actuator configuration a joint."""
+    """A module with one actuator configuration per joint."""
     joints = {}
     for name, plain in friction.items():
         dof = int(model.jnt_dofadr[model.joint(name).id])
@@ -73,7 +73,7 @@ def isaac_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoc
 
 
 def mjlab_text(source: Path, out: Path, joints: list[str], model: mujoco.MjModel) -> str:
-    """A module with an articulation whose joints have the friction that the model carries."""
+    """A module with an articulation whose joints have the friction of the model."""
     way = os.path.relpath(source.absolute(), out.absolute().parent)
     moved = [
         model.joint(int(model.actuator_trnid[i, 0])).name

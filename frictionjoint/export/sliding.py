@@ -1,8 +1,8 @@
-"""Steady sliding: friction as a function of speed, which is all that most programs offer.
+"""Steady sliding: friction as a function of speed, which is all that most programs support.
 
-A plain joint has a Coulomb torque, a damping that may be a polynomial of the speed, and a constant
-torque; a friction that differs between the directions is the mean of both and half the difference
-as a constant torque, exactly.
+A plain joint has a Coulomb torque, a damping that may be a polynomial of speed, and a constant
+torque. Friction that differs between the directions becomes their mean and, exactly, half their
+difference as a constant torque.
 """
 
 from dataclasses import dataclass, replace
@@ -28,15 +28,15 @@ _NOTHING = 1e-9
 
 @dataclass(frozen=True)
 class PlainFriction:
-    """A joint's friction as far as a plain joint has it.
+    """The part of a joint's friction that a plain joint can represent.
 
     Attributes:
         coulomb: N m. breakaway: N m, at least the Coulomb torque.
         damping: coefficients of 1, |v|, v^2, times v; N m s/rad and so on, none negative.
         preload: N m, constant, against positive motion.
-        stiffness: N m/rad, of a spring at rest at zero. armature: kg m^2, may be negative.
-        misfit: N m, rms over the speeds of what Coulomb and damping leave of steady sliding.
-        lost: names of effects that a plain joint has nothing for.
+        stiffness: N m/rad, of a spring with rest position zero. armature: kg m^2, may be negative.
+        misfit: N m, rms error of Coulomb friction and damping over the speeds, in steady sliding.
+        lost: names of effects that a plain joint cannot represent.
     """
 
     coulomb: float
@@ -54,7 +54,7 @@ class PlainFriction:
 
 
 def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
-    """Fs, Fc, Vs, delta, sigma2 of each direction, of whatever law."""
+    """Fs, Fc, Vs, delta, sigma2 of each direction, for any law."""
     block = parameters.pack()
     first = 5 if parameters.law == "integrated" else 2
     return {
@@ -78,7 +78,7 @@ def speeds_above_stribeck(parameters: Friction) -> Array:
 
 
 def sliding_torque(carried: JointFriction, speeds: Array, side: str) -> Array:
-    """Magnitude of the torque that steady sliding takes at these speeds, N m, shape (n,)."""
+    """Magnitude of the torque in steady sliding at these speeds, N m, shape (n,)."""
     level = np.array(levels(carried.parameters)[side])
     F = np.array([stribeck_level(level, 0, float(v)) for v in speeds]) + level[4] * speeds
     signals = np.zeros((len(speeds), N_SIGNALS))
@@ -94,8 +94,8 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
     """The plain joint nearest to a joint's friction over given speeds, by least squares.
 
     Args:
-        speeds: rad/s, > 0, as often as they occur.
-        terms: most coefficients of the damping; more than one only where that pays.
+        speeds: rad/s, > 0, repeated by their frequency.
+        terms: largest number of damping coefficients; more than one only if it improves the fit.
     Raises:
         ParameterError: no speed is above zero.
     """
@@ -123,7 +123,7 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
 
 
 def _polynomial(speeds: Array, F: Array, terms: int) -> tuple[list[float], float]:
-    """Coefficients of 1, v, v^2 ..., none negative, and the rms of what they leave."""
+    """Coefficients of 1, v, v^2 ..., none negative, and the rms residual."""
     top = float(speeds.max())
     scaled = (speeds / top)[:, None] ** np.arange(terms + 1)
     found, left = nnls(scaled, F)
@@ -134,7 +134,7 @@ def _polynomial(speeds: Array, F: Array, terms: int) -> tuple[list[float], float
 
 
 def _total(carried: JointFriction, part: Plain) -> float:
-    """Sum of the effects' coefficients that are this part of a plain joint."""
+    """Sum of the effects' coefficients that represent this part of a plain joint."""
     return sum(
         coefficient
         for e in carried.effects

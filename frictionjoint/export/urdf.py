@@ -1,7 +1,7 @@
 """``--to urdf``: links, inertias and joints of an MJCF, each joint with its ``<dynamics>``.
 
-URDF knows one viscous coefficient and one Coulomb torque a joint, the same in both directions, and
-no rotor inertia. Geometry is left out: who has a URDF of the robot takes the ``<dynamics>`` lines.
+A URDF joint has one viscous coefficient and one Coulomb torque for both directions, and no rotor
+inertia. Geometry is left out: if you have a URDF of the robot, copy the ``<dynamics>`` lines.
 """
 
 import xml.etree.ElementTree as ET
@@ -26,8 +26,8 @@ def urdf_text(model: mujoco.MjModel, friction: Mapping[str, PlainFriction], note
     """The URDF of a compiled model.
 
     Args:
-        model: without the friction that is exported; what native friction it has is added.
-        friction: by joint name. note: a comment at the head.
+        model: without the exported friction; its native friction is added.
+        friction: by joint name. note: a comment at the top.
     Raises:
         ModelError: a ball joint, or a free joint that is not at a root.
     """
@@ -48,10 +48,10 @@ def _add_body(
     parent: tuple[str, Array],
     friction: Mapping[str, PlainFriction],
 ) -> tuple[str, Array]:
-    """Links and joints of a body; its last link, and where that lies in the body, m.
+    """Links and joints of a body; its last link, and the position of that link in the body, m.
 
-    A link's frame is at its joint; several joints of a body follow one another through links
-    of next to no mass.
+    A link's frame is at its joint; several joints of a body are connected by links of almost no
+    mass.
     """
     name = _name(model.body(body).name or f"body{body}")
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
@@ -125,7 +125,7 @@ def _link(
 
 
 def _origin(element: ET.Element, position: Array, rotation: Array) -> None:
-    """Position, m, and a rotation given as a quaternion, written as fixed-axis angles."""
+    """Position, m, and a rotation from a quaternion, written as fixed-axis angles."""
     R = np.zeros(9)
     mujoco.mju_quat2Mat(R, np.ascontiguousarray(rotation, dtype=np.float64))
     M = R.reshape(3, 3)

@@ -1,10 +1,11 @@
 """``--to native --yield``: presliding with memory in stock MuJoCo 4.0, by springs that yield.
 
-Fixed tendons of one joint with `stiffness` and `springyield` are Jenkins elements: a spring that
-slides once its torque has reached a limit. Several of them beside each other are the Maxwell-slip
-model (Iwan 1966): hysteresis with memory of reversals, and no drift under a load that oscillates.
-They know neither speed nor load: viscous friction stays `damping`. An element's springs are
-explicit, so they are made softer where the time step asks for it.
+A fixed tendon of one joint with `stiffness` and `springyield` is a Jenkins element: a spring that
+slides once its torque reaches a limit. Several in parallel are the Maxwell-slip model (Iwan 1966):
+hysteresis with memory of reversals, and no drift under a load that oscillates. They depend on
+neither
+speed nor load: viscous friction stays `damping`. MuJoCo integrates the springs explicitly, so they
+are softened if the time step requires it.
 """
 
 from collections.abc import Mapping
@@ -37,7 +38,7 @@ class YieldSprings:
 
     Attributes:
         stiffness: N m/rad (N/m), shape (k,). displacement: rad (m) at which each yields, (k,).
-        softened: factor by which the time step made all displacements longer; 1: none.
+        softened: factor by which the time step lengthened all displacements; 1: none.
     """
 
     stiffness: Array
@@ -45,19 +46,20 @@ class YieldSprings:
     softened: float = 1.0
 
     def suited(self, step: float, inertia: float) -> "YieldSprings":
-        """Soft enough for a time step, s, and the joint's inertia, kg m^2; forces stay."""
+        """Softened as far as a time step, s, and the joint's inertia, kg m^2, require; forces
+        stay."""
         stiffest = inertia * (_STIFFEST / step) ** 2
         factor = max(1.0, float(self.stiffness.sum()) / stiffest)
         return YieldSprings(self.stiffness / factor, self.displacement * factor, factor)
 
 
 def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
-    """Elements nearest to the loops of a law, that slide at a Coulomb torque in the end.
+    """Elements nearest to the loops of a law, with a given Coulomb torque in sliding.
 
     Args:
-        coulomb: N m, of sliding, which the elements' limits add up to.
+        coulomb: N m, the sum of the elements' limits.
     Raises:
-        ModelError: the law knows no presliding, or does not slide.
+        ModelError: the law has no presliding, or does not slide.
     """
     if parameters.stiffness == 0.0:
         raise ModelError(f"the law {parameters.law} has no presliding stiffness: leave out --yield")
@@ -84,10 +86,12 @@ def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
 
 
 def _loading(parameters: Friction, q: Array) -> Array:
-    """Torque of elements at displacements that rise from zero, N m, as the law's loops ask for it.
+    """Torque of elements at displacements that rise from zero, N m, that reproduces the law's
+    loops.
 
-    Behind a reversal elements change by twice their first loading over half of the way (Masing).
-    So the curve is read behind a reversal of slow sliding, not from a joint that never moved.
+    After a reversal, elements change by twice their first loading at half of the displacement
+    (Masing).
+    So the curve is taken after a reversal of slow sliding, not from a joint that never moved.
     """
     before = _SLIDES * float(q[-1]) * np.linspace(0.0, 1.0, len(q))
     back = before[-1] - 2.0 * q[1:]
@@ -99,7 +103,7 @@ def _loading(parameters: Friction, q: Array) -> Array:
 
 
 def _reach(parameters: Friction, coulomb: float) -> float:
-    """Displacement at which slow loading has come to the Coulomb torque, rad (m)."""
+    """Displacement at which slow loading reaches the Coulomb torque, rad (m)."""
     longest = coulomb / parameters.stiffness
     for _ in range(12):
         q = longest * np.linspace(0.0, 1.0, _SAMPLES)
@@ -115,7 +119,7 @@ def add_yield_springs(
     springs: Mapping[str, YieldSprings],
     plain: Mapping[str, PlainFriction],
 ) -> mujoco.MjSpec:
-    """Add the elements of joints, and what plain friction has beside the Coulomb torque.
+    """Add the elements of joints, and plain friction except its Coulomb torque.
 
     Raises:
         ModelError: MuJoCo is older than 4.0, or as `add_plain`.

@@ -52,7 +52,7 @@ def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
 
 def unit(text: str) -> str:
     """A unit as text."""
-    return "none" if text == "1" else text.replace("^2", "²").replace(" ", "\u00a0")
+    return "none" if text == "1" else text.replace("^2", "²")
 
 
 def three(value: float | None) -> str:
