@@ -12,7 +12,7 @@ from frictionjoint.cli.output import Force, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
-_Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
+_Target = Literal["native", "mjx", "urdf", "c", "mjlab", "newton", "isaac"]
 
 
 def export(
@@ -62,6 +62,7 @@ def export(
 
     * `c`: a C99 header for controllers, with the same torque as the simulation.
     * `native`: an MJCF with MuJoCo's own friction, for every program that loads MJCF.
+    * `mjx`: the same for MJX, without what MJX refuses or passes over.
     * `urdf`: links, joints and their `<dynamics>`.
     * `mjlab`: an actuator configuration whose joints have the whole friction.
     * `newton`, `isaac`: the joints' numbers in Newton's and Isaac Lab's terms.

@@ -16,6 +16,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
 from frictionjoint.export.losses import Loss, losses, mass_at_start
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
+from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import TERMS, add_plain, without_friction
 from frictionjoint.export.sliding import (
@@ -36,6 +37,7 @@ class Target(StrEnum):
     """Target of an export."""
 
     NATIVE = "native"
+    MJX = "mjx"
     URDF = "urdf"
     C = "c"
     MJLAB = "mjlab"
@@ -48,7 +50,7 @@ _SLIDING = 0.99
 # law and effects as they are
 _WHOLE = (Target.C, Target.MJLAB)
 # a constant torque, a spring
-_SPRINGS = (Target.NATIVE, Target.NEWTON)
+_SPRINGS = (Target.NATIVE, Target.MJX, Target.NEWTON)
 # effects that are joints, springs and sensors of the model
 _MECHANICAL = frozenset(e.name for e in CATALOGUE if e.acts != "torque")
 
@@ -132,6 +134,7 @@ def export(
         return replace(done, lost=done.lost + waves)
     motions = _motions(task, speeds, log, columns or {})
     friction = {name: friction[name] for name in motions}
+    of_mjx = target is Target.MJX
     terms = TERMS if target is Target.NATIVE else 1
     fast = target is Target.ISAAC and speeds is None and log is None
 
@@ -158,7 +161,8 @@ def export(
         name: presliding_distance(friction[name].parameters, _SLIDING) for name in motions
     }
     found = losses(task.rigid(), bare, model, motions, actuators, before_sliding)
-    return Exported(text, (*_lost(task, plain, bare, softened), *waves), tuple(found))
+    refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if of_mjx else []
+    return Exported(text, (*_lost(task, plain, bare, softened), *refused, *waves), tuple(found))
 
 
 def _motions(
@@ -199,6 +203,14 @@ def _springs(
 
 def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
     return _written(lambda spec: add_plain(spec, plain), task)
+
+
+def _mjx(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    def add(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+        fit_for_mjx(spec)
+        return add_plain(spec, plain)
+
+    return _written(add, task)
 
 
 def _written(
@@ -247,6 +259,7 @@ def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco
 
 _PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, mujoco.MjModel]]] = {
     Target.NATIVE: _native,
+    Target.MJX: _mjx,
     Target.URDF: _urdf,
     Target.NEWTON: _newton,
     Target.ISAAC: _isaac,
@@ -278,7 +291,7 @@ def _lost(
             what.append(
                 f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
             )
-        kept = _MECHANICAL if task.target is Target.NATIVE else frozenset()
+        kept = _MECHANICAL if task.target in (Target.NATIVE, Target.MJX) else frozenset()
         what += [title(effect) for effect in p.lost if effect not in kept]
         if task.target not in _SPRINGS:
             if p.preload != 0.0:
@@ -301,6 +314,7 @@ def output_file(out: Path, target: Target) -> Path:
     """
     names = {
         Target.NATIVE: "native.xml",
+        Target.MJX: "mjx.xml",
         Target.URDF: "robot.urdf",
         Target.C: "friction.h",
         Target.MJLAB: "friction_mjlab.py",

@@ -1,0 +1,80 @@
+"""``--to mjx``: an MJCF that MJX loads, with the friction that MJX computes.
+
+MJX raises for some elements, and passes over others without a word: coefficients of `damping`
+beyond the first, `springyield`, and passive callbacks, thus the friction of this package. What it
+raises for is left out here, and each of these is named.
+"""
+
+from collections.abc import Callable, Iterable
+
+import mujoco
+
+_ACTUATOR = {
+    "dyntype": ("mjDYN_DCMOTOR", "mjDYN_PID", "mjDYN_USER"),
+    "gaintype": ("mjGAIN_DCMOTOR", "mjGAIN_SO3", "mjGAIN_PID", "mjGAIN_USER"),
+    "biastype": ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"),
+    "trntype": ("mjTRN_SLIDERCRANK", "mjTRN_BODY", "mjTRN_SO3"),
+}
+_EQUALITY = ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE")
+_SENSOR = (
+    *("mjSENS_JOINTLIMITPOS", "mjSENS_JOINTLIMITVEL", "mjSENS_JOINTLIMITFRC"),
+    *("mjSENS_TENDONLIMITPOS", "mjSENS_TENDONLIMITVEL", "mjSENS_TENDONLIMITFRC"),
+    *("mjSENS_INSIDESITE", "mjSENS_GEOMDIST", "mjSENS_GEOMNORMAL", "mjSENS_GEOMFROMTO"),
+    *("mjSENS_E_POTENTIAL", "mjSENS_E_KINETIC", "mjSENS_PLUGIN", "mjSENS_USER"),
+)
+_FLAGS = ("mjENBL_OVERRIDE", "mjENBL_ENERGY", "mjENBL_FWDINV", "mjENBL_DIAGEXACT")
+
+
+def fit_for_mjx(spec: mujoco.MjSpec) -> list[str]:
+    """Leave out what MJX 3.17 refuses; the spec is changed in place.
+
+    Returns:
+        a sentence per element that was left out or replaced.
+    """
+    said = []
+    option = spec.option
+    if option.integrator == mujoco.mjtIntegrator.mjINT_IMPLICIT:
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        said.append("the integrator implicit: implicitfast takes its place")
+    if option.solver == mujoco.mjtSolver.mjSOL_PGS:
+        option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+        said.append("the solver PGS: Newton takes its place")
+    for flag in _FLAGS:
+        bit = int(getattr(mujoco.mjtEnableBit, flag, 0))
+        if option.enableflags & bit:
+            option.enableflags &= ~bit
+            said.append(f"the flag {flag.removeprefix('mjENBL_').lower()}")
+    for actuator in list(spec.actuators):
+        refused = [
+            kind
+            for field, names in _ACTUATOR.items()
+            for kind in _of(getattr(actuator, field), names)
+        ]
+        if refused:
+            said.append(f"the actuator {actuator.name!r}, of type {refused[0]}")
+            _delete(spec, [x for x in spec.sensors if x.objname == actuator.name])
+            spec.delete(actuator)
+    said += _delete(spec, spec.equalities, lambda x: _of(x.type, _EQUALITY), "the equality")
+    said += _delete(spec, spec.sensors, lambda x: _of(x.type, _SENSOR), "the sensor")
+    return said
+
+
+def _of(value: object, names: tuple[str, ...]) -> list[str]:
+    """The plain name of an enumerated value where it is one of some."""
+    name = str(getattr(value, "name", value))
+    return [name.split("_", 1)[1].lower()] if name in names else []
+
+
+def _delete(
+    spec: mujoco.MjSpec,
+    elements: Iterable[object],
+    kinds: Callable[[object], list[str]] = lambda x: [""],
+    what: str = "",
+) -> list[str]:
+    """Delete elements of some kinds, and name them."""
+    said = []
+    for element in list(elements):
+        for kind in kinds(element)[:1]:
+            said.append(f"{what} {getattr(element, 'name', '')!r}, of type {kind}")
+            spec.delete(element)
+    return said
