@@ -151,9 +151,12 @@ def over_the_step(
     constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, inertia, impulse)
     stiff = h * h * K * weight
     implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
-    X[x + TORQUE] = constant
-    X[x + GAIN] = implicit * h * K + D
-    return constant + X[x + GAIN] * v
+    # half of a damper that is weak for the step acts at the velocity before it, so that its torque
+    # is that of the step's middle; a strong one must be implicit, and then stops the joint
+    explicit = 0.5 * inertia / (inertia + h * D) if inertia > 0.0 else 0.0
+    X[x + TORQUE] = constant + explicit * D * v
+    X[x + GAIN] = implicit * h * K + (1.0 - explicit) * D
+    return X[x + TORQUE] + X[x + GAIN] * v
 
 
 @compiled
