@@ -73,7 +73,8 @@ def close_loop(
     """Identify friction from logs and find what the model lacks.
 
     Args:
-        logs: to fit and to search, at least one; logs or their files. For a robot: files.
+        logs: to fit and to search, at least one; logs, their files, or folders of files. Logs of a
+            folder that are held out are not fitted. For a robot: files.
         model: path or text of the MJCF or URDF; for one joint with different loads, one by a
             pattern of the logs' names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
         joint: name of one joint; names of several joints of a robot; None: all joints of the model
@@ -96,10 +97,15 @@ def close_loop(
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument of a wrong type.
     """
-    from frictionjoint.measured.readers import require_logs
+    from frictionjoint.measured.readers import each_log, require_logs
 
     say = progress or _silent
     require_logs(logs, held_out)
+    if not isinstance(held_out, float | int):
+        held_out = each_log(held_out)
+        logs = each_log(logs, held_out)
+    else:
+        logs = each_log(logs)
     names = "give the name of one joint, a list of names, or None for all"
     expect(joint, (str, list, tuple, NoneType), "joint", names)
     if isinstance(joint, str):
@@ -133,7 +139,8 @@ def identify(
     """Fit the friction law of one joint, without a search for missing effects.
 
     Args:
-        logs: at least one; logs or their files. joint: its name in the model and in the logs.
+        logs: at least one; logs, their files, or folders of files.
+        joint: its name in the model and in the logs.
         law: name of the friction law, one of ``frictionjoint.law.names.LAWS``.
         model: see `close_loop`, also for fixed, controller and progress.
     Returns:
@@ -144,10 +151,10 @@ def identify(
     """
     from frictionjoint.identify.run import identify_law
     from frictionjoint.measured.log import JointLog
-    from frictionjoint.measured.readers import read_log, require_logs
+    from frictionjoint.measured.readers import each_log, read_log, require_logs
 
     require_logs(logs, 0.0)
-    read = [x if isinstance(x, JointLog) else read_log(x, joint) for x in logs]
+    read = [x if isinstance(x, JointLog) else read_log(x, joint) for x in each_log(logs)]
     return identify_law(read, model, joint, law, fixed, controller, progress or _silent)
 
 

@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured.joined import read_joined
-from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.readers import each_log, read_log
 
 T = np.arange(300) / 200.0
 Q = 0.4 * np.sin(3.0 * T)
@@ -147,3 +147,16 @@ def test_channel_numbers_above_the_names_are_passed_over(tmp_path: Path) -> None
     path.write_text(f"Axis1\nRate,200\nTime,Analog 1,Analog 2\nsec,Angle,Motor torque\n{rows}\n")
     columns = {"time_s": "sec", "position_rad": "Angle", "torque_nm": "Motor torque"}
     np.testing.assert_allclose(read_log(path, columns=columns).position, Q)
+
+
+def test_a_folder_in_python_is_its_logs_without_those_held_out(tmp_path: Path) -> None:
+    for name in ("a", "b", "c"):
+        rows = np.column_stack([T, Q, TAU])
+        header = "time_s,position_rad,torque_nm"
+        np.savetxt(tmp_path / f"{name}.csv", rows, header=header, delimiter=",", comments="")
+    held = [tmp_path / "b.csv"]
+    found = each_log([tmp_path], held)
+    assert found == [tmp_path / "a.csv", tmp_path / "c.csv"]
+    assert each_log(held) == held
+    log = read_log(held[0])
+    assert each_log([log, held[0]], held) == [log, held[0]]

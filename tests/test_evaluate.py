@@ -7,6 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.errors import FrictionJointError
@@ -152,6 +154,36 @@ def test_a_drive_of_nothing_has_no_percentage() -> None:
     known = found.joints["elbow"].curves[0].known
     assert not known[: len(known) // 2 - 100].any()
     assert known[len(known) // 2 + 100 : -1000].all()
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    size=st.sampled_from([0.0, 1e-12, 1e-6, 1e-3, 1.0, 1e3]),
+    off=st.floats(0.0, 1.0),
+    at_rest=st.floats(0.0, 0.95),
+    model=st.sampled_from([NONE, COULOMB]),
+)
+def test_no_figure_is_impossible(size: float, off: float, at_rest: float, model: str) -> None:
+    """A drive of nothing, one that is off for a while, a part without motion: said or left out."""
+    log = simulated(COULOMB)
+    n = len(log.time)
+    position, torque = log.position.copy(), size * log.torque
+    position[: int(at_rest * n)] = position[int(at_rest * n)]
+    torque[n - int(off * n) :] = 0.0
+    odd = JointLog(name="a", joint="elbow", time=log.time, position=position, torque=torque)
+    try:
+        found = fj.evaluate(model, [odd])
+    except FrictionJointError:
+        return
+    judged = found.joints["elbow"]
+    figures = (judged.torque_rms, judged.torque_percent, judged.replay_rms)
+    assert all(x is None or np.isfinite(x) for x in figures)
+    if judged.torque_percent is None:
+        assert any("known drive" in x or "next to nothing" in x for x in found.notes)
+    else:
+        assert judged.torque_percent <= 1000.0
+    if judged.replay_rms is not None:
+        assert judged.replay_rms <= np.ptp(position)
 
 
 def test_the_command_writes_a_page_and_prints_json(tmp_path: Path) -> None:

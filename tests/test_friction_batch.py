@@ -8,7 +8,9 @@ import pytest
 from test_examples import EXAMPLES, numbers
 
 import frictionjoint as fj
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 LAW = fj.FrictionParameters.symmetric(
     Fs=1.0, Fc=0.8, Vs=0.1, sigma2=0.05, knots=((5e-4, 1.2), (2e-3, 2.0))
@@ -17,6 +19,8 @@ WEAK = fj.FrictionParameters.symmetric(
     Fs=0.2, Fc=0.1, Vs=0.1, sigma2=0.05, knots=((5e-4, 0.2), (2e-3, 0.4))
 )
 INERTIA = 0.01
+BIAS = next(e for e in CATALOGUE if e.name == "torque-bias")
+WITH_EFFECT = JointFriction(LAW, (SimulatedEffect(BIAS, (), (0.1,)),))
 
 
 def simulated(h, seconds, torque, kind=np.float64, n=1, laws=LAW, device=None, implicit=True):
@@ -154,6 +158,7 @@ def test_warp_computes_the_same(kind):
         ({"q": np.zeros(3, int)}, "single or double precision"),
         ({"v": np.zeros(3, np.float32)}, "make them one"),
         ({"h": 0.0}, "give a positive number"),
+        ({"parameters": WITH_EFFECT}, "effects need a model"),
     ],
 )
 def test_bad_input_is_one_line(change, what):

@@ -270,3 +270,22 @@ def test_friction_of_the_mjcf_that_is_left_out_is_named():
     text = str(pendulum().mjcf).replace('name="j"', 'name="j" frictionloss="0.3" damping="0.05"')
     said = Bodies(text, "j").check([log("one", q, J * a + MGL * np.sin(q))], ())
     assert sum("'j' has frictionloss 0.3 and damping 0.05" in note for note in said) == 1
+
+
+def bench(sign: float) -> JointLog:
+    """A motor held at one speed: the controller gives more torque where the speed falls."""
+    rng = np.random.default_rng(5)
+    t = 0.01 * np.arange(4000)
+    slow = gaussian_filter1d(rng.normal(size=len(t)), 20.0)
+    speed = 30.0 + 2.0 * slow / np.std(slow)
+    torque = 0.05 - 0.01 * (speed - 30.0) + 0.005 * rng.normal(size=len(t))
+    return JointLog(
+        name="bench", joint="j", time=t, position=np.cumsum(speed) * 0.01, torque=sign * torque
+    )
+
+
+def test_a_motor_at_one_speed_is_not_called_reversed() -> None:
+    wheel = pendulum(1e-3, 0.0)
+    check_signs(prepare([bench(1.0)], wheel))
+    with pytest.raises(LogError, match="wrong sign"):
+        check_signs(prepare([bench(-1.0)], wheel))

@@ -37,6 +37,8 @@ SURE = 5.0
 # Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
 # the fraction that the right signs must leave for another one to be considered.
 _MEANINGFUL, _RIGHT = 0.8, 0.3
+# Fraction of the samples that must move in the rarer direction to tell a bias from friction.
+_BOTH_WAYS = 0.02
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
 # what inertia say of it may be apart. One of them alone is small in many a model, without the
 # gripper of a wrist or the inertia of its motor.
@@ -198,9 +200,12 @@ def _free(b: Balance) -> Array:
     """Columns of a balance of free signs, shape (n, k); the first two are friction's.
 
     All else is free: the load and what may be wrong with it, gravity, a spring, a bias, and a delay
-    of the inertia's torque, which looks like viscosity.
+    of the inertia's torque, which looks like viscosity. Without motion in both directions nothing
+    distinguishes a bias from friction: it counts as friction.
     """
-    return np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, b.one])
+    rarer = min(float(np.mean(b.side > 0.0)), float(np.mean(b.side < 0.0)))
+    bias = [b.one] if rarer > _BOTH_WAYS else []
+    return np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, *bias])
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda
 folder of logs stands for all of them, see `log_files`.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -133,6 +133,26 @@ def log_files(path: str | Path) -> list[Path]:
     found = sorted(x for x in path.iterdir() if x.suffix.lower() in _KINDS or is_bag(x))
     if not found:
         raise LogError(f"{path}: a folder without a log: name one of {', '.join(_KINDS)}")
+    return found
+
+
+def each_log(
+    logs: Sequence[JointLog | str | Path], held_out: Sequence[JointLog | str | Path] = ()
+) -> list[JointLog | str | Path]:
+    """Logs one by one: those of a folder or data set without those that are held out.
+
+    Raises:
+        LogError: a folder holds no log.
+    """
+    kept = {Path(x) for x in held_out if not isinstance(x, JointLog)}
+    found: list[JointLog | str | Path] = []
+    for log in logs:
+        if isinstance(log, JointLog):
+            found.append(log)
+        else:
+            files = log_files(log)
+            whole = files == [Path(log)]
+            found += [log] if whole else [x for x in files if x not in kept]
     return found
 
 
