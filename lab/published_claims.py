@@ -60,10 +60,26 @@ def emps(asked):
     force = 100.0 * report.after_torque.fit / report.drive_rms("after").fit
     plain = _emps_least_squares(log)
     found = [
-        row(EMPS, "force error of the fit, 4 numbers", "their least squares", "4.083%", f"{plain:.2f}%", "", "94"),
-        row(EMPS, "force error of the fit, friction per direction", "their least squares", "3.112%", "", "", "105"),
+        row(
+            EMPS,
+            "force error of the fit, 4 numbers",
+            "their least squares",
+            "4.083%",
+            f"{plain:.2f}%",
+            "",
+            "94",
+        ),
+        row(
+            EMPS,
+            "force error of the fit, friction per direction",
+            "their least squares",
+            "3.112%",
+            "",
+            "",
+            "105",
+        ),
         row(EMPS, "force error of the fit", "frictionjoint", "", f"{force:.2f}%", seconds, "1"),
-    ]  # fmt: skip
+    ]
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "model.xml"
         model.write_text(report.mjcf)
@@ -163,10 +179,23 @@ def sts3215(asked):
     best = bam.ours(paths, 8)
     name, figure = "STS3215, 40 logs (K-Scale)", "mean position error, rad"
     return [
-        row(name, figure, "BAM M1 to M6, of the logs' authors, trimmed logs, in-sample", "0.0323 to 0.0309"),
+        row(
+            name,
+            figure,
+            "BAM M1 to M6, of the logs' authors, trimmed logs, in-sample",
+            "0.0323 to 0.0309",
+        ),
         row(name, figure, "the same, all of each log", "0.0415"),
-        row(name, f"gain 8 held out, {figure}", "frictionjoint", "", f"{best.mean:.4f}", f"{best.seconds:.0f}", "1"),
-    ]  # fmt: skip
+        row(
+            name,
+            f"gain 8 held out, {figure}",
+            "frictionjoint",
+            "",
+            f"{best.mean:.4f}",
+            f"{best.seconds:.0f}",
+            "1",
+        ),
+    ]
 
 
 def robots(asked):
