@@ -8,6 +8,8 @@ SIGNIFICANCE = 0.05
 NEEDED_PART = 0.33
 # The same of effects that resemble the law's own error at low speed and at rest.
 NEEDED_OF_LAW_LIKE = 0.5
+# The same beside an effect of the drive, which is far larger than friction and never held exactly.
+NEEDED_BESIDE_DRIVE = 0.67
 # Torque over the rms of friction below which nothing is named: laws are not better known.
 LEAST_TORQUE = 0.0045
 # Torque over the rms of friction, and standard errors of the gain, from which an effect is named

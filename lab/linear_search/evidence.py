@@ -56,7 +56,8 @@ def looked(sets: Sets, chosen: Set, member: Candidate | None, seed: int) -> Look
     rng = np.random.default_rng(seed)
     signs = rng.choice([-1.0, 1.0], size=(FLIPS, len(own.blocks.edges)))
     parts = halves(len(own.blocks.edges), rng)
-    products = [Products.of(sets, rest, sets.columns[c], _lines(c)) for c in family]
+    columns = [sets.columns.of((*rest, c))[-1] for c in family]
+    products = [Products.of(sets, rest, x, _lines(c)) for c, x in zip(family, columns, strict=True)]
     log = own.blocks.log[own.blocks.edges]
     surprises = np.array([p.surprise(signs, log) for p in products])
     p_values = over_family(surprises)
@@ -75,7 +76,7 @@ def looked(sets: Sets, chosen: Set, member: Candidate | None, seed: int) -> Look
         best = min(range(len(at)), key=lambda i: float(squares[i].sum()))
         candidate = family[at[best]]
         p_value = float(min(p_values[i] for i in at))
-        tested = Tested(candidate, sets.columns[candidate].torque)
+        tested = Tested(candidate, columns[at[best]].torque)
         rows.append(Looked(tested, squares[best], p_value, float(won[k])))
     without = sets.score.held_out(rest)
     rows.sort(key=lambda r: float(r.left.sum()))

@@ -2,6 +2,7 @@
 
 The law's columns are fitted with a prior on their coefficients, which stands as extra rows below
 the data. Every candidate is then looked at with the law's columns taken out, `Experiment.out`.
+Of a voltage or a current the gain is not known: the load is one more column, without a prior.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from frictionjoint.arrays import Array, Index
 from frictionjoint.diagnose.blocks import _kinds, correlation_time
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
 from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.timing import TargetTiming
 from linear_search.decisions import LAW_ERROR
 from linear_search.law_basis import LawBasis
 
@@ -35,6 +37,10 @@ _CLASSES, _FEWEST = 30, 50
 _LEAST_LEVEL = 1e-3
 # blocks of independent samples that the logs are taken to hold at least
 _INDEPENDENT = 200
+# part of a drive that a controller made that errs as a friction law does
+_AS_FRICTION = 0.5
+# samples by which a target is moved to see what that changes
+_LATER = 0.5
 # what is as good as nothing; what keeps a Gram matrix of columns of length 1 regular
 _NONE, _REGULAR = 1e-12, 1e-10
 
@@ -76,14 +82,18 @@ class Experiment:
 
     Attributes:
         prepared: the logs. basis: of the law. blocks: of time.
-        target: torque of the joint, drive less rigid body, kept samples of all logs, shape (n,).
+        target: drive, less the rigid body's torque where its gain is known, kept samples of all
+            logs, shape (n,).
         weight: of each sample, relative to sliding, shape (n,).
-        level: friction in motion, N m; viscous: N m s/rad (N s/m).
+        level: friction in motion, in units of the drive; viscous: the same per rad/s (m/s).
+        gain: of the drive per N m of the load.
+        torque: of the motor, all that the balance adds up to, N m, shape (n,).
         law: torque of the law without viscous friction along each log over `level`, shape (m,).
         coefficients: of the law's columns, see `LawBasis.columns`.
-        offset: s by which the drive was logged early, as the logs' own sampling tells.
+        offset_is_of_sampling: whether the time between drive and position is within a sample.
         orthonormal: basis of the law's weighted columns with the rows of the prior, shape (n + m,
             m). residual: the target without them, weighted, with the prior's rows, shape (n + m,).
+        friction: root of the weighted squares of what errors are compared with: of the friction.
     """
 
     prepared: Prepared
@@ -93,9 +103,10 @@ class Experiment:
     weight: Array = field(repr=False)
     level: float
     viscous: float
+    gain: float
+    torque: Array = field(repr=False)
     law: tuple[Array, ...] = field(repr=False)
     coefficients: Array = field(repr=False)
-    offset: float
     offset_is_of_sampling: bool
     orthonormal: Array = field(repr=False)
     residual: Array = field(repr=False)
@@ -113,7 +124,8 @@ class Experiment:
         for s, h in zip(self.prepared.segments, self.law, strict=True):
             signals = s.signals.copy()
             signals[:, H], signals[:, RATE] = h, 0.0
-            signals[:, MOTOR] = signals[:, LOAD] + self.level * h + self.viscous * signals[:, V]
+            friction = self.level * h + self.viscous * signals[:, V]
+            signals[:, MOTOR] = signals[:, LOAD] + friction / self.gain
             found.append(signals)
         return found
 
@@ -146,19 +158,26 @@ def experiment(
     """
     basis = before.basis if before else LawBasis(prepared)
     blocks = before.blocks if before else Blocks.of(prepared)
-    target = prepared.balanced_drive - prepared.balanced_load
+    load = prepared.balanced_load
+    # a known gain is 1
+    free = [load] if prepared.gain_unknown else []
+    target = prepared.balanced_drive - (0.0 if free else load)
     X, spread = basis.columns
-    rate = np.concatenate([s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments])
-    X = np.column_stack([X, rate])
-    E = beside if beside is not None else np.zeros((len(target), 0))
+    count = X.shape[1]
     sample = max(s.sample for s in prepared.segments)
+    times = _times(prepared)
+    X = np.column_stack([X, *free, *times])
+    at = X.shape[1] - len(times)
+    E = beside if beside is not None else np.zeros((len(target), 0))
 
     weight = np.ones(len(target))
     level = float(np.std(target))
-    error, independent, sampling = LAW_ERROR * level, 1.0, True
+    error, independent = LAW_ERROR * level, 1.0
+    within = np.ones(len(times), dtype=bool)
     for turn in range(_TURNS):
-        # the prior of the offset is in seconds, all others are over the level
-        priors = np.append(spread * level, 0.5 * sample if sampling else _NONE)
+        # the priors of times are in seconds, all others are over the level
+        of_times = np.where(within, 0.5 * sample, _NONE)
+        priors = np.concatenate([spread * level, np.full(len(free), np.inf), of_times])
         rows = error * np.sqrt(independent) / priors
         b, sizes = _fitted(X, E, target, weight, rows)
         left = target - X @ b - E @ sizes
@@ -171,10 +190,19 @@ def experiment(
             break
         weight = _weights(prepared, torque, level, left)
         error = float(np.sqrt(np.mean((left * weight) ** 2)))
-        times = [correlation_time((left * weight)[blocks.log == i]) for i in np.unique(blocks.log)]
-        independent = min(float(np.median(times)), len(left) / _INDEPENDENT)
+        alike = [correlation_time((left * weight)[blocks.log == i]) for i in np.unique(blocks.log)]
+        independent = min(float(np.median(alike)), len(left) / _INDEPENDENT)
         if turn == _TURNS - 3:  # beyond a sample a time offset is an effect
-            sampling = not delayed and abs(b[-1]) < _OF_SAMPLING * sample
+            within = np.abs(b[at:]) < _OF_SAMPLING * sample
+            within[0] &= not delayed
+    gain = max(float(b[count]), _NONE) if free else 1.0
+    own = b[:count].copy()
+    if prepared.voltage_driven:  # what may be back-EMF is no friction
+        own[basis.size - 1] = 0.0
+    size = float(np.linalg.norm((X[:, :count] @ own) * weight))
+    if prepared.commanded:  # what a controller made is not known better than to a part of itself
+        taken = X @ b if free else X @ b + load
+        size = max(size, _AS_FRICTION * float(np.linalg.norm(taken * weight)))
     weighted = np.vstack([X * weight[:, None], np.diag(rows)])
     orthonormal, _ = qr(weighted / np.linalg.norm(weighted, axis=0), mode="economic")
     return Experiment(
@@ -185,14 +213,29 @@ def experiment(
         weight=weight,
         level=level,
         viscous=float(b[basis.size - 1]),
+        gain=gain,
+        torque=(target + (0.0 if free else load)) / gain,
         law=tuple(x / level for x in torque),
         coefficients=b,
-        offset=-float(b[-1]) if sampling else 0.0,
-        offset_is_of_sampling=sampling,
+        offset_is_of_sampling=bool(within[0]),
         orthonormal=orthonormal,
         residual=_out(orthonormal, (target * weight)[:, None])[:, 0],
-        friction=float(np.linalg.norm((X @ b) * weight)),
+        friction=size,
     )
+
+
+def _times(prepared: Prepared) -> list[Array]:
+    """What times that are known to a sample change of the drive, per s, shape (n,) each.
+
+    When a measured drive was read, or when a target acts; and the age of a velocity that damps.
+    """
+    (whole,) = prepared.bundles(1)
+    if not prepared.commanded:
+        return [np.concatenate([s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments])]
+    sample = min(s.sample for s in prepared.segments)
+    late = whole.changed([TargetTiming(sample, (_LATER * sample,)).change])
+    of_target = (whole.balanced(whole.driven) - whole.balanced(late)) / (_LATER * sample)
+    return [of_target, *([-whole.damping_rate([])] if prepared.damped else [])]
 
 
 def _fitted(X: Array, E: Array, target: Array, weight: Array, rows: Array) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.identify.segment import Prepared
-from linear_search.columns import Models, WiderFall, causes, is_cause, is_delay
+from linear_search.columns import Models, WiderFall, causes, is_cause, moves_drive
 from linear_search.decisions import APART, AS_GOOD, NEEDED_PART
 from linear_search.experiment import Experiment, experiment
 from linear_search.sets import MOST, Set, Sets
@@ -58,7 +58,7 @@ def find(prepared: Prepared) -> Found:
         may_be = [found.chosen, *(s for s in found.alike if s.names != found.chosen.names)]
         every = {c: None for s in may_be for c in s.models}
         beside = np.hstack([found.sets.columns[c].torque for c in every])
-        own = experiment(prepared, beside, any(map(is_delay, every)), own)
+        own = experiment(prepared, beside, any(map(moves_drive, every)), own)
         before, found = found, _look(first, own, [s.models for s in may_be[:_BEGUN]])
         if found.chosen.names == before.chosen.names:
             break

@@ -9,6 +9,8 @@ from linear_search.columns import Columns, Models
 
 # of a Gram matrix of columns of length 1, what keeps it regular
 _REGULAR = 1e-9
+# of a drive, what is as good as nothing
+_NO_DRIVE = 1e-6
 
 
 class Solved(NamedTuple):
@@ -30,7 +32,7 @@ class Score:
 
     def stacked(self, models: Models) -> tuple[Array, Array, Array, Array]:
         """Columns of length 1 with the prior's rows, their range, and their length."""
-        parts = [self.columns[c] for c in models]
+        parts = self.columns.of(models)
         x = np.hstack([p.out for p in parts])
         length = np.linalg.norm(x, axis=0)
         length[length == 0.0] = 1.0
@@ -44,6 +46,15 @@ class Score:
         r = self.experiment.residual
         z = _solved(x.T @ x, x.T @ r, low, high)
         return Solved(z / length, r - x @ z)
+
+    def squares(self, models: Models) -> float:
+        """Squares of all, with the prior's rows, as `held_out` states them."""
+        left = self.solve(models).left
+        return float(left @ left) * self._over_drive(models)
+
+    def _over_drive(self, models: Models) -> float:
+        """Squares count in proportion to the drive that acts: less of a smaller one is no less."""
+        return 1.0 / min(max(self.columns.acting(models), _NO_DRIVE), 1.0)
 
     def held_out(self, models: Models) -> Array:
         """Squares of each block that a set leaves, fitted to the other folds, shape (B,)."""
@@ -59,7 +70,7 @@ class Score:
         whole, all_moments = x.T @ x, x.T @ r
         z = held_out_of(gram, moment, whole, all_moments, self.blocks.fold, low, high)
         explained = 2.0 * np.sum(moment * z, 1) - np.einsum("bij,bi,bj->b", gram, z, z)
-        return np.asarray(self.nothing - explained)
+        return np.asarray((self.nothing - explained) * self._over_drive(models))
 
 
 def held_out_of(

@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from linear_search.columns import Candidate, Columns, Models, WiderFall, causes, effects, kind
 from linear_search.decisions import (
     CLEAR_ERRORS,
     CLEAR_TORQUE,
     DETERMINED,
     LEAST_TORQUE,
+    NEEDED_BESIDE_DRIVE,
     NEEDED_OF_LAW_LIKE,
     NEEDED_PART,
 )
@@ -115,10 +116,18 @@ class Sets:
         return all(
             errors[c] >= DETERMINED
             and self._needed(
-                c, self.gain(before[c], one), sum(x for o, x in leaps.items() if o is not c)
+                self.gain(before[c], one),
+                self._part(c, own),
+                sum(x for o, x in leaps.items() if o is not c),
             )
             for c in own
         )
+
+    def _part(self, candidate: Candidate, own: Models) -> float:
+        """Part of what is left that an effect must explain beside the others of its set."""
+        if any(isinstance(c, DriveTerm) for c in own if c is not candidate):
+            return NEEDED_BESIDE_DRIVE
+        return NEEDED_OF_LAW_LIKE if candidate.name in _LAW_LIKE else NEEDED_PART
 
     def _same_wave(self, some: Models) -> bool:
         """Whether two waves are one to the travel: closer than a line of the spectrum is wide."""
@@ -126,11 +135,12 @@ class Sets:
         line = 2.0 * np.pi / self.experiment.prepared.span
         return bool(np.any(np.diff(orders) < line))
 
-    def _needed(self, candidate: Candidate, found: Gain, leaping: float) -> bool:
-        law_like = candidate.name in _LAW_LIKE or leaping > CLEAR_TORQUE
-        part = NEEDED_OF_LAW_LIKE if law_like else NEEDED_PART
+    def _needed(self, found: Gain, part: float, leaping: float) -> bool:
+        if leaping > CLEAR_TORQUE:
+            part = max(part, NEEDED_OF_LAW_LIKE)
         large = CLEAR_TORQUE + _MORE_BESIDE_LEAPS * leaping
-        enough = found.part > part or (found.errors > CLEAR_ERRORS and found.torque > large)
+        clear = found.errors > CLEAR_ERRORS and found.torque > large and part < NEEDED_BESIDE_DRIVE
+        enough = found.part > part or clear
         return found.errors > 1.0 and found.torque > LEAST_TORQUE and enough
 
     def over_errors(self, one: Set) -> dict[Candidate, float]:

@@ -66,8 +66,7 @@ def _leaps(candidate: Candidate) -> bool:
 
 
 def _descended(score: Score, models: Models, places: list[tuple[int, int]]) -> Models:
-    z, e = score.solve(models)
-    least, damping = float(e @ e), 1e-2
+    (z, e), least, damping = score.solve(models), score.squares(models), 1e-2
     for _ in range(_STEPS):
         J = _derivatives(score, models, z, places)
         normal, slope = J.T @ J, J.T @ e
@@ -76,11 +75,10 @@ def _descended(score: Score, models: Models, places: list[tuple[int, int]]) -> M
         for _ in range(_TRIALS):
             step = np.linalg.lstsq(normal + damping * scale, slope, rcond=1e-12)[0]
             there = _moved_by(score, models, places, np.clip(step, -_MOST, _MOST))
-            z_there, e_there = score.solve(there)
-            squares = float(e_there @ e_there)
+            squares = score.squares(there)
             if squares < least:
                 gained = (least - squares) / least
-                models, z, e, least = there, z_there, e_there, squares
+                models, (z, e), least = there, score.solve(there), squares
                 damping *= 0.3
                 break
             damping *= 6.0
@@ -95,18 +93,22 @@ def _derivatives(
     """Of the set's torque by each number, without what its own columns hold, (n + m, places)."""
     x, *_ = score.stacked(models)
     Q, _ = np.linalg.qr(x)
-    sizes = [score.columns[c].torque.shape[1] for c in models]
-    ends = np.cumsum([0, *sizes])
+    ends = np.cumsum([len(c.low) for c in score.columns.of(models)])[:-1]
+    own = np.split(coefficients, ends)
     sides = []
     for k, j in places:
         h = _LEAPING if _leaps(models[k]) else _SMOOTH
-        above, below = (moved(models[k], j, d, score.experiment) for d in (h, -h))
-        sides.append((h, above, below))
-    score.columns.make([c for _, *both in sides for c in both])
+        sides.append((k, h, *(moved(models[k], j, d, score.experiment) for d in (h, -h))))
+    score.columns.make([c for _, _, *both in sides for c in both])
     found = []
-    for (k, _), (h, above, below) in zip(places, sides, strict=True):
-        own = coefficients[ends[k] : ends[k + 1]]
-        found.append((score.columns[above].out - score.columns[below].out) @ own / (2.0 * h))
+    for k, h, *both in sides:
+        # what comes on top of an effect of the drive changes with it
+        up, down = (score.columns.of((*models[:k], c, *models[k + 1 :])) for c in both)
+        moves = np.zeros(len(x))
+        for u, d, z in zip(up, down, own, strict=True):
+            if u is not d:
+                moves += (u.out - d.out) @ z
+        found.append(moves / (2.0 * h))
     J = np.column_stack(found)
     return np.asarray(J - Q @ (Q.T @ J))
 
@@ -120,16 +122,15 @@ def _moved_by(score: Score, models: Models, places: list[tuple[int, int]], step:
 
 def _stepped(score: Score, models: Models, places: list[tuple[int, int]]) -> Models:
     """Finite steps of what leaps: derivatives do not say where its squares are least."""
-    left = score.solve(models).left
-    least, step = float(left @ left), _FIRST
+    least, step = score.squares(models), _FIRST
     while step > _LAST:
         better = False
         for place in places:
             for by in (step, -step):
                 there = _moved_by(score, models, [place], np.array([by]))
-                left = score.solve(there).left
-                if left @ left < least * (1.0 - 1e-3):
-                    models, least, better = there, float(left @ left), True
+                squares = score.squares(there)
+                if squares < least * (1.0 - 1e-3):
+                    models, least, better = there, squares, True
                     break
         if not better:
             step /= 2.0

@@ -1,9 +1,13 @@
 """The search with a linear law (`lab/linear_search`): what is there is named, what is not there is
 not, and nothing hangs on the last bit. Logs are computed here, from equations of their own."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
@@ -15,6 +19,10 @@ from linear_search.find import find
 from linear_search.law_basis import LawBasis, elements
 from linear_search.score import gain
 from linear_search.traced import traced
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
+from servo_plant import KNOWN, PLANT
+from servo_plant import logs as servo_logs
 
 INERTIA, GRAVITY, NOISE = 0.05, 2.0, 0.004
 ARM = GRAVITY / 9.81
@@ -51,8 +59,8 @@ def friction(q, v):
     return out + 0.08 * v
 
 
-def logs(effect=lambda q, v, a, gravity, f: 0.0, factor=1.0):
-    """Two logs of the joint with an effect of its own torque, the torque times a factor."""
+def logs(effect=lambda q, v, a, gravity, f: 0.0, factor=1.0, drive="torque"):
+    """Two logs of the joint with an effect of its own torque, the drive a factor times that."""
     found = []
     for seed in (3, 4):
         t, q, v, a = motion(seed)
@@ -61,7 +69,7 @@ def logs(effect=lambda q, v, a, gravity, f: 0.0, factor=1.0):
         torque = INERTIA * a + gravity + f + effect(q, v, a, gravity, f)
         torque += NOISE * np.random.default_rng(10 * seed).standard_normal(len(t))
         found.append(
-            JointLog(name=f"log{seed}", joint="j", time=t, position=q, torque=torque * factor)
+            JointLog(name=f"log{seed}", joint="j", time=t, position=q, **{drive: torque * factor})
         )
     return prepare(found, RigidBody(MODEL, "j"))
 
@@ -187,3 +195,22 @@ def test_a_wave_of_the_encoder_is_no_effect_of_the_joint():
         found.append(JointLog(name=f"log{seed}", joint="j", time=t, position=read, torque=torque))
     own = find(prepare(found, RigidBody(MODEL, "j")))
     assert own.chosen.names == ("position",)
+
+
+def test_the_gain_of_a_voltage_is_found_along_with_what_is_missing():
+    found = find(logs(grows_with_load, 12.0, "voltage"))
+    assert found.experiment.gain == pytest.approx(12.0, rel=0.1)
+    assert found.chosen.names == ("load-dependent",)
+
+
+@pytest.mark.parametrize(
+    "hidden", [{"delay": 0.03}, {"limit": 0.5}, {"deadband": 0.06}, {}], ids=lambda x: str(*x)
+)
+def test_what_a_controller_does_is_named_with_its_number(hidden):
+    bodies = Bodies(PLANT.format(""), "j", None)
+    recorded = servo_logs(hidden)
+    found = find(prepare(recorded, bodies.of(recorded), controller=KNOWN))
+    name = {"delay": "command-delay", "limit": "drive-limit"}
+    assert found.chosen.names == tuple(name.get(x, x) for x in hidden)
+    for term in causes(found.chosen.models):
+        assert term.shape == pytest.approx(tuple(hidden.values()), rel=0.05)
