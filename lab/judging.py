@@ -3,7 +3,7 @@
 Three families of test joints, distinguished by the layout of their answer.json:
 
     kinds, accept, variable, family     `make_plants.py`, from `tests/plants`
-    kinds, accept, variable, effects    a third author, `python -m tests.third_hand`
+    kinds, accept, variable, effects    a third author, `python -m lab.third_hand`
     kind                                one kind each; unknown-... is outside the catalogue
 
 `accept` holds for each kind the names that are right; "none" where nothing needs to be named, for

@@ -2,7 +2,7 @@
 
 "mujoco": MuJoCo's own friction under a firmware (`tests/servo_plant.py`), a servo with a duty or a
 torque. "second": hobby servos and legs by an integrator and friction laws of their own
-(`tests/second_servos`), some with an effect of the joint next to that of the drive.
+(`lab/second_servos`), some with an effect of the joint next to that of the drive.
 """
 
 import sys
@@ -94,7 +94,7 @@ def in_mujoco(kind: str, rng: np.random.Generator) -> Servo:
 
 
 def second(kind: str, rng: np.random.Generator) -> Servo:
-    """A servo or leg of `tests/second_servos`, with what its user has kept out."""
+    """A servo or leg of `lab/second_servos`, with what its user has kept out."""
     plant = second_servos.draw(kind, rng)
     logs = [
         JointLog(

@@ -2,7 +2,7 @@
 
     python lab/train_reach.py [--plants 3] [--seed 1] [--bound]
 
-The joint is one of `tests/third_hand`: its friction, one of four laws, and its integrator share no
+The joint is one of `lab/third_hand`: its friction, one of four laws, and its integrator share no
 code with the package. Logs of it are identified; the model is trained on as it is, as plain MuJoCo
 has it (`frictionjoint export --to native`, and with --lugre), and without friction; with --bound
 also the joint itself, the most that training can do and most of the time. CMA-ES chooses the five
@@ -27,7 +27,7 @@ from cmaes import CMA
 from mujoco.batch import Batch
 from numba import njit
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.third_hand
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # lab.third_hand
 import frictionjoint as fj
 from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.export.run import Target, export
@@ -35,11 +35,11 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.measured.readers import read_log
-from tests.third_hand.files import write
-from tests.third_hand.friction import slip_elements
-from tests.third_hand.integrate import LOAD, STATES, derivative, runge_kutta
-from tests.third_hand.joint import AMBIENT, Joint
-from tests.third_hand.plant import make
+from lab.third_hand.files import write
+from lab.third_hand.friction import slip_elements
+from lab.third_hand.integrate import LOAD, STATES, derivative, runge_kutta
+from lab.third_hand.joint import AMBIENT, Joint
+from lab.third_hand.plant import make
 
 ITSELF = "the joint itself"
 JOINT, FITTED = "joint1", ("fit1", "fit2", "fit3")

@@ -11,7 +11,7 @@ from .schedule import schedule
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.third_hand", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m lab.third_hand", description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--n", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,16 +1,8 @@
 """The search with a linear law (`lab/linear_search`): what is there is named, what is not there is
 not, and nothing hangs on the last bit. Logs are computed here, from equations of their own."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.log import JointLog
 from linear_search.columns import WiderFall, causes
 from linear_search.decisions import DETERMINED
 from linear_search.experiment import experiment
@@ -19,10 +11,13 @@ from linear_search.find import find
 from linear_search.law_basis import LawBasis, elements
 from linear_search.score import gain
 from linear_search.traced import traced
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 from servo_plant import KNOWN, PLANT
 from servo_plant import logs as servo_logs
+
+from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
 
 INERTIA, GRAVITY, NOISE = 0.05, 2.0, 0.004
 ARM = GRAVITY / 9.81

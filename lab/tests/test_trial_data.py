@@ -8,17 +8,17 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.signal import cont2discrete, dlsim
 
+from lab.third_hand import control, effect, plant
+from lab.third_hand.draw import draw
+from lab.third_hand.files import believed_model, write
+from lab.third_hand.friction import slip_elements
+from lab.third_hand.hidden import ALL
+from lab.third_hand.integrate import COLUMNS, simulate
+from lab.third_hand.joint import LAWS, Joint
+from lab.third_hand.schedule import schedule
 from tests.balance_grid import MOTIONS, Friction, Spec, grid, make, specs
 from tests.balance_grid import write as write_case
 from tests.balance_grid.case import CREEP, held, mean_friction
-from tests.third_hand import control, effect, plant
-from tests.third_hand.draw import draw
-from tests.third_hand.files import believed_model, write
-from tests.third_hand.friction import slip_elements
-from tests.third_hand.hidden import ALL
-from tests.third_hand.integrate import COLUMNS, simulate
-from tests.third_hand.joint import LAWS, Joint
-from tests.third_hand.schedule import schedule
 
 FREE = dict(coulomb=1e-12, breakaway=1e-12, viscous=0.0, stiffness=1e-9, damping=0.0)
 STICKY = dict(coulomb=2.0, breakaway=3.0, viscous=1.5, stiffness=3.0 / 5e-4, damping=30.0)

@@ -4,8 +4,8 @@ Written from the textbook forms of the effects alone. Nothing here imports the p
 project's friction law, effects and search were not consulted, so that a search that does well on
 these plants does not owe it to a shared formula or a shared mistake.
 
-    python -m tests.third_hand OUT --n 40 --seed 7
-    python -m tests.third_hand OUT --n 6 --seed 7 --kinds none joint-elasticity spring+backlash
+    python -m lab.third_hand OUT --n 40 --seed 7
+    python -m lab.third_hand OUT --n 6 --seed 7 --kinds none joint-elasticity spring+backlash
 
 writes OUT/<number>/{fit1,fit2,fit3,held}.csv, model.xml (what the user believes about the joint)
 and answer.json (what it is in truth). A plant depends on the seed and its number only.
