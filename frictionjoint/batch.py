@@ -3,12 +3,13 @@
     batch = frictionjoint.FrictionBatch(parameters, n)
     torque, stiffness, damping = batch.step(q, v, h)
 
-Over the step of h seconds that begins at (q, v) friction is, to first order,
+Over the step of h seconds that begins at (q, v), friction is to first order
 
     F(q', v') = torque + stiffness (q' - q) + damping (v' - v)
 
-positive against positive motion. An explicit simulator applies ``-torque``, one with implicit
-drives also takes the other two: a stiff joint needs them. The same kernels serve MuJoCo.
+positive against positive motion. An explicit simulator applies ``-torque``; one with implicit
+drives
+also uses stiffness and damping, which a stiff joint needs. MuJoCo uses the same kernels.
 """
 
 from collections.abc import Sequence
@@ -58,14 +59,15 @@ def step_joint(
     h: float,
     rounding: float,
 ) -> tuple[float, float, float]:
-    """Torque at (q, v), N m, and what it gains with position and velocity over a step of h s.
+    """Torque at (q, v), N m, and its change with position and velocity over a step of h s.
 
-    Positions in single precision are counted on in double: what rounds off would let a joint at
-    rest tremble and creep.
+    Positions in single precision are accumulated in double precision: rounding would make a joint
+    at rest
+    tremble and creep.
 
     Args:
         P: block of the law at p, number of effects (none) at `effects`. X: state at x.
-        rounding: of positions, relative to them; 0: in double precision.
+        rounding: relative rounding of positions; 0: double precision.
     """
     row = x + ROW
     if X[row + STARTED] == 0.0:
@@ -126,12 +128,14 @@ class FrictionBatch:
     Args:
         parameters: of all joints, or a sequence with those of each.
         n: number of joints, or (worlds, joints).
-        device: None: compiled code on the CPU, on arrays of numpy or of anything with DLPack
-            (torch, JAX, Warp). "cuda:0", or "cpu": Warp kernels, on arrays of that device.
+        device: None: compiled code on the CPU, for arrays of numpy or any library with DLPack
+            (torch,
+            JAX, Warp). "cuda:0", or "cpu": Warp kernels, for arrays on that device.
     Attributes:
         shape: of the arrays, (n,) or (worlds, joints).
-        state: doubles, shape (joints in all, m): what the joints remember. Copy it to save a
-            simulation, write it back to restore it.
+        state: doubles, shape (joints in all, m): the memory of the joints. Copy it to save a
+            simulation,
+            write it back to restore it.
     Raises:
         ParameterError: not one set of parameters per joint, or effects, which need a model.
         TypeError: no parameters.
@@ -179,9 +183,9 @@ class FrictionBatch:
             q: position at the start of the step, rad (m), of `shape`, single or double precision.
             v: velocity there, rad/s (m/s), of `shape`. h: length of the step, s.
         Returns:
-            torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, of the kind and precision
-            of q. Doubles on the CPU are neither copied on the way in nor on the way out; single
-            precision is computed in doubles.
+            torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, with the array type and
+            precision of
+            q. Doubles on the CPU are not copied; single precision is computed in doubles.
         Raises:
             ParameterError: another shape or device, or h is not positive.
         """
@@ -211,10 +215,10 @@ class FrictionBatch:
         return torque, stiffness, damping
 
     def reset(self, mask: Any = None) -> None:
-        """Joints as at rest and never moved.
+        """Reset joints to rest, as if they had never moved.
 
         Args:
-            mask: of `shape`, or (worlds,), True for those to reset; None: all.
+            mask: of `shape`, or (worlds,), True for joints to reset; None: all.
         """
         if self._warp is not None:
             self._warp.reset(mask, self.shape)
@@ -246,7 +250,7 @@ class FrictionBatch:
 
 
 def like(given: Any, made: Array) -> Any:
-    """A numpy array, or any array on a device, as the library has it that another is of."""
+    """A numpy array, or an array on a device, in the array library of another array."""
     library = type(given).__module__.partition(".")[0]
     if library == "torch":
         import torch

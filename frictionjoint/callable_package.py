@@ -1,8 +1,9 @@
-"""Packages that can be called like the function of their name.
+"""Packages that can be called like the function of the same name.
 
-``frictionjoint.identify`` is a package and, as the command of this name, a function. Python binds a
-package to its name when one of its modules is imported, whatever stood there before; so the package
-itself takes the call.
+``frictionjoint.identify`` is both a package and the function of the command `identify`. Python
+binds
+a package to its name when one of its modules is imported, replacing a function of that name; so the
+package itself is made callable.
 """
 
 import inspect
@@ -21,7 +22,7 @@ class _CallablePackage(ModuleType):
 
 
 def make_callable(name: str) -> None:
-    """Let calls of a package be calls of the function in `frictionjoint.commands` of its name."""
+    """Forward calls of a package to the function of its name in `frictionjoint.commands`."""
     sys.modules[name].__class__ = _CallablePackage
 
 

@@ -1,4 +1,4 @@
-"""The commands of the command line as functions: `close_loop`, `identify`, `export`."""
+"""The main commands as functions: `close_loop`, `identify`, `export`."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -22,7 +22,7 @@ Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
 
 
 def _silent(text: str) -> None:
-    """A progress that says nothing."""
+    """A progress function that prints nothing."""
 
 
 @overload
@@ -79,18 +79,21 @@ def close_loop(
             pattern of the logs' names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
         joint: name of one joint; names of several joints of a robot; None: all joints of the model
             whose position and drive every log contains.
-        held_out: logs used for neither fit nor search, or the fraction to cut off every log's end.
+        held_out: logs used for neither fit nor search, or the fraction of each log to hold out at
+            its
+            end.
         seed: equal seeds give equal reports.
-        progress: called with a text that says what is being done.
-        law: name of the friction law, one of ``frictionjoint.law.names.LAWS``; None: the
-            integrated law.
+        progress: called with a description of the current step.
+        law: name of the friction law, one of ``frictionjoint.law.names.LAWS``; None: the integrated
+            law.
         fixed: positions of joints that the logs do not contain, by name, rad (m).
         controller: what drove the joints to their targets: a `Controller`, its file, the name of a
             preset, one per joint by name, or "mjcf" for the model's own position servos.
-        refine: whether logs with a target and a controller also fit all numbers of the result to
-            simulated motion in the end; those are taken if they predict unlike logs better.
+        refine: whether all numbers of the result are finally fitted to the simulated motion of logs
+            with a target and a controller; they are used if they predict unlike logs better.
         jobs: processes for the joints of a robot; None: one per core. With more than one, a script
-            needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
+            needs
+            the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:
         the report of one joint, or of a robot. Both have ``summary()``, ``plot()``, ``to_dict()``.
     Raises:
@@ -169,22 +172,21 @@ def export(
     yielding: bool = False,
     force: bool = False,
 ) -> "Exported":
-    """Write the friction of a model in the terms of another program.
+    """Convert the friction of a model for another program and write the file.
 
     Args:
-        model: MJCF that carries friction.
+        model: MJCF with friction.
         to: "c", "native", "urdf", "mjlab", "newton" or "isaac".
         out: file to write, or a folder for it.
         speeds: lowest and highest, rad/s (m/s), over which plain friction is fitted.
-        log: whose motion is used in place of speeds, with `columns`, see `read_log`.
+        log: its motion is used instead of speeds, with `columns`, see `read_log`.
         lugre: for "native": MuJoCo's own LuGre friction.
         yielding: for "native" on MuJoCo 4.0: presliding with memory, by springs that yield.
-        force: overwrite a file that exists.
+        force: overwrite an existing file.
     Returns:
-        the text that was written, and what the target cannot express.
+        the written text, and what the target cannot represent.
     Raises:
-        FrictionJointError: no friction in the model, a file that exists, or a target that does not
-            exist.
+        FrictionJointError: no friction in the model, an existing file, or an unknown target.
     """
     from frictionjoint.export.run import Target as KnownTarget
     from frictionjoint.export.run import export as run

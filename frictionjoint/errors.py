@@ -1,4 +1,4 @@
-"""Errors a user can mend: one line that names what is wrong, where, and what to do."""
+"""Errors on bad input: one line with what is wrong, where, and the fix."""
 
 from collections.abc import Sequence
 
@@ -7,8 +7,9 @@ class FrictionJointError(ValueError):
     """Base of every error this package raises on bad input.
 
     Args:
-        message: names what is wrong, where, and the mend; made one line whatever names of a user's
-            file it quotes.
+        message: what is wrong, where, and the fix; line breaks, e.g. from names in a user's file,
+            become
+            blanks.
     """
 
     def __init__(self, message: str) -> None:
@@ -32,6 +33,6 @@ class NoMotionError(LogError):
 
 
 def few(names: Sequence[str], most: int = 3) -> str:
-    """The first of some names, and how many more there are."""
+    """The first of some names, and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more

@@ -1,4 +1,4 @@
-"""Parameter files: TOML with the law's fields and, under ``[[effects]]``, what was added to it."""
+"""Parameter files: TOML with the law's fields, and the effects under ``[[effects]]``."""
 
 import contextlib
 import json
@@ -21,7 +21,7 @@ def read_parameters(path: Path) -> JointFriction:
     """Friction of one joint from a TOML file.
 
     Raises:
-        ParameterError: the file is missing, is no TOML, or holds what no law or effect takes.
+        ParameterError: the file is missing, is no TOML, or contains an unknown entry.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -36,10 +36,10 @@ def read_parameters(path: Path) -> JointFriction:
 
 
 def read_samples(path: Path) -> tuple[JointFriction, ...]:
-    """Friction of one joint, once per sample, from the JSON that ``frictionjoint sample`` writes.
+    """Friction of one joint, one per sample, from the JSON that ``frictionjoint sample`` writes.
 
     Raises:
-        ParameterError: the file is missing, is no such list, or holds what no law or effect takes.
+        ParameterError: the file is missing, is no such list, or contains an unknown entry.
     """
     try:
         tables = json.loads(path.read_text(encoding="utf-8"))
@@ -59,10 +59,10 @@ def read_samples(path: Path) -> tuple[JointFriction, ...]:
 
 
 def joint_friction(content: Mapping[str, Any]) -> JointFriction:
-    """Friction of one joint from what a parameter file holds.
+    """Friction of one joint from the content of a parameter file.
 
     Raises:
-        ParameterError: something that no law or effect takes, or friction that is not in N m (N).
+        ParameterError: an unknown entry, or friction that is not in N m (N).
     """
     if "unit" in content:
         raise ParameterError(
@@ -109,10 +109,10 @@ def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -
 
 
 def toml_text_without_scale(parameters: Friction, unit: str) -> str:
-    """Friction that is known in amperes or volts only; `read_parameters` refuses it.
+    """Text of friction that is known in amperes or volts only; `read_parameters` rejects it.
 
     Args:
-        unit: A or V; rad or m of friction over an unknown kp.
+        unit: A or V; rad or m for friction divided by an unknown kp.
     """
     document = tomlkit.document()
     document.add(
@@ -127,7 +127,7 @@ def toml_text_without_scale(parameters: Friction, unit: str) -> str:
 def toml_document(
     parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()
 ) -> tomlkit.TOMLDocument:
-    """What `toml_text` writes."""
+    """The TOML document of `toml_text`."""
     document = tomlkit.document()
     document.add(tomlkit.comment("Joint friction, SI units: N m and rad, or N and m for a slide."))
     for key, value in parameters.to_dict().items():

@@ -22,7 +22,7 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
     """Parameters of the law that `values` names; the integrated law if it names none.
 
     Raises:
-        ParameterError: unknown law, or parameters that it refuses.
+        ParameterError: unknown law, or parameters that it rejects.
     """
     require_table(values)
     law = values.get("law", "integrated")
@@ -33,10 +33,10 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
 
 
 def unpack(block: NDArray[np.float64]) -> Friction:
-    """Inverse of ``pack``; the values pass validation again.
+    """Inverse of ``pack``; the values are validated again.
 
     Raises:
-        ParameterError: the block belongs to no law, or holds values out of range.
+        ParameterError: the block belongs to no law, or contains values out of range.
     """
     if len(block) < 1 or float(block[0]) not in _NUMBERS:
         raise ParameterError(f"no friction law has the number {block[:1]}")
@@ -45,7 +45,7 @@ def unpack(block: NDArray[np.float64]) -> Friction:
 
 
 def require_parameters(parameters: Any, where: str) -> None:
-    """Raise TypeError, with what to give instead, unless these are parameters of a law."""
+    """Raise TypeError, with the fix, unless these are parameters of a law."""
     if isinstance(parameters, tuple(_CLASSES.values())):
         return
     if isinstance(parameters, Mapping):

@@ -1,4 +1,5 @@
-"""What a joint's friction is: fields, units, validation, and the numbers a kernel reads."""
+"""Parameters of a joint's friction: fields, units, validation, and the block that a kernel
+reads."""
 
 import dataclasses
 import math
@@ -26,7 +27,7 @@ _PAIRED = ("Fs", "Fc", "Vs", "delta", "sigma2")
 
 
 class Friction(Protocol):
-    """What every law's parameters offer to kernels, files and models."""
+    """Interface of every law's parameters for kernels, files and models."""
 
     law: ClassVar[str]
 

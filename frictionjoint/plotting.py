@@ -1,4 +1,4 @@
-"""`frictionjoint.plot`: whatever can be looked at, as a matplotlib figure."""
+"""`frictionjoint.plot`: logs as a matplotlib figure."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def plot(log: JointLog | str | Path, joint: str | None = None) -> "Figure":
-    """Draw a log as it was measured, before anything is fitted.
+    """Draw a log as measured, before anything is fitted.
 
-    Reports have a method of this name: ``report.plot()``.
+    A report has its own method, ``report.plot()``.
 
     Args:
-        log: a log or its file. joint: which one, where the file contains several.
+        log: a log or its file. joint: its name, if the file contains several.
     Returns:
         a matplotlib figure: position, velocity and drive over time, drive against both.
     Raises:
@@ -32,7 +32,7 @@ def plot(log: JointLog | str | Path, joint: str | None = None) -> "Figure":
 
 
 def plot_text(logs: Sequence[JointLog], kind: str) -> str | bytes:
-    """Logs as a page of its own (".html") or a picture (".png", ".svg").
+    """Logs as a page (".html") or a picture (".png", ".svg").
 
     Raises:
         LogError: a picture of more than one log.

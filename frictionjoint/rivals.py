@@ -1,7 +1,8 @@
-"""Parameters of the rival friction laws, one frozen class a law.
+"""Parameters of the other friction laws, one frozen class per law.
 
-Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m
-and m for rad. Every class raises `ParameterError`, naming the value and its range.
+Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m and
+m
+for rad. Every class raises `ParameterError`, naming the value and its range.
 """
 
 import dataclasses
@@ -31,10 +32,11 @@ _PER_SIDE = len(_LEVELS)
 
 @dataclass(frozen=True, kw_only=True)
 class _Rival:
-    """What the rivals have in common: reading, writing and the block of numbers.
+    """Common base of these classes: reading, writing and the block of numbers.
 
-    A block is the law's number, sigma1, the levels of both directions, the law's own numbers:
-    fields by the names in `own`.
+    A block contains the law's number, sigma1, the levels of both directions, and the law's own
+    numbers:
+    the fields named in `own`.
     """
 
     law: ClassVar[str]
@@ -65,7 +67,7 @@ class _Rival:
         return cls(**{name: x for name, x in numbers.items() if name in fields})
 
     def pack(self) -> NDArray[np.float64]:
-        """The block ``law.kernel`` reads, the number of the law in front."""
+        """The block for ``law.kernel``, beginning with the number of the law."""
         levels = [x for side in _SIDES for x in self._levels(side)]
         sigma1 = getattr(self, "sigma1", 0.0)
         return np.array([float(self.number), sigma1, *levels, *self._own()])
@@ -174,7 +176,7 @@ class StaticParameters(_Stribeck):
 
     @property
     def stiffness(self) -> float:
-        """None before sliding: the law knows no displacement."""
+        """Zero: the law has no presliding."""
         return 0.0
 
     def _check(self) -> None:
@@ -225,7 +227,9 @@ class DahlParameters(_Rival):
 
     Attributes:
         Fc_pos: Coulomb torque, N m, > 0; Fc_neg for negative motion.
-        sigma2_pos: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report), with its twin.
+        sigma2_pos: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report); sigma2_neg for
+            negative
+            motion.
         sigma0: stiffness at zero torque, N m/rad, > 0.
         i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
     """
@@ -265,7 +269,7 @@ class DahlStribeckParameters(_Stribeck):
     Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
-        sigma0: stiffness at zero torque and creeping, N m/rad, > 0.
+        sigma0: stiffness at zero torque and low speed, N m/rad, > 0.
         i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
     """
 
@@ -324,7 +328,7 @@ class ElastoplasticParameters(_Stribeck):
     Attributes:
         sigma0: bristle stiffness, N m/rad, > 0.
         sigma1: bristle damping, N m s/rad, >= 0.
-        breakaway: torque up to which the contact is elastic over Fc, 0 <= breakaway <= 0.99;
+        breakaway: torque up to which the contact is elastic, divided by Fc, 0 <= breakaway <= 0.99;
             sigma0 zba = breakaway Fc.
     """
 

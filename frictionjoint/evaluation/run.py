@@ -62,16 +62,19 @@ class JointCurves:
 
 @dataclass(frozen=True)
 class JointEvaluation:
-    """How far a model is from the logs at one joint.
+    """Error of a model at one joint.
 
     Attributes:
         friction: of the model, in words. unit, position_unit: of torques and positions.
-        drive_rms: of the torque that acted. torque_rms: of the error. torque_percent: the error's
-            rms in per cent of the drive's; None where the drive is next to nothing.
+        drive_rms: of the measured torque. torque_rms: of the error. torque_percent: the error's rms
+            in
+            per cent of the drive's; None if the drive is close to zero.
         replay_rms: position error of simulations restarted from measured states every 0.5 s and
-            driven by the measured drive; None: no measured drive, or the runs leave the motion.
+            driven
+            by the measured drive; None: no measured drive, or the runs leave the motion.
         closed_loop_mae: mean absolute position error of whole logs simulated from their target;
-            None: no target or no controller.
+            None: no
+            target or no controller.
         curves: of each log.
     """
 
@@ -103,10 +106,10 @@ class JointEvaluation:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """How far a model is from logs, see `evaluate`.
+    """Error of a model on logs, see `evaluate`.
 
     Attributes:
-        model: its name. joints: by name. notes: what to know of the figures, a sentence each.
+        model: its name. joints: by name. notes: on the figures, one sentence each.
     """
 
     model: str
@@ -127,19 +130,21 @@ def evaluate(
     fixed: Mapping[str, Pose] | None = None,
     read: ReadLog | None = None,
 ) -> Evaluation:
-    """How far a model is from logs, whatever friction it has; nothing is fitted.
+    """State the error of a model on logs, whatever its friction; nothing is fitted.
 
     MuJoCo's own friction and damping, yield springs, the friction of a `dcmotor`, ours, or none:
-    all are part of the model as it is. Contacts are off, joints that no log holds stay at their
-    initial pose.
+    the model
+    is evaluated as it is. Contacts are off; joints that no log contains stay at their initial
+    position.
 
     Args:
         model: path or text of an MJCF or URDF. logs: paths, folders, or logs of one joint.
-        joints: names; None: all of the model whose drive every log holds, or its only joint.
-        controller: that drove the joints to their targets, as `close_loop` takes it; None: the
-            position servo of the model, where it has one and the log a target.
-        fixed: poses of joints that no log holds, rad or m. read: how a path is
-            read; None: `read_log`.
+        joints: names; None: all joints with a drive in every log, or the model's only joint.
+        controller: that drove the joints to their targets, see `close_loop`; None: the position
+            servo of
+            the model, if it has one and the log a target.
+        fixed: positions of joints that no log contains, rad or m. read: function that reads a path;
+            None: `read_log`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -170,7 +175,7 @@ def evaluate(
 
 
 def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
-    """Joints to evaluate where none is named."""
+    """Joints to evaluate if none is named."""
     from frictionjoint.robot.logs import joints_to_explain
 
     names = [model.joint(j).name for j in range(model.njnt)]
@@ -310,7 +315,7 @@ def _replay_rms(curves: Sequence[JointCurves]) -> float | None:
 
 
 def _closed_loop_mae(curves: Sequence[JointCurves]) -> float | None:
-    """None where a simulation became unstable, too."""
+    """None also if a simulation became unstable."""
     errors = [c.closed_loop - c.position for c in curves if c.closed_loop is not None]
     mean = float(np.mean(np.abs(np.concatenate(errors)))) if errors else np.inf
     return mean if np.isfinite(mean) else None

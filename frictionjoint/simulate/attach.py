@@ -21,7 +21,7 @@ class Attached:
     """Friction of a model, acting until `detach` or the end of a ``with`` block; see `attach`.
 
     Attributes:
-        model: what was attached; it is kept alive meanwhile.
+        model: the attached model; it is kept alive.
     """
 
     def __init__(self, model: mujoco.MjModel, entry: Hold) -> None:
@@ -36,7 +36,7 @@ class Attached:
         return f"Attached({state}, friction of {joints})"
 
     def detach(self) -> None:
-        """End it; a callback that was installed before acts alone again. Twice is once."""
+        """Stop the friction; a previous callback acts alone again. A second call does nothing."""
         if self._hold is None:
             return
         release(self._hold)
@@ -56,7 +56,7 @@ class Attached:
 
 
 def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
-    """Friction of `model` acts from now on, until ``detach()`` of what is returned::
+    """Turn on the friction of `model` until ``detach()`` of the returned handle::
 
         h = attach(model)
         mujoco.mj_step(model, data)
@@ -65,19 +65,24 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
         with attach(model):                     # the same, also after an exception
             mujoco.mj_step(model, data)
 
-    MuJoCo has one passive callback, and it serves every model in the process that carries
-    friction; those without are left alone. So several models may be attached at once and detached
-    in any order, and a model that is compiled or copied meanwhile has its friction too. A passive
-    callback of your own that is installed already is called as well, before ours.
+    MuJoCo has one passive callback, and it serves every model with friction in the process; models
+    without friction are unaffected. So several models may be attached at once and detached in any
+    order,
+    and a model that is compiled or copied meanwhile has its friction too. An existing passive
+    callback
+    keeps working: it is called before ours.
 
     Args:
-        model: carries friction, see `install`.
-        backend: "native" (a C function, no GIL) or "python" (same kernel, slower). While a Python
-            function is the callback, this one or your own, MuJoCo compiles no model.
+        model: with friction, see `install`.
+        backend: "native" (a C function, no GIL) or "python" (same kernel, slower). While the
+            callback is
+            a Python function, ours or your own, MuJoCo compiles no model.
     Raises:
         ModelError: no friction in the model, attached already, spring and damper flags both
-            disabled (MuJoCo then never calls back), a flag disabled that an elastic joint or one
-            with backlash needs, or an unknown backend.
+            disabled
+            (MuJoCo then never calls back), a disabled flag that an elastic joint or one with
+            backlash
+            needs, or an unknown backend.
         TypeError: `model` is no MjModel.
     """
     require_model(model, "attach")
@@ -101,12 +106,15 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
 
 
 def enable(backend: Backend = "native") -> None:
-    """From now on friction acts in every model of this process that contains it.
+    """Turn on friction in every model of this process that contains it.
 
-    So also in models that other code loads and steps: the viewer, dm_control, Gymnasium, a trainer.
+    This includes models that other code loads and steps: the viewer, dm_control, Gymnasium, a
+    trainer.
     Call it once, before or after they are loaded. A model whose friction cannot act (damaged, or
-    too little user data) is named in a warning when it is first stepped. Models whose spring and
-    damper flags are both disabled are never called back.
+    too
+    little user data) is named in a warning when it is first stepped. Models with both spring and
+    damper
+    flags disabled are never called back.
 
     Args:
         backend: as in `attach`.
@@ -118,6 +126,6 @@ def enable(backend: Backend = "native") -> None:
 
 
 def disable() -> None:
-    """End `enable`; models that are attached keep their friction. Without `enable` nothing."""
+    """Undo `enable`; attached models keep their friction. Without `enable` it does nothing."""
     while _enabled:
         release(_enabled.pop())

@@ -1,16 +1,18 @@
 """Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
 
-MuJoCo writes six digits of a number into XML. So a block holds its numbers twice: plain, for a
-reader's eye and for the callback, and as four 16-bit integers each, from which the exact doubles
-come back when the block is resolved. A block is
+MuJoCo writes six digits of a number into XML. So a block contains its numbers twice: as they are,
+for
+a reader and for the callback, and as four 16-bit integers each, from which the exact doubles are
+restored when the block is resolved. A block is
 
     0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
     6 id of the joint   7 count of numbers N   8 where the effects begin
     9.. N numbers: the law's block, then the effects' block       then 4 N integers
 
-Slots 2 to 6 belong to one compiled model and are written by `resolve`, by name, so that
-``MjSpec.attach`` with a prefix works and the callback never looks up a name. Slot 2 is 0 before,
-1 after, and -1 where the callback met a model that cannot be resolved (`first_sight`).
+Slots 2 to 6 belong to one compiled model. `resolve` writes them, by name, so that ``MjSpec.attach``
+with a prefix works and the callback never looks up a name. Slot 2 is 0 before, 1 after, and -1 if
+the
+callback met a model that cannot be resolved (`first_sight`).
 """
 
 import warnings
@@ -57,7 +59,7 @@ LARGEST = 1e11
 
 @dataclass(frozen=True, repr=False)
 class SimulatedEffect:
-    """An effect with its numbers, as it goes into a model.
+    """An effect with its numbers, as stored in a model.
 
     Raises:
         ParameterError: not as many numbers as the effect has.
@@ -96,7 +98,7 @@ class SimulatedEffect:
 
 @dataclass(frozen=True)
 class JointFriction:
-    """What a model carries for one joint."""
+    """Friction of one joint in a model: law and effects."""
 
     parameters: Friction
     effects: tuple[SimulatedEffect, ...] = ()
@@ -109,24 +111,27 @@ def install(
     clear_native: bool = False,
     replace: bool = False,
 ) -> None:
-    """Write friction into a spec and make room for its state in ``userdata``.
+    """Write friction into a spec and reserve room for its state in ``userdata``.
 
-    User data the model already has stays in front. An elastic joint, or one with backlash, gets
-    another joint behind it (``frictionjoint.simulate.mechanism``), a late instrument late sensors
-    (``frictionjoint.simulate.instruments``). Where a joint has ``frictionloss`` or
-    ``damping`` of its own friction would count twice: a warning says so.
+    Existing user data of the model stays in front. An elastic joint, or one with backlash, gets
+    another
+    joint behind it (``frictionjoint.simulate.mechanism``), a delayed instrument delayed sensors
+    (``frictionjoint.simulate.instruments``). If a joint has ``frictionloss`` or ``damping`` of its
+    own,
+    friction would count twice: a warning says so.
 
     Args:
-        spec: changed in place, only if every joint is fit for it.
+        spec: changed in place, only if every joint is suitable.
         friction: parameters by joint name.
         effects: effects beyond the law by joint name.
-        clear_native: take the joints' own ``frictionloss`` and ``damping`` away, also the damping
-            of ``springdamper``.
-        replace: joints that carry friction already get the new one instead.
+        clear_native: remove the joints' own ``frictionloss`` and ``damping``, also the damping of
+            ``springdamper``.
+        replace: replace the friction of joints that have some already.
     Raises:
-        TypeError: a path or a compiled model in place of a spec, a dict in place of parameters.
-        ModelError: unknown joint, not a hinge or slide, friction there already, or a number
-            too large for an MJCF.
+        TypeError: a path or a compiled model instead of a spec, a dict instead of parameters.
+        ModelError: unknown joint, not a hinge or slide, existing friction, or a number too large
+            for an
+            MJCF.
     """
     require_spec(spec)
     require_friction(friction)
@@ -185,7 +190,7 @@ def install(
 
 
 def heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
-    """It makes the temperature that others look at."""
+    """Sort heating first, because it computes the temperature for the others."""
     return sorted(effects, key=lambda e: e.effect is not HEATING)
 
 
@@ -210,7 +215,7 @@ def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
 
 
 def rows_of_block(block: Sequence[float]) -> int:
-    """float64 of user data that a joint with this block takes."""
+    """Number of float64 of user data for a joint with this block."""
     numbers = np.asarray(block, dtype=np.float64)
     n_effects = int(numbers[int(numbers[EFFECTS])])
     return row_size(int(law_row_size(numbers, HEAD)), n_effects)
@@ -220,11 +225,13 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
     Args:
-        in_userdata: whether the state is to live there. A model that has too little gets room for
-            data made from now on; one that is being stepped, a `ModelView`, does not.
+        in_userdata: whether the state is stored there. A model with too little gets room for data
+            made
+            from now on; a model that is being stepped, a `ModelView`, does not.
     Raises:
         ModelError: a block without its joint, of another version or damaged, too little
-            ``userdata``, or a motor that gives less than asked and cannot be followed.
+            ``userdata``, or
+            a motor that delivers less than commanded and cannot be followed.
     """
     found = blocks(model)
     ids = {name: i for i, name in enumerate(names_of(model, "jnt")) if name}
@@ -323,7 +330,7 @@ def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
 
 
 def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
-    """What a model carries, by joint name, exactly as it was installed."""
+    """Friction in a model, by joint name, exactly as it was installed."""
     found = {}
     for name, at in resolve(model).items():
         n = int(model.numeric_data[at + COUNT])
@@ -335,10 +342,10 @@ def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
 
 
 def load_model(path: str | Path) -> mujoco.MjModel:
-    """Load an MJCF that carries friction, ready for `attach`.
+    """Load an MJCF with friction, ready for `attach`.
 
     Raises:
-        ModelError: the file does not compile, or carries no friction or damaged friction.
+        ModelError: the file does not compile, or has no friction or damaged friction.
         TypeError: `path` is no path.
     """
     require_path(path, "load_model")

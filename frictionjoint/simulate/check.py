@@ -1,4 +1,4 @@
-"""What friction a model carries, whether its time step suits it, and what does not act."""
+"""Check of a model with friction: what acts, what does not, and whether the time step suffices."""
 
 from typing import Any
 
@@ -26,16 +26,19 @@ _RESOLVED = 1.0
 
 
 def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
-    """One row per joint with friction.
+    """Check the friction of a model: one row per joint.
 
     Returns:
         rows with the joint, the law, its stiffness K in "unit" and damping sigma (sigma1 + the
-        larger sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with J
-        the joint's inertia at qpos0, all other joints free; "implicit": whether the integrator
-        solves friction within the step; "native": MuJoCo's own friction of the joint, or None;
-        "effects", and "acts": how each acts in a simulation, and what else does, a sentence each;
-        "outside": a sentence for each limit that the joint is beyond, with its fix; "remark": how
-        the time step suits.
+        larger
+        sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with the joint's
+        inertia J at qpos0, all other joints free; "implicit": whether the integrator solves
+        friction
+        within the step; "native": MuJoCo's own friction of the joint, or None; "effects", and
+        "acts":
+        how each acts in a simulation, one sentence each; "outside": a sentence per exceeded limit,
+        with
+        its fix; "remark": on the time step.
     Raises:
         ModelError: friction in the model is damaged. TypeError: no MjModel.
     """
@@ -96,7 +99,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
 
 
 def integrator_note(model: mujoco.MjModel) -> str:
-    """How the model's integrator treats friction, a sentence."""
+    """How the model's integrator treats friction, in a sentence."""
     name = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         return f"Integrator {name}: friction is explicit, within limits of the time step."
@@ -104,7 +107,7 @@ def integrator_note(model: mujoco.MjModel) -> str:
 
 
 def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool) -> list[str]:
-    """A sentence for each limit of the time step that a joint is beyond."""
+    """A sentence per exceeded limit of the time step."""
     limit = _IMPLICIT if implicit else _EXPLICIT
     mend = "" if implicit else "use the integrator implicitfast, or "
     found = []
@@ -119,7 +122,7 @@ def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool
 
 
 def _springs_outside(timestep: float, inverse: float, carried: JointFriction) -> list[str]:
-    """A sentence for each effect that is a spring too stiff for the time step: it is explicit."""
+    """A sentence per effect that is an explicit spring too stiff for the time step."""
     found = []
     for effect in carried.effects:
         for plain, value in zip(effect.effect.plain, effect.coefficients, strict=False):
@@ -134,14 +137,14 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
 
 
 def _law_acts(law: str, stiffness: float, unit: str) -> list[str]:
-    """What a simulation adds to a law that alone would not hold a joint at rest."""
+    """What a simulation adds to a law that would not hold a joint at rest."""
     if law != "static":
         return []
     return [f"{law}: a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"]
 
 
 def _remark(ratio: float, timestep: float) -> str:
-    """How a time step suits a presliding spring whose h sqrt(K/J) is `ratio`."""
+    """How well a time step suits a presliding spring with this h sqrt(K/J)."""
     if ratio <= _RESOLVED:
         return "the time step resolves presliding"
     return (
@@ -150,7 +153,7 @@ def _remark(ratio: float, timestep: float) -> str:
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
-    """What a simulation does with an effect, a predicate."""
+    """How a simulation represents an effect, as a predicate."""
     effect = carried.effect
     if effect.acts == "mechanism":
         return f"is the joint {joint + DEFLECTION} between motor and link"

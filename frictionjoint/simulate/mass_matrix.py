@@ -1,8 +1,8 @@
-"""The mass matrix of a model whose friction acts.
+"""The mass matrix of a model with friction.
 
-Friction is implicit: while it acts ``mjData.M`` holds the joints' friction on its diagonal from the
-passive forces of a step until the next position stage (see `simulate.mass`), and ``mj_fullM``
-shows it.
+Friction is implicit: from the passive forces of a step until the next position stage,
+``mjData.M`` contains the joints' friction on its diagonal (see `simulate.mass`), and ``mj_fullM``
+returns it.
 """
 
 import mujoco
@@ -18,9 +18,10 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
     """The mass matrix without friction, for a controller that needs it after a step.
 
     Args:
-        model: may carry friction or not. data: of that model; unchanged.
+        model: with or without friction. data: of that model; unchanged.
     Returns:
-        M(q) of the last position stage, armature included, shape (nv, nv); what ``mj_fullM`` gives
+        M(q) of the last position stage, armature included, shape (nv, nv), as ``mj_fullM`` returns
+        it
         without friction.
     Raises:
         ModelError: the data belong to another model. TypeError: no MjModel or MjData.

@@ -1,4 +1,4 @@
-"""What the stacks of a simulated joint hold, and what they had to give up."""
+"""Content of the memory stacks of a simulated joint, and the removed extrema."""
 
 from dataclasses import dataclass
 
@@ -16,11 +16,12 @@ class Remembered:
     """Memory of one joint.
 
     Attributes:
-        minima: number of extrema on the stack m, its limit not counted.
+        minima: number of extrema on the stack m, without its limit.
         maxima: the same on M.
-        forgotten: pairs of extrema given up for want of room since the joint began to move.
-        error: N m; the hysteresis torque is at most this far from that of stacks without end: the
-            sum of the gaps that the given-up pairs left, and never more than Fs_pos + Fs_neg.
+        forgotten: pairs of extrema removed for lack of room since the joint began to move.
+        error: N m; bound on the error of the hysteresis torque compared with unlimited stacks: the
+            sum
+            of the gaps that the removed pairs left, and never more than Fs_pos + Fs_neg.
     """
 
     minima: int
@@ -30,7 +31,7 @@ class Remembered:
 
 
 def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remembered]:
-    """Memory of every joint with the integrated law, as of the last committed step.
+    """Memory of each joint with the integrated law, at the last committed step.
 
     Args:
         model: attached, or from `load_model`. data: of that model.

@@ -1,8 +1,8 @@
-"""Friction of a compiled model changed in place, and states that start afresh.
+"""Change the friction of a compiled model, and reset its state.
 
-set_parameters(model, "elbow", parameters)      # of another sample, say
+set_parameters(model, "elbow", parameters)      # e.g. of another sample
 data.qpos[:] = reference_state
-forget(model, data)                             # no motion has led here
+forget(model, data)                             # the change of position was no motion
 """
 
 from collections.abc import Sequence
@@ -32,21 +32,22 @@ from frictionjoint.simulate.row import BASE, FRONT
 
 
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
-    """Give a joint of a compiled model other friction parameters, without compiling.
+    """Change the friction parameters of a joint in a compiled model.
 
     The friction state of existing data stays as it is, and a joint at rest may keep a torque above
-    its new breakaway torque: `forget` or a reset starts it afresh.
-    Effects that act through the model itself (elasticity, backlash, delays of sensors) stay as
-    they were compiled.
+    its
+    new breakaway torque: call `forget` or reset the data. Effects that act through the model itself
+    (elasticity, backlash, delays of sensors) stay as they were compiled.
 
     Args:
-        model: carries friction at the joint; changed in place.
+        model: with friction at the joint; changed in place.
         joint: its name.
         parameters: of the same law with as many knots, in N m and rad (N and m for a slide); or a
-            `JointFriction` of ``report.samples`` with the effects that the joint carries. Without
-            effects those of the model stay.
+            `JointFriction` of ``report.samples`` with the same effects as the joint. Without
+            effects,
+            those of the model stay.
     Raises:
-        ModelError: no friction at the joint, another law, number of knots or other effects.
+        ModelError: no friction at the joint, another law, another number of knots or other effects.
         TypeError: no MjModel, or no friction parameters.
     """
     require_model(model, "set_parameters")
@@ -100,16 +101,18 @@ def write_parameters(
 
 
 def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None) -> None:
-    """Friction starts afresh from the state that data hold: at rest and never moved.
+    """Reset the friction state of data: at rest and never moved.
 
-    To call after the positions were set by hand: a teleport, or the reference state that an
-    episode starts from. A change of ``qpos`` without it is a motion to the friction, and loads the
-    presliding springs. What effects remember goes too (temperatures, warmth); ``mj_resetData`` does
-    the same for the whole state.
+    Call it after setting positions by hand, for example after a teleport or for the reference state
+    of an
+    episode. Without it, a change of ``qpos`` is a motion for the friction and loads the presliding
+    springs. The memory of effects (temperatures, warmth) is reset too; ``mj_resetData`` does the
+    same for
+    the whole state.
 
     Args:
-        model: carries friction. data: of that model, changed in place.
-        joint: which joint alone; None for all.
+        model: with friction. data: of that model, changed in place.
+        joint: a single joint; None for all.
     Raises:
         ModelError: no friction in the model or at the joint.
         TypeError: no MjModel or MjData.

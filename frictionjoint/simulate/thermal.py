@@ -1,8 +1,9 @@
-"""The thermal state of joints whose friction depends on it: to read, and to set.
+"""Read and set the thermal state of joints with temperature-dependent friction.
 
-`temperature-dependent` and `motor-temperature` rest at their references until `set_temperature`
-moves them, or follow `heating`, the friction's own loss. `warm-up-drift` knows no temperature: its
-state is how much of the change that warming brings has happened.
+`temperature-dependent` and `motor-temperature` stay at their references until `set_temperature`
+changes them, or follow `heating` by the friction's own loss. `warm-up-drift` has no temperature:
+its
+state is the fraction of the warm-up that has happened.
 """
 
 import math
@@ -25,7 +26,7 @@ from frictionjoint.simulate.row import FRONT, STARTED
 
 @dataclass(frozen=True)
 class _Kind:
-    """How a number of an effect's memory stands for its thermal state.
+    """Conversion between an effect's memory and its thermal state.
 
     Attributes:
         read: state from (numbers, memory, time). write: memory from (numbers, state, time).
@@ -60,10 +61,10 @@ _WARMTHS = {
 
 
 def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
-    """Temperature, deg C, of each joint that has `heating` or an effect of it.
+    """Temperature, deg C, of each joint with `heating` or a temperature-dependent effect.
 
     Args:
-        model: carries friction. data: of that model, evaluated at least once.
+        model: with friction. data: of that model, evaluated at least once.
     Raises:
         ModelError: no joint has a temperature, or the data have not been evaluated.
         TypeError: no MjModel or MjData.
@@ -72,7 +73,7 @@ def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
 
 
 def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, celsius: float) -> None:
-    """Put a joint at a temperature, from which `heating` goes on, if it has that.
+    """Set the temperature of a joint; `heating` continues from it.
 
     Raises:
         ModelError, TypeError: as `temperature`, or the joint has none.
@@ -81,7 +82,7 @@ def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, cels
 
 
 def temperature_of(P: Array, block: int, X: Array) -> float | None:
-    """Temperature, deg C, of the joint whose block is at P[block:]; None where it has none."""
+    """Temperature, deg C, of the joint whose block is at P[block:]; None if it has none."""
     found = _of_block(P, block, _TEMPERATURES)
     if not found:
         return None
@@ -90,7 +91,7 @@ def temperature_of(P: Array, block: int, X: Array) -> float | None:
 
 
 def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
-    """How warm each joint with `warm-up-drift` is: 0 cold, 1 when nothing changes any more.
+    """Warm-up state of each joint with `warm-up-drift`: 0 cold, 1 fully warm.
 
     Args, Raises: as `temperature`.
     """
@@ -98,10 +99,10 @@ def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
 
 
 def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: float) -> None:
-    """Put a joint with `warm-up-drift` at a warmth, 0 to below 1.
+    """Set the warm-up state of a joint with `warm-up-drift`, 0 to below 1.
 
     Raises:
-        ModelError: as `temperature`, the joint has none, or a warmth outside [0, 1).
+        ModelError: as `temperature`, the joint has none, or a value outside [0, 1).
         TypeError: as `temperature`.
     """
     if not 0.0 <= warm < 1.0:
