@@ -8,8 +8,7 @@ Over the step of h seconds that begins at (q, v), friction is to first order
     F(q', v') = torque + stiffness (q' - q) + damping (v' - v)
 
 positive against positive motion. An explicit simulator applies ``-torque``; one with implicit
-drives
-also uses stiffness and damping, which a stiff joint needs. MuJoCo uses the same kernels.
+drives also uses stiffness and damping, which a stiff joint needs. MuJoCo uses the same kernels.
 """
 
 from collections.abc import Sequence
@@ -62,8 +61,7 @@ def step_joint(
     """Torque at (q, v), N m, and its change with position and velocity over a step of h s.
 
     Positions in single precision are accumulated in double precision: rounding would make a joint
-    at rest
-    tremble and creep.
+    at rest tremble and creep.
 
     Args:
         P: block of the law at p, number of effects (none) at `effects`. X: state at x.
@@ -129,13 +127,11 @@ class FrictionBatch:
         parameters: of all joints, or a sequence with those of each.
         n: number of joints, or (worlds, joints).
         device: None: compiled code on the CPU, for arrays of numpy or any library with DLPack
-            (torch,
-            JAX, Warp). "cuda:0", or "cpu": Warp kernels, for arrays on that device.
+            (torch, JAX, Warp). "cuda:0", or "cpu": Warp kernels, for arrays on that device.
     Attributes:
         shape: of the arrays, (n,) or (worlds, joints).
         state: doubles, shape (joints in all, m): the memory of the joints. Copy it to save a
-            simulation,
-            write it back to restore it.
+            simulation, write it back to restore it.
     Raises:
         ParameterError: not one set of parameters per joint, or effects, which need a model.
         TypeError: no parameters.
@@ -184,8 +180,8 @@ class FrictionBatch:
             v: velocity there, rad/s (m/s), of `shape`. h: length of the step, s.
         Returns:
             torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, with the array type and
-            precision of
-            q. Doubles on the CPU are not copied; single precision is computed in doubles.
+            precision of q. Doubles on the CPU are not copied; single precision is computed in
+            doubles.
         Raises:
             ParameterError: another shape or device, or h is not positive.
         """

@@ -1,9 +1,8 @@
 """Packages that can be called like the function of the same name.
 
 ``frictionjoint.identify`` is both a package and the function of the command `identify`. Python
-binds
-a package to its name when one of its modules is imported, replacing a function of that name; so the
-package itself is made callable.
+binds a package to its name when one of its modules is imported, replacing a function of that name;
+so the package itself is made callable.
 """
 
 import inspect

@@ -80,8 +80,7 @@ def close_loop(
         joint: name of one joint; names of several joints of a robot; None: all joints of the model
             whose position and drive every log contains.
         held_out: logs used for neither fit nor search, or the fraction of each log to hold out at
-            its
-            end.
+            its end.
         seed: equal seeds give equal reports.
         progress: called with a description of the current step.
         law: name of the friction law, one of ``frictionjoint.law.names.LAWS``; None: the integrated
@@ -92,8 +91,7 @@ def close_loop(
         refine: whether all numbers of the result are finally fitted to the simulated motion of logs
             with a target and a controller; they are used if they predict unlike logs better.
         jobs: processes for the joints of a robot; None: one per core. With more than one, a script
-            needs
-            the guard ``if __name__ == "__main__":``. The result does not depend on it.
+            needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:
         the report of one joint, or of a robot. Both have ``summary()``, ``plot()``, ``to_dict()``.
     Raises:

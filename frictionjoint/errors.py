@@ -8,8 +8,7 @@ class FrictionJointError(ValueError):
 
     Args:
         message: what is wrong, where, and the fix; line breaks, e.g. from names in a user's file,
-            become
-            blanks.
+            become blanks.
     """
 
     def __init__(self, message: str) -> None:

@@ -1,8 +1,7 @@
 """Parameters of the other friction laws, one frozen class per law.
 
 Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m and
-m
-for rad. Every class raises `ParameterError`, naming the value and its range.
+m for rad. Every class raises `ParameterError`, naming the value and its range.
 """
 
 import dataclasses
@@ -35,8 +34,7 @@ class _Rival:
     """Common base of these classes: reading, writing and the block of numbers.
 
     A block contains the law's number, sigma1, the levels of both directions, and the law's own
-    numbers:
-    the fields named in `own`.
+    numbers: the fields named in `own`.
     """
 
     law: ClassVar[str]
@@ -228,8 +226,7 @@ class DahlParameters(_Rival):
     Attributes:
         Fc_pos: Coulomb torque, N m, > 0; Fc_neg for negative motion.
         sigma2_pos: viscous coefficient, N m s/rad, >= 0 (0 in Dahl's report); sigma2_neg for
-            negative
-            motion.
+            negative motion.
         sigma0: stiffness at zero torque, N m/rad, > 0.
         i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
     """

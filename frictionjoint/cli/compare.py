@@ -35,8 +35,7 @@ def compare(
 
     Every law is driven along the same three motions: a slow pull from rest, small reversals before
     sliding, and steady sliding over a range of speeds. For reports, verdicts, errors and friction
-    numbers
-    are compared as well.
+    numbers are compared as well.
 
     Examples:
 

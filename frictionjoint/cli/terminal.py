@@ -33,8 +33,7 @@ def progress() -> Iterator[Callable[[str], None]]:
     """A line on stderr: the current step, its progress, and the remaining time.
 
     A message that counts ("4 of 12", "4/12") has a percentage; the remaining time is estimated from
-    the
-    counted steps so far.
+    the counted steps so far.
     """
     err = Console(stderr=True)
     columns = (

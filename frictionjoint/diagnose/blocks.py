@@ -41,8 +41,7 @@ class Folds(NamedTuple):
 
     Attributes:
         place: fold of each block, 0 to F - 1, shape (B,). inside: 1 where a block is in a fold,
-            else 0,
-            shape (F, B).
+            else 0, shape (F, B).
     """
 
     place: Index
@@ -63,8 +62,7 @@ class Blocks:
             (B,).
         halves: first or second half of its log, for effects that act in one fold only, shape (B,).
         log: log of each block, shape (B,). noise: variance of white noise with the spectral density
-            of
-            the torque instrument, (N m)^2.
+            of the torque instrument, (N m)^2.
         floor: mean square that instrument noise contributes to a sample of each log, (N m)^2, (k,).
         law_errors: directions of possible errors of the law, N m, shape (n, m), see
             `OtherLaws.errors`.
@@ -163,8 +161,7 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     """Columns filtered by the predictor of a residual's next sample (Yule and Walker).
 
     Frequencies that the torque filter removed stay removed: above them the noise of the position,
-    which
-    the columns contain too, exceeds that of the torque.
+    which the columns contain too, exceeds that of the torque.
 
     Args:
         U: shape (n, k). residual: shape (n,). Both contain the logs in order.

@@ -102,8 +102,7 @@ def _with_armature(
     """Refine with the armature of the MJCF free, if that improves the prediction of left-out logs.
 
     A rotor's inertia is rarely measured, and the torque balance can mistake it for a delay. But it
-    can
-    also imitate effects that whole motions show, so it is tried after them, and on windows too.
+    can also imitate effects that whole motions show, so it is tried after them, and on windows too.
     """
     if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
         return now
@@ -160,10 +159,8 @@ def taken(other: Tried, now: Refined) -> float:
     """Mean square error that an effect removes from the windows of the logs, rad^2 (m^2).
 
     The models were fitted to all logs. If a kind of logs is left out, both models also lose
-    parameters
-    that only this kind determines, such as viscous friction at its speeds; that loss would hide
-    what
-    the effect removes.
+    parameters that only this kind determines, such as viscous friction at its speeds; that loss
+    would hide what the effect removes.
     """
     return float(np.mean(now.near_fitted**2 - other.near_fitted**2))
 
@@ -187,8 +184,7 @@ def _promising(
     torque balance, with the coefficients found there, N m. First order with the refined numbers
     alone
     is not enough: numbers that compensate for a missing effect must first return to their values,
-    and
-    the torque balance with the effect has them there.
+    and the torque balance with the effect has them there.
     """
     prepared, final = found.prepared, found.final
     objective = Objective(now.vector, courses, WINDOW_S, now.values)

@@ -30,17 +30,14 @@ def p_values(
 
     A score is the reduction of the squared error by coefficients within their bounds; an impossible
     sign scores nothing. Scores of one and of several coefficients are put on one scale by the tail
-    of
-    their approximate marginal distributions (Westfall and Young 1993); the signs make the p-value.
-    Each
+    of their approximate marginal distributions (Westfall and Young 1993); the signs make the
+    p-value. Each
     score is the larger of two: of the residual as it is, which shows slow effects, and of the
-    whitened
-    residual, which shows rare ones.
+    whitened residual, which shows rare ones.
 
     Args:
         among: number of lines of a spectrum of which a candidate is the largest; random signs do
-            not
-            search the spectrum again.
+            not search the spectrum again.
     """
     if not found.candidates:
         return np.zeros(0), 0.0

@@ -107,9 +107,8 @@ def close_loop(
         law: name of the friction law, see `law.names.LAWS`; None for the integrated law.
         fixed: positions of joints that are not in the logs, by name, rad (m).
         controller: what drove the joint to its target: a file, the name of a preset, one of these
-            per
-            joint by name, or "mjcf" for the model's own position servo. Required for logs without
-            torque, voltage or current; all logs are simulated with it.
+            per joint by name, or "mjcf" for the model's own position servo. Required for logs
+            without torque, voltage or current; all logs are simulated with it.
         refine: whether all numbers of the result are finally fitted to the simulated motion of logs
             with a target and a controller; they are used if they predict unlike logs better.
     Raises:

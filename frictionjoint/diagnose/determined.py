@@ -24,8 +24,7 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     """Distance of the i-th effect from zero size, in standard errors.
 
     The size is that of its best determined coefficient. For an effect without coefficients it is
-    that
-    of its shape numbers, each of which has a value that changes nothing, see `Effect.none`.
+    that of its shape numbers, each of which has a value that changes nothing, see `Effect.none`.
 
     Args:
         cov: of all parameters of the fit, in the order of its Jacobian.

@@ -120,8 +120,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     """Models with another effect of the drive, or another form, in place of the i-th effect.
 
     Other forms come first, in the order of the catalogue, then the best other effects. The rest of
-    the
-    model is kept as fitted with the i-th effect, because a refit without it would be biased.
+    the model is kept as fitted with the i-th effect, because a refit without it would be biased.
     """
     own = fitted.effects
     terms = drive_terms(prepared, all_but(own, own[i]))

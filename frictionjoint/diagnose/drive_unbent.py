@@ -3,8 +3,8 @@
 A law fitted without an effect of the drive is biased, and with that law the effect may seem to
 explain nothing: a wide hysteresis imitates a dead band. So before the search ends, each effect is
 tried with the unbiased starting values of a law. An effect that leaves a much smaller residual
-there
-than the model with its fitted law is then fitted jointly with the model's own law, from all starts.
+there than the model with its fitted law is then fitted jointly with the model's own law, from all
+starts.
 """
 
 import numpy as np
@@ -49,8 +49,7 @@ def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
     first.
 
     Each comes with the reduction relative to the model with the best fit of that law, which is a
-    law
-    with few starts, whatever law the model has.
+    law with few starts, whatever law the model has.
     """
     terms = drive_terms(prepared, fitted.effects)
     coarse, law = prepared.thinned(COARSE), prompt_maxwell_slip()

@@ -16,8 +16,7 @@ def drop_idle(state: State) -> None:
 
     Unnamed dependences adapt to the data and are no causes, so each effect is judged among named
     effects alone. Small losses do not accumulate: if either of two effects can be removed but not
-    both,
-    one stays.
+    both, one stays.
     """
     first = named_of(state.fit.effects)
     while state.fit.effects:

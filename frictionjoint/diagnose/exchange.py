@@ -72,8 +72,7 @@ def weigh_others(state: State) -> None:
     """Exchange each effect for the best other effect with no more numbers, next to all others.
 
     A simpler effect that explains as much replaces it, unless the model would do as well without
-    it.
-    An equally simple one is a tie, and the first in the catalogue is named, unless one of them
+    it. An equally simple one is a tie, and the first in the catalogue is named, unless one of them
     alone
     explains much more than the other alone: next to the other, the rest of the model compensates.
     """
@@ -171,10 +170,8 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
     """Try to replace each effect of the drive, with all later effects in the model.
 
     Effects of the drive are found first, with a law that lacks the other effects and is biased, so
-    the
-    wrong form, or an effect of the drive instead of one of the joint, may fit better. An effect
-    that
-    explains nearly as much is a tie; among such forms the first in the catalogue is used.
+    the wrong form, or an effect of the drive instead of one of the joint, may fit better. An effect
+    that explains nearly as much is a tie; among such forms the first in the catalogue is used.
 
     Returns:
         whether another effect predicts clearly more, another form more, or a simpler effect as

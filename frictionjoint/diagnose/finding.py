@@ -111,8 +111,7 @@ class Trace:
         prepared: the logs with their final weights.
         base: fit of the law alone. findings: added effects in order. final: the last fit.
         unexplained: quantities on which the residual depends without a named effect, with the
-            fraction
-            of the squared residual that they explain.
+            fraction of the squared residual that they explain.
         hints: possible causes of these, one sentence each.
         last_look: candidates against the final residual.
         other_laws: error in motion of each other law with the same effects, N m, smallest first.

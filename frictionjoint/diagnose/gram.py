@@ -3,8 +3,8 @@
 The law's own sensitivities are projected out of every candidate and of the residual on all data
 (Frisch and Waugh 1933): the law is fitted to a fold, the effect is not. So are the directions of
 possible errors of the law: what another law would explain as well supports no effect. The
-prediction
-for a fold follows from coefficients fitted to the other folds. Only the Gram matrices that a
+prediction for a fold follows from coefficients fitted to the other folds. Only the Gram matrices
+that a
 question needs are computed: those of all pairs of candidates would not fit into memory.
 """
 
@@ -42,11 +42,9 @@ class Screen:
         tested: law and terms projected out, the residual last, shape (n, c).
         white: the same, whitened, shape (n, c).
         low, high: range of the coefficient of each column but the last, shape (c - 1,). To first
-            order,
-            a shape number changes by no more than one search may change it.
+            order, a shape number changes by no more than one search may change it.
         begun: columns of the initial friction state of each log, shape (c - 1,): like the law's
-            they
-            are fitted on all data.
+            they are fitted on all data.
         terms: columns of each term of the fit. candidates: columns of each candidate.
     """
 

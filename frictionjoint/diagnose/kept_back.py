@@ -28,15 +28,13 @@ def prepare_kept_back(
     """Held-out logs; the end of a log begins as warm as the part before it left the joint.
 
     Such a log is prepared as a whole, with its clock, and only its end is used. The controller
-    output
-    is simulated from the first used sample on.
+    output is simulated from the first used sample on.
 
     Args:
         body, band, controller: see `prepare`; the band is that of the fitted logs.
     Raises:
         LogError: the joint stands still, its drive is off throughout, or too few samples remain for
-            a
-            meaningful error.
+            a meaningful error.
     """
     for log in logs:
         _require_drive_and_motion(log)

@@ -122,8 +122,8 @@ def _beyond_itself(
     """Candidates, without a torque limit that explains no more than a scaled torque does.
 
     The residual is part of the measured torque and correlates with it, whatever the model lacks.
-    Torque
-    that a drive did not deliver is missing only above its limit, and no multiple of the torque.
+    Torque that a drive did not deliver is missing only above its limit, and no multiple of the
+    torque.
     """
     levels = [(c.term, c.columns) for c in candidates if isinstance(c.term, ExcessTerm)]
     if not levels:
@@ -281,8 +281,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     """Dependences without a physical name, on every measured quantity.
 
     They are: a spline, alone and times the direction of friction; hysteresis in position over 1% to
-    a
-    third of the travel; a friction level per log; artefacts of the instruments.
+    a third of the travel; a friction level per log; artefacts of the instruments.
     """
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:

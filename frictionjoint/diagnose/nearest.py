@@ -21,10 +21,8 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
     """Remove, one after the other, effects that worsen the simulated motion.
 
     An effect is removed if the mean square position error falls without it, if most runs agree (a
-    few
-    runs that stick at another moment can dominate the mean), and if the position error falls by a
-    larger
-    factor than the torque error rises.
+    few runs that stick at another moment can dominate the mean), and if the position error falls by
+    a larger factor than the torque error rises.
     """
     while state.fit.effects:
         now = replayed(state.prepared, state.fit)
@@ -55,8 +53,7 @@ def moving_nearest(state: State, replayed: Replayed) -> bool:
     """Use another local minimum of the law if its simulated motion is nearer to the logs.
 
     Errors in a reconstructed drive bias the law: several local minima explain the torque equally
-    well
-    and simulate quite different motions.
+    well and simulate quite different motions.
 
     Returns:
         whether another one is used.

@@ -117,8 +117,8 @@ class OtherLaws:
         """The main direction of possible errors of a fitted law, N m, shape (n, 1).
 
         It points from the law to the mixture of all fitted laws with the smallest residual. One
-        free number
-        for all laws, not one per law, which together would explain much that is not friction.
+        free number for all laws, not one per law, which together would explain much that is not
+        friction.
         """
         w = fitted.weight
         names = fitted.shape.variables

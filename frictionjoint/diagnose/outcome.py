@@ -109,8 +109,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
     """Remove unnamed terms and correct for measured torque that was not delivered.
 
     A correlation of the residual with the measured torque says little, because it is part of it. So
-    the
-    simulated motion, driven by the corrected torque, must improve, if it can be simulated.
+    the simulated motion, driven by the corrected torque, must improve, if it can be simulated.
 
     Returns:
         the corrections.

@@ -24,15 +24,12 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     """Names of effects that would leave the physical range of one of their numbers.
 
     If the logs push a number past its bound by more than its standard error, and by more torque
-    than
-    the usual error of a law, they contain something else. A bound at zero or infinity is no such
-    bound:
-    there an effect has another form, or vanishes. For discontinuous effects, derivatives say too
-    little.
+    than the usual error of a law, they contain something else. A bound at zero or infinity is no
+    such bound: there an effect has another form, or vanishes. For discontinuous effects,
+    derivatives say too little.
 
     An effect is impossible too if it reverses friction, which must dissipate energy, or if it
-    leaves no
-    drive although the joint moves.
+    leaves no drive although the joint moves.
     """
     if fitted.acting < LEAST_ACTING:
         return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))

@@ -43,8 +43,7 @@ class Free:
     """Joints that are free to move; all others have the accelerations in the data.
 
     Inverse dynamics with zero acceleration of the free joints gives the torque of everything else;
-    the
-    difference to the applied torque accelerates them.
+    the difference to the applied torque accelerates them.
 
     Attributes:
         dt: time step, s.

@@ -113,8 +113,7 @@ class Planner:
         """The shortest recording expected to distinguish term i of the fit from another term.
 
         It stays within the range of the logs if that is sufficient. If no motion suffices, it is
-        the one
-        that comes nearest (see `Proposal.distinguishes`); None if no motion can be tried.
+        the one that comes nearest (see `Proposal.distinguishes`); None if no motion can be tried.
         """
         J, own = self.fitted.jacobian, self._own(i)
         term = self.fitted.terms[i]

@@ -42,8 +42,7 @@ class Replay:
 
     Attributes:
         errors: position error, m or rad, one array per log, NaN where nothing was simulated,
-            infinite
-            in runs that became unstable.
+            infinite in runs that became unstable.
         travel: largest measured travel of a log, m or rad.
     """
 
@@ -169,13 +168,11 @@ def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) 
     """Whether a simulation that starts from measured motion contains the whole fit.
 
     No log shows on which side of a gap a link is when a run begins; behind a spring, its state
-    follows
-    from the motion before. A negative armature cannot be simulated.
+    follows from the motion before. A negative armature cannot be simulated.
 
     Args:
         armature: of the MJCF. in_closed_loop: simulated by `one_joint`, which knows the temperature
-            of
-            the log and has no link behind the joint.
+            of the log and has no link behind the joint.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):

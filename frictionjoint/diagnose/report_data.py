@@ -103,9 +103,8 @@ class Curve:
     """Time series of one log for the plots, each of shape (n,).
 
     `before` and `after` are the predictions of `measured`, the drive of the final model. `given` is
-    the
-    drive of the model before, which effects of the drive change. `friction` is the law's part of
-    `after`. `in_motion` marks the samples whose torque the position determines; errors are of
+    the drive of the model before, which effects of the drive change. `friction` is the law's part
+    of `after`. `in_motion` marks the samples whose torque the position determines; errors are of
     these.
     """
 
@@ -128,8 +127,7 @@ class SimulatedPosition:
     """Measured and simulated position of one log, each of shape (n,), rad (m).
 
     Without a controller the simulation restarts from the log every 0.5 s; there `before` and
-    `after`
-    are NaN. With a controller it follows the target from the first sample.
+    `after` are NaN. With a controller it follows the target from the first sample.
     """
 
     name: str
@@ -165,21 +163,14 @@ class Report:
     """Result of `close_loop`.
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
-    page.
-    `closed_loops` (before, and after without refinement) and the controller are None without a
-    controller; `refined` is None if it was not requested; `posterior` is None if the logs determine
-    no
-    torque scale. Intervals are those of the rms before and after, 95%, on held-out logs if there
-    are
-    any; None if these are too short. `reconstructed`: the drive was not measured but computed from
-    the
-    controller.
-    `units` are those of torque and position: N m and rad, or N and m for a slide. If the logs do
-    not
-    determine the torque per current or voltage, torques are in A or V, or divided by an unknown kp
-    in
-    rad or m; then there is no replay and the model contains no friction.
-    `carried` is the friction in model.xml; None if it contains none.
+    page. `closed_loops` (before, and after without refinement) and the controller are None without
+    a controller; `refined` is None if it was not requested; `posterior` is None if the logs
+    determine no torque scale. Intervals are those of the rms before and after, 95%, on held-out
+    logs if there are any; None if these are too short. `reconstructed`: the drive was not measured
+    but computed from the controller. `units` are those of torque and position: N m and rad, or N
+    and m for a slide. If the logs do not determine the torque per current or voltage, torques are
+    in A or V, or divided by an unknown kp in rad or m; then there is no replay and the model
+    contains no friction. `carried` is the friction in model.xml; None if it contains none.
     `positions` are the simulated positions of the logs; empty if nothing was simulated.
     `recordings` states how each number varies between recordings, if there are three or more.
     """

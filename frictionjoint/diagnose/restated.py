@@ -101,8 +101,7 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     """A finding with the evidence of its effect next to the rest of the model.
 
     Effects of the drive, which are no candidates, and effects that are no longer candidates keep
-    their
-    earlier evidence.
+    their earlier evidence.
     """
     if not isinstance(finding.term, EffectTerm):
         return finding

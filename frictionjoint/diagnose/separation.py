@@ -132,8 +132,7 @@ def separation(sums: Moments, base: int, first: int, second: int) -> tuple[Separ
 
     Args:
         sums: over all recordings, of the columns [base | first effect | second effect], each effect
-            as
-            in `Effect.columns`; base, first, second: their numbers of columns.
+            as in `Effect.columns`; base, first, second: their numbers of columns.
     """
     law = np.arange(base, dtype=np.int64)
     pairs = ((base, first, base + first, second), (base + first, second, base, first))
@@ -164,8 +163,7 @@ def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
 
     Args:
         covariance: of the parameters from the logs; infinite entries stay unknown unless the
-            recording
-            determines them. jacobian: of the fit on the logs, shape (n, p).
+            recording determines them. jacobian: of the fit on the logs, shape (n, p).
         further: moments of the sensitivities along the recording.
     """
     old = jacobian.T @ jacobian

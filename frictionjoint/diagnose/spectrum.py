@@ -114,8 +114,7 @@ def periodic_terms(
     """Harmonics of position: the strongest spatial frequencies of the residual.
 
     They are those of all folds together and of all but each one, so that a frequency can be chosen
-    on
-    data it is not tested on.
+    on data it is not tested on.
 
     Returns:
         the terms, and the number of independent lines that were searched.

@@ -53,8 +53,7 @@ class State:
         look: the last step. laws: other friction laws.
         law_errs: whether the score excludes the direction of possible errors of the law, see
             `OtherLaws.errors`. Effects found this way are no errors of the law; effects that
-            another
-            law could imitate are looked for afterwards.
+            another law could imitate are looked for afterwards.
     """
 
     prepared: Prepared
@@ -141,8 +140,7 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
     """Whether a model predicts better than another, by more than the law's own error.
 
     The residual measures that error: a law with a tiny residual is more exact than laws usually
-    are. A
-    model with an impossible number that the other one does not have is never accepted.
+    are. A model with an impossible number that the other one does not have is never accepted.
 
     Args:
         first: whether its additional effect is certain to exist. Then any better prediction

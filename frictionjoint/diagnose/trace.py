@@ -5,9 +5,8 @@
     effects that another law could imitate, and for exchanges of effects.
 
 One score decides: the sum of squares predicted by effects fitted to other motion (`score`). A
-change
-is accepted if it gains more than one paired standard error and a least fraction of the residual sum
-of squares, and if chance hardly does as much over the whole family of candidates.
+change is accepted if it gains more than one paired standard error and a least fraction of the
+residual sum of squares, and if chance hardly does as much over the whole family of candidates.
 """
 
 from collections.abc import Callable, Sequence
@@ -90,8 +89,7 @@ def trace(
         progress: called with a description of the current step.
         law: name of the friction law; None for the integrated law.
         replayed: function that simulates logs with a fit and returns the mean square error of each
-            run,
-            rad^2 (m^2), shape (k,), or None. Effects that increase it are dropped.
+            run, rad^2 (m^2), shape (k,), or None. Effects that increase it are dropped.
         by_motion: among local minima of the law with similar torque errors, use the one with the
             smallest position error.
     Raises:
@@ -131,8 +129,7 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     """One change of the model, if any is justified; names of added effects.
 
     Effects that are certain to exist come first, then effects of the drive, then the rest: each
-    group is
-    mistaken while the one before is missing.
+    group is mistaken while the one before is missing.
     """
     if not state.fit.effects:
         return (
@@ -316,8 +313,7 @@ def _looked_at_again(
     """The leading changes with the weights of the best one, and with an unbiased law.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
-    states;
-    then the residual depends on which change was tried first.
+    states; then the residual depends on which change was tried first.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]

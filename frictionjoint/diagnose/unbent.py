@@ -60,10 +60,8 @@ def worth_unbending(
     """Effects to refit jointly with a law, each with the laws to use.
 
     For every form of the law: effects whose omission biases any law, unless the present law rules
-    them
-    out. For the present law: effects that at one of its unbiased starts leave a smaller residual
-    than
-    the best fit of the law alone.
+    them out. For the present law: effects that at one of its unbiased starts leave a smaller
+    residual than the best fit of the law alone.
 
     Args:
         now: the present model. seen: its candidates.

@@ -67,14 +67,11 @@ class JointEvaluation:
     Attributes:
         friction: of the model, in words. unit, position_unit: of torques and positions.
         drive_rms: of the measured torque. torque_rms: of the error. torque_percent: the error's rms
-            in
-            per cent of the drive's; None if the drive is close to zero.
+            in per cent of the drive's; None if the drive is close to zero.
         replay_rms: position error of simulations restarted from measured states every 0.5 s and
-            driven
-            by the measured drive; None: no measured drive, or the runs leave the motion.
+            driven by the measured drive; None: no measured drive, or the runs leave the motion.
         closed_loop_mae: mean absolute position error of whole logs simulated from their target;
-            None: no
-            target or no controller.
+            None: no target or no controller.
         curves: of each log.
     """
 
@@ -133,16 +130,14 @@ def evaluate(
     """State the error of a model on logs, whatever its friction; nothing is fitted.
 
     MuJoCo's own friction and damping, yield springs, the friction of a `dcmotor`, ours, or none:
-    the model
-    is evaluated as it is. Contacts are off; joints that no log contains stay at their initial
-    position.
+    the model is evaluated as it is. Contacts are off; joints that no log contains stay at their
+    initial position.
 
     Args:
         model: path or text of an MJCF or URDF. logs: paths, folders, or logs of one joint.
         joints: names; None: all joints with a drive in every log, or the model's only joint.
         controller: that drove the joints to their targets, see `close_loop`; None: the position
-            servo of
-            the model, if it has one and the log a target.
+            servo of the model, if it has one and the log a target.
         fixed: positions of joints that no log contains, rad or m. read: function that reads a path;
             None: `read_log`.
     Raises:

@@ -2,8 +2,7 @@
 
 MuJoCo has it inside the actuator `dcmotor`. Here each joint gets one with no other function. That
 adds actuators, and not every program that loads MJCF supports them. LuGre has no memory of
-reversals:
-it drifts under a load that oscillates below breakaway.
+reversals: it drifts under a load that oscillates below breakaway.
 """
 
 from collections.abc import Mapping

@@ -31,8 +31,7 @@ class Motion:
 
     Attributes:
         name: description. time: s, uniform steps. position, velocity, acceleration: rad, rad/s,
-            rad/s^2
-            (m ...). others: positions of other joints by name.
+            rad/s^2 (m ...). others: positions of other joints by name.
     """
 
     name: str
@@ -65,8 +64,7 @@ def stated_motion(
     """One sine within presliding, sines of sliding, and a travel back and forth at one speed.
 
     The peak speeds of the sines are a geometric series from the lowest to the highest. The travel
-    has
-    their geometric mean, slow enough for stick-slip.
+    has their geometric mean, slow enough for stick-slip.
 
     Args:
         start: rad, where the motion begins and ends.

@@ -112,12 +112,10 @@ def export(
     Args:
         path: of the MJCF. out: of the file to write, for its name and its path to the model.
         speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to 20
-            times
-            the Stribeck velocity, for Isaac those above the Stribeck range.
+            times the Stribeck velocity, for Isaac those above the Stribeck range.
         log: its motion replaces the standard one, with `columns` ours -> the log's.
         lugre: for the native target: friction by MuJoCo's own LuGre. yielding: by springs that
-            yield,
-            MuJoCo 4.0.
+            yield, MuJoCo 4.0.
     Raises:
         ModelError: no friction, or a model that the target cannot represent. LogError: a bad log.
     """

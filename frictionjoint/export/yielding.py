@@ -90,8 +90,8 @@ def _loading(parameters: Friction, q: Array) -> Array:
     loops.
 
     After a reversal, elements change by twice their first loading at half of the displacement
-    (Masing).
-    So the curve is taken after a reversal of slow sliding, not from a joint that never moved.
+    (Masing). So the curve is taken after a reversal of slow sliding, not from a joint that never
+    moved.
     """
     before = _SLIDES * float(q[-1]) * np.linspace(0.0, 1.0, len(q))
     back = before[-1] - 2.0 * q[1:]

@@ -69,10 +69,8 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
 
     Linear interpolation between samples cuts corners, by an amount that varies with clock jitter;
     differentiated twice, that is noise. Modified Akima pieces are local, so a gap in the log causes
-    no
-    oscillation. Where the curvature is below one encoder count, smooth pieces would follow the
-    counts;
-    there linear ones are used.
+    no oscillation. Where the curvature is below one encoder count, smooth pieces would follow the
+    counts; there linear ones are used.
     """
     straight = uniform(time, position, grid)
     pieces = Akima1DInterpolator(time, position, method="makima")
@@ -87,8 +85,7 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     """Frequency bands of a motion, from its spectrum.
 
     In the second derivative, motion falls off towards high frequencies and position noise rises.
-    The
-    band of the motion ends at twice the frequency of the minimum between the two.
+    The band of the motion ends at twice the frequency of the minimum between the two.
     """
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
@@ -131,14 +128,10 @@ def followed(log: JointLog) -> Derivatives:
     """Smooth motion for initial states of simulations, in the band that predicts positions best.
 
     The band minimises generalised cross-validation (Craven and Wahba 1979): the squared residual of
-    the
-    filter over the square of the removed fraction of the spectrum. Among bands within a standard
-    error
-    of the best, the narrowest is used, because a velocity has relatively more noise than a
-    position. A
-    slow motion measured in coarse steps has several minima in its spectrum, and the one of
-    `motion_band`
-    may not separate motion from noise.
+    the filter over the square of the removed fraction of the spectrum. Among bands within a
+    standard error of the best, the narrowest is used, because a velocity has relatively more noise
+    than a position. A slow motion measured in coarse steps has several minima in its spectrum, and
+    the one of `motion_band` may not separate motion from noise.
     """
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt

@@ -51,8 +51,7 @@ def gentle(ratio: Array) -> Array:
     completely.
 
     The influence of what lies beyond the ends of a log is 0.4% of the kernel's peak at one period
-    of the
-    corner, and 0.05% at two.
+    of the corner, and 0.05% at two.
     """
     return np.asarray(np.cos(0.25 * np.pi * np.minimum(ratio, 2.0)) ** 2)
 
@@ -270,14 +269,12 @@ def _fill_continued(
     """Fill `whole` with signals without their chords, reflected about both ends and faded out.
 
     Without the line through its first and last sample, `ends`, a signal continues with the same
-    value
-    and slope when it is rotated about its ends.
+    value and slope when it is rotated about its ends.
 
     Args:
         x: rows, shape (k, n). begin, n: start and samples of each log. pad, tail: samples of its
             continuations. fade: see `LowPass.fade`, shape (logs, most). whole: zeros, shape (logs,
-            k,
-            m). ends: shape (logs, k, 2).
+            k, m). ends: shape (logs, k, 2).
     """
     for i in range(len(n)):
         a, count, before = begin[i], n[i], pad[i]
@@ -314,8 +311,7 @@ def _fill_back(
 
     Args:
         x: inverse transforms, shape (logs, k, m). begin, given: start and samples of each log in
-            the
-            rows of `out`. first: index of its first sample in x. n: input samples.
+            the rows of `out`. first: index of its first sample in x. n: input samples.
     """
     for i in range(len(n)):
         a, b = begin[i], first[i]

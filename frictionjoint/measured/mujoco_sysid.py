@@ -1,11 +1,11 @@
 """Recordings of ``mujoco.sysid``: the .npz that its `SystemTrajectory` and `TimeSeries` save.
 
 Each series of a recording has its own times: sensors, controls, states. All are read at the times
-of
-the sensors (or of the states, if there are no sensors); a control holds until the next one, as in a
-simulation. A signal with one number is a column of its name, with several a matrix. The positions
-and velocities of the state, ``elbow_qpos`` and ``elbow_qvel``, become ``elbow.position_rad`` and
-``elbow.velocity_rad_s``. The file does not say what a control or a sensor means.
+of the sensors (or of the states, if there are no sensors); a control holds until the next one, as
+in a simulation. A signal with one number is a column of its name, with several a matrix. The
+positions and velocities of the state, ``elbow_qpos`` and ``elbow_qvel``, become
+``elbow.position_rad`` and ``elbow.velocity_rad_s``. The file does not say what a control or a
+sensor means.
 """
 
 import json

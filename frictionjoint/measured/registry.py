@@ -1,8 +1,7 @@
 """Public measured data: addresses pinned to a commit, hashes, licences.
 
 The package contains no such data. Files are fetched from their authors' repositories with pooch
-into
-its cache folder. If the environment variable FRICTIONJOINT_DATA names a local folder with a
+into its cache folder. If the environment variable FRICTIONJOINT_DATA names a local folder with a
 subfolder per data set, that is used instead, and never the network.
 """
 

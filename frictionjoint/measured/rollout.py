@@ -3,11 +3,10 @@
 A file contains arrays of shape (n, joints) or (n, worlds, joints), with the names that these
 programs give to the data of an articulation: ``joint_pos`` or ``dof_pos`` rad, ``joint_vel`` rad/s,
 ``joint_pos_target`` or ``des_dof_pos`` rad, ``applied_torque`` N m. Time is ``time``, shape (n,),
-s,
-or ``dt``, one number, or ``fps``. ``joint_names`` names the joints; without it they are ``joint_1``
-... in the file's order. ``kp`` and ``kd``, one number per joint, become metadata of the log, for a
-controller with ``kp = "log:kp"``.
-(PACE: Bjelonic et al. 2025, github.com/leggedrobotics/pace-sim2real.)
+s, or ``dt``, one number, or ``fps``. ``joint_names`` names the joints; without it they are
+``joint_1`` ... in the file's order. ``kp`` and ``kd``, one number per joint, become metadata of the
+log, for a controller with ``kp = "log:kp"``. (PACE: Bjelonic et al. 2025,
+github.com/leggedrobotics/pace-sim2real.)
 """
 
 from collections.abc import Mapping

@@ -6,8 +6,7 @@ N m (N for a slide). Time is the message's stamp, or the time of recording if th
 Commands come from a topic that the user names: JointState messages with commanded positions; the
 state of a joint trajectory controller, whose reference is the target of the position loop; or the
 Float64MultiArray of a forward controller, whose joints are named in its order and whose time is
-that
-of recording. A JointTrajectory is not sufficient, because its interpolation is up to its
+that of recording. A JointTrajectory is not sufficient, because its interpolation is up to its
 controller.
 """
 
@@ -50,10 +49,9 @@ def read_rosbag(
 
     Args:
         columns: ``{"topic": name}`` if the bag has several JointState topics, ``{"command": name}``
-            for
-            the topic of the commands, ``{"joints": "a,b"}`` for their joints in order if they carry
-            no
-            names, and ``{"position_m": "position"}`` if the joint is a slide. units: see `units`.
+            for the topic of the commands, ``{"joints": "a,b"}`` for their joints in order if they
+            carry no names, and ``{"position_m": "position"}`` if the joint is a slide. units: see
+            `units`.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """

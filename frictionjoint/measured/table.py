@@ -1,9 +1,8 @@
 """Logs in tables: CSV and other text, Parquet, npz and MATLAB files with one column per quantity.
 
 Memory: only the columns of the chosen joint and the positions and velocities of the others are
-read,
-8 bytes per row each; at most three times that is used while reading. Measured: four columns of 10
-million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
+read, 8 bytes per row each; at most three times that is used while reading. Measured: four columns
+of 10 million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
 """
 
 from collections.abc import Iterable, Mapping
@@ -132,8 +131,7 @@ def log_of(
 
     Args:
         data: shape (n,) each; names of other joints' motion carry their prefix. In addition to the
-            names
-            of `columns`, ``torque_enabled``: above 0.5 while the drive is on.
+            names of `columns`, ``torque_enabled``: above 0.5 while the drive is on.
         prefix: of the joint's own columns in the file, for messages.
         signals: further quantities by name. wrap: range at which positions wrap, rad (m).
         units: unit by quantity, for quantities not in SI units, see `units`.

@@ -1,12 +1,12 @@
 """Text tables: header, columns, and the line of a bad cell.
 
 The separator is a comma; a header without commas may use semicolons, tabs or single blanks, and
-then
-numbers may use a decimal comma. The header is the first line that names a column for each cell of
-the samples; lines above it, from a recorder, are skipped with a note. Lines that begin with # are
-comments; the last one is the header if only numbers follow, as numpy writes it. One line of units
-may follow the header. Columns without a name are dropped. Blank lines are no samples but count as
-lines in messages. A column of dates and times (ISO 8601) is read as seconds since the first.
+then numbers may use a decimal comma. The header is the first line that names a column for each cell
+of the samples; lines above it, from a recorder, are skipped with a note. Lines that begin with #
+are comments; the last one is the header if only numbers follow, as numpy writes it. One line of
+units may follow the header. Columns without a name are dropped. Blank lines are no samples but
+count as lines in messages. A column of dates and times (ISO 8601) is read as seconds since the
+first.
 """
 
 import csv

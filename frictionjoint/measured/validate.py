@@ -252,9 +252,8 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     """Compare the units of target and position, because a position follows its target.
 
     A joint may stick and hardly move, but does not run far beyond its target. If it moves less,
-    only the
-    exact factor of degrees or millimetres counts as a wrong unit, and only for a target with much
-    motion.
+    only the exact factor of degrees or millimetres counts as a wrong unit, and only for a target
+    with much motion.
     """
     prefix, dot, unit = name.rpartition(".")
     target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"

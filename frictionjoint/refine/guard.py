@@ -4,10 +4,8 @@ A kind is what a user will meet again: another gain, another load, another motio
 random resemble the others, and test only interpolation.
 
 For each kind the refined numbers are moved to the minimum of the other logs, by a search that
-starts
-with the known derivatives. The fit to torque is repeated without the kind too, because a model
-knows
-the logs that it was fitted to. Both models simulate the left-out logs.
+starts with the known derivatives. The fit to torque is repeated without the kind too, because a
+model knows the logs that it was fitted to. Both models simulate the left-out logs.
 """
 
 from collections.abc import Callable, Hashable, Sequence
@@ -143,8 +141,7 @@ def uncertain(told: Array, U: Array, wider: float) -> Array:
 
     Args:
         told: J'J of the derivatives of the logs' soft errors, shape (p, p). U: covariance between
-            kinds
-            of logs, shape (p, p).
+            kinds of logs, shape (p, p).
     """
     return np.asarray(np.linalg.inv(told / wider**2 + np.eye(len(told))) + U)
 
@@ -155,9 +152,8 @@ def missing_width(
     """Factor on the logs' errors for which prediction bands cover the left-out logs; at least 1.
 
     An error common to all logs is in no variation of the numbers, but in the errors on left-out
-    kinds,
-    beyond the rounding of the encoder. A log errs as a whole, so for few logs the factor is as
-    uncertain
+    kinds, beyond the rounding of the encoder. A log errs as a whole, so for few logs the factor is
+    as uncertain
     as a variance of as many numbers: the band is Student's.
 
     Args:
@@ -192,8 +188,7 @@ def held(low: Array, high: Array) -> Array:
     """Fraction of the encoder readings inside a prediction band.
 
     A reading stands for all positions that are rounded to it, and is inside with the fraction of
-    its
-    probability that is. So a correct prediction's band contains `BAND` of them for any encoder.
+    its probability that is. So a correct prediction's band contains `BAND` of them for any encoder.
 
     Args:
         low, high: predicted probability of less than each reading, and of no more than it.

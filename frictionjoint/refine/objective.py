@@ -21,8 +21,7 @@ class Objective:
     """Soft errors of all samples, then those of the prior, at numbers in units of the prior.
 
     A soft loss (quadratic for small errors, linear for large ones) keeps a single missed breakaway
-    from
-    dominating.
+    from dominating.
 
     Args:
         window_s: s between restarts from the measured motion; None: whole logs.

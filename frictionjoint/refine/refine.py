@@ -28,8 +28,7 @@ class Refined:
         taken: whether it is the refined one. names: of the numbers in `values`.
         values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
         left_out: mean absolute error of each log, see `guard.of_logs`, of models fitted to other
-            kinds
-            of logs, before and after, shape (logs,) each, rad (m).
+            kinds of logs, before and after, shape (logs,) each, rad (m).
         near: the same of the refined numbers in windows from the measured motion, shape (logs,).
         near_fitted: in those windows, of the model fitted to all logs, shape (logs,).
     """
@@ -87,8 +86,7 @@ def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
     """A fit with a law whose level does not fall with speed; none if it is so already.
 
     A torque fit bends that fall to absorb any other error, over speeds at which friction does not
-    fall,
-    and a local search does not return from there.
+    fall, and a local search does not return from there.
     """
     shape = fitted.shape
     numbers = dict(zip(shape.variables, shape.vector(), strict=True))

@@ -1,10 +1,9 @@
 """Derivatives of simulated motion: by differences at first, then updated by each step.
 
 Each step shows how the errors change along it, at the cost of one simulation; Broyden's update
-(1965)
-puts that into the derivatives and leaves all other directions unchanged. If they do not predict a
-step, differences are computed again. New ones need not be better: at the boundary between sticking
-and sliding, a small difference misses the effect of a step.
+(1965) puts that into the derivatives and leaves all other directions unchanged. If they do not
+predict a step, differences are computed again. New ones need not be better: at the boundary between
+sticking and sliding, a small difference misses the effect of a step.
 """
 
 from collections.abc import Callable
@@ -22,9 +21,8 @@ class Secant:
 
     Args:
         residual: of the search. bounds: of the numbers. last: a point with its residual and
-            derivatives,
-            if known. again: whether differences are computed again; else known derivatives stay in
-            use.
+            derivatives, if known. again: whether differences are computed again; else known
+            derivatives stay in use.
     Attributes:
         last: the point of the last call. new: whether its derivatives are differences.
     """

@@ -49,8 +49,7 @@ class Vector:
 
     Args:
         prepared: the logs of the fit. fitted: defines names and structure. cov: of its parameters,
-            in
-            the order of its Jacobian. armature: of the MJCF: the sum is never negative.
+            in the order of its Jacobian. armature: of the MJCF: the sum is never negative.
         begin: a fit with the same structure as the start; None: `fitted`.
     Attributes:
         start: start of the search, shape (p,). low, high: bounds. unit: of the prior.

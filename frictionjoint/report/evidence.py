@@ -1,8 +1,7 @@
 """Added effects, and the candidates of each step of the search, from report.json.
 
 An effect that its p-value or its size does not support is in the model, but is not called missing.
-A
-candidate that explains as much as the chosen one could also be the cause.
+A candidate that explains as much as the chosen one could also be the cause.
 """
 
 import math

@@ -116,8 +116,7 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
     """How well the logs determine a parameter of a law.
 
     Friction rises from Fc to Fs below the Stribeck velocity, so an undetermined Stribeck velocity
-    leaves
-    Fs undetermined.
+    leaves Fs undetermined.
     """
     x, (symbol, _, side) = law[name], name.partition("_")
     stribeck = f"Vs_{side}" if side else "Vs"
@@ -138,8 +137,7 @@ def size_of(effect: str, parameters: Mapping[str, Estimate], slide: bool) -> tup
     """Numbers of an effect in words.
 
     A wave becomes an amplitude, a number per turn and a phase. The direction (cx, cy) of a first
-    moment
-    is the model's own.
+    moment is the model's own.
     """
     left = dict(parameters)
     found = []

@@ -19,8 +19,7 @@ class Candidate:
         cause: None for an effect. effect: its name. common: whether equal in all joints.
         at: its columns of the stack, from `first` on. joints: where it acts.
         room: by how much each number may change in either direction, shape (k, 2); for an effect of
-            one
-            joint, which that joint's search keeps within bounds, shape (0, 2).
+            one joint, which that joint's search keeps within bounds, shape (0, 2).
     """
 
     at: Columns = field(repr=False)

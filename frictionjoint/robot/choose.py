@@ -1,9 +1,9 @@
 """Forward selection of shared causes over all joints at once.
 
 One score decides: the sum of squares of all joints predicted by coefficients fitted to other
-motion.
-The joints' own effects compete for the same residual, so that a cause of one joint is not mistaken
-for one of the robot. Winning effects are projected out here and named by each joint's own search.
+motion. The joints' own effects compete for the same residual, so that a cause of one joint is not
+mistaken for one of the robot. Winning effects are projected out here and named by each joint's own
+search.
 """
 
 from collections.abc import Callable, Sequence
@@ -94,8 +94,7 @@ def choose(
 
     Args:
         standing: effects common to all joints that were fitted together with the laws. They come
-            first,
-            with their best present shape, unless they are no longer justified.
+            first, with their best present shape, unless they are no longer justified.
     """
     taken: list[Candidate] = list(screened.taken)
     choices: list[Choice] = []
@@ -230,8 +229,7 @@ def _excluded(candidate: Candidate, taken: Candidate) -> bool:
     """Whether a candidate is a form or shape of a selected one, and no richer one of it.
 
     Only one effect common to all joints is selected: its shape is that of a grid, and the rest
-    would be
-    mistaken for another effect.
+    would be mistaken for another effect.
     """
     if candidate.common and taken.common:
         return True

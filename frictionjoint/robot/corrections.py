@@ -24,11 +24,9 @@ class Shaft:
         joints: names. ratio: of the second joint's angle to the first one's in the shaft's angle.
         top: speed above which its concave friction is constant, rad/s.
         level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
-            seen
-            from the first joint. The concave part is its slope at low speed, see `levelling`.
+            seen from the first joint. The concave part is its slope at low speed, see `levelling`.
         waves: angular frequency of the friction level along the shaft, 1/rad. sin, cos: of that
-            wave,
-            N m, at the shaft angle that the joints measure.
+            wave, N m, at the shaft angle that the joints measure.
     """
 
     joints: tuple[str, str]

@@ -1,11 +1,9 @@
 """The trajectory to record next: the one that best determines a robot's rigid body.
 
 A Fourier series per joint (Swevers, Ganseman, Tukel, De Schutter and Van Brussel 1997) that fades
-in
-and out at a pose, within the ranges, speeds and torques of the logs and the model, without
-contacts.
-Series are drawn at random and scaled into the limits; the best one has the largest determinant of
-the resulting information matrix.
+in and out at a pose, within the ranges, speeds and torques of the logs and the model, without
+contacts. Series are drawn at random and scaled into the limits; the best one has the largest
+determinant of the resulting information matrix.
 """
 
 from collections.abc import Sequence

@@ -55,8 +55,7 @@ class Task:
 
     Attributes:
         user: the user's model. corrected: with all shared causes; without: with all but one of
-            those
-            that act on this joint, by index.
+            those that act on this joint, by index.
         shape: of the law fitted with the user's model. controller: for logs without a torque.
         refine: see `diagnose.close_loop`.
     """

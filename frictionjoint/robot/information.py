@@ -143,8 +143,7 @@ def base_parameters(found: Information) -> BaseParameters:
     """Base parameters by a pivoted QR of the regressor (Gautier 1991).
 
     The factor is computed from the Gram matrix, so directions below the square root of rounding do
-    not
-    count.
+    not count.
     """
     values, vectors = eigh(found.gram)
     keep = values > _STRUCTURAL**2 * values[-1]

@@ -67,13 +67,11 @@ class RobotLogs:
         """Every joint's logs; long logs are decimated.
 
         If joints were recorded one after the other, the others stand still meanwhile. Such logs say
-        nothing
-        of their friction in motion and are left out for them.
+        nothing of their friction in motion and are left out for them.
 
         Args:
             joints: names, base first. logs: to fit. kept: to hold out. fraction: of each log to
-                fit, to
-                hold out at its end. read: reads one log of a joint.
+                fit, to hold out at its end. read: reads one log of a joint.
         Raises:
             LogError: that of the first joint, if no joint can be used.
         """

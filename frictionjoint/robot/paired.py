@@ -22,8 +22,7 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
     """95% interval of the difference of two rms errors, over blocks of time.
 
     Blocks span several correlation times of the difference of the squared errors, if the log is
-    long
-    enough.
+    long enough.
 
     Args:
         before, after: errors on the same samples, shape (n,). log_index: log of each.

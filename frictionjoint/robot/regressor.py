@@ -103,8 +103,7 @@ def _component(dof: Dof, frame: Frame, motion: _Motion) -> Array:
     """Force or moment along an axis per unit of a body's ten parameters, shape (10, n).
 
     The force is m a + alpha x h + w x (w x h), the moment about the origin h x a + I alpha + w x I
-    w,
-    with the first moments h and the inertia I.
+    w, with the first moments h and the inertia I.
     """
     a, w, alpha = motion
     z = frame.within(dof.axis)

@@ -45,8 +45,7 @@ class Settled:
     Attributes:
         found: the causes. joints: with their laws fitted under them. clock: their blocks.
         covariance: of each cause's numbers, from sums over blocks of time, (k, k); infinite for
-            numbers
-            that the logs do not determine.
+            numbers that the logs do not determine.
     """
 
     found: Found

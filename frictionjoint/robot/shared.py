@@ -291,8 +291,7 @@ def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[st
     """Without the least needed cause; None if all are needed.
 
     After refitting the others without it, the residual must be as small as first order promised;
-    the
-    others may replace it only with numbers past their bounds.
+    the others may replace it only with numbers past their bounds.
     """
     found = now.settled.found
     others = []

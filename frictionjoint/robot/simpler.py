@@ -1,10 +1,9 @@
 """Replace one or two causes by one or two with fewer numbers that explain as much.
 
 A search that takes the best single cause first may accept a body with all its ten parameters
-instead
-of a mass and a rotor, or a payload instead of a torque scale, or two causes with one number each
-instead of a third. While missing causes bias the laws, the sums of squares do not show which; with
-unbiased laws the fewest numbers suffice.
+instead of a mass and a rotor, or a payload instead of a torque scale, or two causes with one number
+each instead of a third. While missing causes bias the laws, the sums of squares do not show which;
+with unbiased laws the fewest numbers suffice.
 """
 
 import itertools
@@ -102,8 +101,7 @@ def _opened(
     """What is kept together with new causes and effects, and these as candidates.
 
     Effects of single joints keep the shapes they have with the removed causes, which would
-    otherwise be
-    biased.
+    otherwise be biased.
     """
     here = joints[0].beside
     seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)

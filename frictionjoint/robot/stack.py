@@ -1,8 +1,7 @@
 """Gram matrices of all joints together: what shared columns explain of all residuals.
 
 Each joint's own law is projected out of its columns, and its rows are scaled by its residual, so
-that
-joints count equally. A sum of squares over joints is then a sum over stacked rows.
+that joints count equally. A sum of squares over joints is then a sum over stacked rows.
 """
 
 from collections.abc import Sequence
@@ -169,8 +168,7 @@ class Stack:
 
         Args:
             room: by how much each coefficient may change in either direction, shape (k, 2); no
-                limit if
-                empty.
+                limit if empty.
             signs: of each block, shape (flips, B).
         """
         A, b = self.products(at, known)

@@ -1,8 +1,7 @@
 """Alternatives to each shared cause, recomputed on the final model.
 
 While causes are missing, many candidates look alike. A candidate that was as good as a cause when
-it
-was accepted may be far worse together with all the others, or be in the model itself by then.
+it was accepted may be far worse together with all the others, or be in the model itself by then.
 """
 
 from collections.abc import Iterator, Sequence

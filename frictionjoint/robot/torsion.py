@@ -6,8 +6,7 @@ The torque is what the gear transmits, from the rigid-body model behind it. In a
 twist changes where the torque changes its sign. A contact that slides between motor and link makes
 the twist lag behind the torque by h in each direction, as an elastic-plastic element in the torque.
 A delay T of the link's encoder adds a twist proportional to the speed. The motor of a wrist may
-also
-turn with the previous joint; that is gearing, not twist.
+also turn with the previous joint; that is gearing, not twist.
 """
 
 from collections.abc import Mapping, Sequence

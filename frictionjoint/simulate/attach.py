@@ -67,22 +67,18 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
 
     MuJoCo has one passive callback, and it serves every model with friction in the process; models
     without friction are unaffected. So several models may be attached at once and detached in any
-    order,
-    and a model that is compiled or copied meanwhile has its friction too. An existing passive
-    callback
+    order, and a model that is compiled or copied meanwhile has its friction too. An existing
+    passive callback
     keeps working: it is called before ours.
 
     Args:
         model: with friction, see `install`.
         backend: "native" (a C function, no GIL) or "python" (same kernel, slower). While the
-            callback is
-            a Python function, ours or your own, MuJoCo compiles no model.
+            callback is a Python function, ours or your own, MuJoCo compiles no model.
     Raises:
         ModelError: no friction in the model, attached already, spring and damper flags both
-            disabled
-            (MuJoCo then never calls back), a disabled flag that an elastic joint or one with
-            backlash
-            needs, or an unknown backend.
+            disabled (MuJoCo then never calls back), a disabled flag that an elastic joint or one
+            with backlash needs, or an unknown backend.
         TypeError: `model` is no MjModel.
     """
     require_model(model, "attach")
@@ -109,12 +105,9 @@ def enable(backend: Backend = "native") -> None:
     """Turn on friction in every model of this process that contains it.
 
     This includes models that other code loads and steps: the viewer, dm_control, Gymnasium, a
-    trainer.
-    Call it once, before or after they are loaded. A model whose friction cannot act (damaged, or
-    too
-    little user data) is named in a warning when it is first stepped. Models with both spring and
-    damper
-    flags disabled are never called back.
+    trainer. Call it once, before or after they are loaded. A model whose friction cannot act
+    (damaged, or too little user data) is named in a warning when it is first stepped. Models with
+    both spring and damper flags disabled are never called back.
 
     Args:
         backend: as in `attach`.

@@ -1,9 +1,8 @@
 """Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
 
 MuJoCo writes six digits of a number into XML. So a block contains its numbers twice: as they are,
-for
-a reader and for the callback, and as four 16-bit integers each, from which the exact doubles are
-restored when the block is resolved. A block is
+for a reader and for the callback, and as four 16-bit integers each, from which the exact doubles
+are restored when the block is resolved. A block is
 
     0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
     6 id of the joint   7 count of numbers N   8 where the effects begin
@@ -11,8 +10,7 @@ restored when the block is resolved. A block is
 
 Slots 2 to 6 belong to one compiled model. `resolve` writes them, by name, so that ``MjSpec.attach``
 with a prefix works and the callback never looks up a name. Slot 2 is 0 before, 1 after, and -1 if
-the
-callback met a model that cannot be resolved (`first_sight`).
+the callback met a model that cannot be resolved (`first_sight`).
 """
 
 import warnings
@@ -114,10 +112,9 @@ def install(
     """Write friction into a spec and reserve room for its state in ``userdata``.
 
     Existing user data of the model stays in front. An elastic joint, or one with backlash, gets
-    another
-    joint behind it (``frictionjoint.simulate.mechanism``), a delayed instrument delayed sensors
-    (``frictionjoint.simulate.instruments``). If a joint has ``frictionloss`` or ``damping`` of its
-    own,
+    another joint behind it (``frictionjoint.simulate.mechanism``), a delayed instrument delayed
+    sensors (``frictionjoint.simulate.instruments``). If a joint has ``frictionloss`` or ``damping``
+    of its own,
     friction would count twice: a warning says so.
 
     Args:
@@ -130,8 +127,7 @@ def install(
     Raises:
         TypeError: a path or a compiled model instead of a spec, a dict instead of parameters.
         ModelError: unknown joint, not a hinge or slide, existing friction, or a number too large
-            for an
-            MJCF.
+            for an MJCF.
     """
     require_spec(spec)
     require_friction(friction)
@@ -226,12 +222,10 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
 
     Args:
         in_userdata: whether the state is stored there. A model with too little gets room for data
-            made
-            from now on; a model that is being stepped, a `ModelView`, does not.
+            made from now on; a model that is being stepped, a `ModelView`, does not.
     Raises:
         ModelError: a block without its joint, of another version or damaged, too little
-            ``userdata``, or
-            a motor that delivers less than commanded and cannot be followed.
+            ``userdata``, or a motor that delivers less than commanded and cannot be followed.
     """
     found = blocks(model)
     ids = {name: i for i, name in enumerate(names_of(model, "jnt")) if name}

@@ -30,15 +30,11 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
 
     Returns:
         rows with the joint, the law, its stiffness K in "unit" and damping sigma (sigma1 + the
-        larger
-        sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with the joint's
-        inertia J at qpos0, all other joints free; "implicit": whether the integrator solves
-        friction
-        within the step; "native": MuJoCo's own friction of the joint, or None; "effects", and
-        "acts":
-        how each acts in a simulation, one sentence each; "outside": a sentence per exceeded limit,
-        with
-        its fix; "remark": on the time step.
+        larger sigma2) in "unit" s; "step_ratio" h sqrt(K/J) and "damping_ratio" h sigma/J with the
+        joint's inertia J at qpos0, all other joints free; "implicit": whether the integrator solves
+        friction within the step; "native": MuJoCo's own friction of the joint, or None; "effects",
+        and "acts": how each acts in a simulation, one sentence each; "outside": a sentence per
+        exceeded limit, with its fix; "remark": on the time step.
     Raises:
         ModelError: friction in the model is damaged. TypeError: no MjModel.
     """

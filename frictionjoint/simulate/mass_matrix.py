@@ -21,8 +21,7 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
         model: with or without friction. data: of that model; unchanged.
     Returns:
         M(q) of the last position stage, armature included, shape (nv, nv), as ``mj_fullM`` returns
-        it
-        without friction.
+        it without friction.
     Raises:
         ModelError: the data belong to another model. TypeError: no MjModel or MjData.
     """

@@ -20,8 +20,7 @@ class Remembered:
         maxima: the same on M.
         forgotten: pairs of extrema removed for lack of room since the joint began to move.
         error: N m; bound on the error of the hysteresis torque compared with unlimited stacks: the
-            sum
-            of the gaps that the removed pairs left, and never more than Fs_pos + Fs_neg.
+            sum of the gaps that the removed pairs left, and never more than Fs_pos + Fs_neg.
     """
 
     minima: int

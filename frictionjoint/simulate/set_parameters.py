@@ -44,8 +44,7 @@ def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | Joi
         joint: its name.
         parameters: of the same law with as many knots, in N m and rad (N and m for a slide); or a
             `JointFriction` of ``report.samples`` with the same effects as the joint. Without
-            effects,
-            those of the model stay.
+            effects, those of the model stay.
     Raises:
         ModelError: no friction at the joint, another law, another number of knots or other effects.
         TypeError: no MjModel, or no friction parameters.
@@ -104,11 +103,9 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
     """Reset the friction state of data: at rest and never moved.
 
     Call it after setting positions by hand, for example after a teleport or for the reference state
-    of an
-    episode. Without it, a change of ``qpos`` is a motion for the friction and loads the presliding
-    springs. The memory of effects (temperatures, warmth) is reset too; ``mj_resetData`` does the
-    same for
-    the whole state.
+    of an episode. Without it, a change of ``qpos`` is a motion for the friction and loads the
+    presliding springs. The memory of effects (temperatures, warmth) is reset too; ``mj_resetData``
+    does the same for the whole state.
 
     Args:
         model: with friction. data: of that model, changed in place.

@@ -3,8 +3,7 @@
     parameters = sysid.ParameterDict()
     for p in friction_parameters("elbow", start, {"Fc": (0.1, 3.0), "sigma2": (0.0, 2.0)}):
         parameters.add(p)                            # with masses, gains, delays of your own
-    build = build_model({"elbow": start})
-    residual = sysid.build_residual_fn(
+    build = build_model({"elbow": start}) residual = sysid.build_residual_fn(
         models_sequences=[sequences], build_model=build, custom_rollout=rollout
     )
     with frictionjoint.attach(build(parameters, sequences.spec)):

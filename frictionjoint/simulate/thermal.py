@@ -2,8 +2,7 @@
 
 `temperature-dependent` and `motor-temperature` stay at their references until `set_temperature`
 changes them, or follow `heating` by the friction's own loss. `warm-up-drift` has no temperature:
-its
-state is the fraction of the warm-up that has happened.
+its state is the fraction of the warm-up that has happened.
 """
 
 import math

@@ -19,10 +19,8 @@ class GearCoupling(Cause):
     """Numbers: friction level, N m, viscous and concave friction, N m s/rad, and inertia, kg m^2.
 
     Lubricated gears have concave friction. It is constant above the top speed of the logs, where
-    they
-    do not determine it. Teeth and bearings that turn with the motor make the level vary with its
-    angle:
-    sine and cosine, N m.
+    they do not determine it. Teeth and bearings that turn with the motor make the level vary with
+    its angle: sine and cosine, N m.
 
     Attributes:
         joints: names. ratio: of the second joint in the shaft's angle. top: its speed, rad/s.
