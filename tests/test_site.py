@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text()
 PAGES = sorted(DOCS.glob("*.md"))
-GENERATED = {"effects.md", "commands.md"}
+GENERATED = {"effects.md", "commands.md", "api.md"}
 # words with a meaning of their own here, which a new reader does not know
 PRIVATE = re.compile(
     r"\b(told|borne out|beside|plants?|(second|third) hand|ripe|mend|hardly|swings?|thereof"
