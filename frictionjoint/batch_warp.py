@@ -12,7 +12,7 @@ from frictionjoint.arrays import Array, Index
 from frictionjoint.batch import _ROUNDING, like, step_joint
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.errors import ParameterError
-from frictionjoint.simulate.warp_source import translate
+from frictionjoint.translate.warp import translate
 
 # threads of a block; the law needs many registers, which small blocks waste least
 _BLOCK = 128

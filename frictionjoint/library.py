@@ -116,7 +116,7 @@ def sources() -> list[Path]:
 
 
 def _matters(file: Path) -> bool:
-    if file.parent.name == "translate":
+    if file.parent.name in ("translate", "tangents"):
         return True
     return b"frictionjoint.compiled import" in file.read_bytes()
 

@@ -33,8 +33,8 @@ from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, load_
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.stick_slip import kuka_model
 from frictionjoint.simulate.with_effects import effects_torque
+from frictionjoint.translate.c_functions import source
 from frictionjoint.translate.c_math import HELPERS
-from frictionjoint.translate.functions import source
 
 needs_c = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
 KNOTS = ((1e-4, 1.1), (3e-4, 2.2), (2e-3, 3.4))
@@ -222,7 +222,7 @@ def _negative(X: Vector) -> float:
 
 @pytest.mark.parametrize("function", [_lists, _negative])
 def test_what_cannot_be_translated_is_named(function):
-    with pytest.raises(ModelError, match=rf"{function.py_func.__name__} cannot be made C"):
+    with pytest.raises(ModelError, match=rf"{function.py_func.__name__} cannot be translated"):
         source([function], {})
 
 

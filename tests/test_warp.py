@@ -31,7 +31,7 @@ wp = pytest.importorskip("warp")
 
 from frictionjoint.simulate import warp_kernel  # noqa: E402
 from frictionjoint.simulate.warp import WarpMissingError, attach_warp  # noqa: E402
-from frictionjoint.simulate.warp_source import translate  # noqa: E402
+from frictionjoint.translate.warp import translate  # noqa: E402
 
 STIFF = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 SOFT = ((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2))

@@ -9,8 +9,8 @@ from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.law.names import LAWS
 from frictionjoint.simulate.row import evaluate, over_the_step, torque_now
-from frictionjoint.simulate.warp_source import source
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
+from frictionjoint.translate.warp import source
 
 KERNELS = [evaluate, torque_now, over_the_step, effects_torque, unit_gravity, coupled_load]
 
@@ -39,12 +39,12 @@ def test_every_number_is_a_double():
 
 
 @compiled
-def _lists(x):
-    return [x]
+def _lists(x: float) -> float:
+    return [x][0]
 
 
 @compiled
-def _hands_on(x):
+def _hands_on(x: float) -> float:
     while True:
         y = x
         if x > 0.0:
@@ -57,7 +57,8 @@ def test_what_cannot_be_translated_is_named():
         source([_lists], 8)
 
 
-def test_a_value_handed_on_by_a_loop_must_be_there_before():
+def test_a_value_that_a_loop_hands_on_is_there_before_the_loop():
     # warp loses it on break: this once gave a friction that was only nearly right
-    with pytest.raises(ModelError, match="give 'y' a value before the loop"):
-        source([_hands_on], 8)
+    before, loop, _ = functions(source([_hands_on], 8))["test_warp_source_hands_on"].body
+    assert ast.unparse(before) == "y = wp.float64(0.0)"
+    assert isinstance(loop, ast.While)

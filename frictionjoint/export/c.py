@@ -1,8 +1,8 @@
 """``--to c``: one C99 header with the law, the effects and the parameters of a model's joints.
 
-The functions are those of the simulation (`frictionjoint.translate.functions`), limited to the
-model's laws and effects, and give the same torque. Nothing is allocated; of the C library only exp,
-log and pow are used.
+The functions are those of the simulation (`frictionjoint.translate.c_functions`), limited to
+the model's laws and effects, and give the same torque. Nothing is allocated; of the C library only
+exp, log and pow are used.
 """
 
 import inspect
@@ -23,7 +23,8 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
-from frictionjoint.translate.functions import Known, name_of, source
+from frictionjoint.translate.c_functions import name_of, source
+from frictionjoint.translate.kernel import Known
 
 # what the caller gives besides the motion: signals, and arguments of `effects_torque`
 _AROUND = frozenset({LOAD, GEAR, GX, GY, MOTOR})

@@ -13,6 +13,8 @@ from frictionjoint.arrays import Index, Vector
 from frictionjoint.compiled import External, c_text, external
 
 Address = int
+Size = int
+"""C's size_t; an ``int`` of a function from elsewhere is C's int."""
 Shorts = Index
 Flags = Index
 """int32 and uint8 arrays of MuJoCo's."""
@@ -85,7 +87,7 @@ def mj_freeStack(d: Address) -> None:
 
 
 @external
-def mj_stackAllocNum(d: Address, n: int) -> Vector:
+def mj_stackAllocNum(d: Address, n: Size) -> Vector:
     """Room for doubles on the data's own stack: no allocation, each thread's data has its own."""
     raise NotImplementedError
 

@@ -35,8 +35,8 @@ from frictionjoint.simulate.row import (
     over_the_step,
     torque_now,
 )
-from frictionjoint.simulate.warp_source import translate
 from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
+from frictionjoint.translate.warp import translate
 
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
 # the row of `simulate.row`
@@ -129,6 +129,13 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
             total = total + gear * force
         return total
 
+    @wp.func
+    def row_of(
+        numbers: doubles, blocks: wp.array(dtype=int), rows: wp.array(dtype=int), k: int, world: int
+    ):
+        """Where a joint's row of `simulate.row` begins, and its degree of freedom."""
+        return rows[k] + FRONT, int(numbers[world % numbers.shape[0], blocks[k] + DOF])
+
     @wp.kernel(enable_backward=False, module="unique")
     def take_back(
         numbers: doubles,
@@ -141,8 +148,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     ):
         """`simulate.mass.take_back`, with a mass matrix of single floats."""
         k, world = wp.tid()
-        x = rows[k] + FRONT
-        dof = int(numbers[world % numbers.shape[0], blocks[k] + DOF])
+        x, dof = row_of(numbers, blocks, rows, k, world)
         entry = rowadr[dof] + rownnz[dof] - 1
         if double(mass[world, entry]) == state[world, x + WRITTEN]:
             mass[world, entry] = float(state[world, x + BASE])
@@ -279,8 +285,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     ):
         """c + G w and the torque of effects, with w the velocity at the end of the step."""
         k, world = wp.tid()
-        x = rows[k] + FRONT
-        dof = int(numbers[world % numbers.shape[0], blocks[k] + DOF])
+        x, dof = row_of(numbers, blocks, rows, k, world)
         w = double(qvel[world, dof])
         if double(time[world]) == state[world, rows[k] + TIME_SHOWN]:
             # evaluated, and the step is still to come

@@ -5,6 +5,7 @@ it consists of: ``fj_tuple_TdTddEE`` is a double and a tuple of two doubles.
 """
 
 import ast
+import functools
 import inspect
 import sys
 import textwrap
@@ -28,6 +29,7 @@ _NAMES = {
     "float": DOUBLE,
     "int": WHOLE,
     "bool": WHOLE,
+    "Size": WHOLE,
     "None": NOTHING,
     "Vector": REALS,
     "Array": REALS,
@@ -100,6 +102,7 @@ def is_structure(kind: str | None) -> bool:
     return kind is not None and kind.startswith(_STRUCTURE)
 
 
+@functools.cache
 def fields_of(named: Any) -> dict[str, str]:
     """Kinds of a NamedTuple's fields.
 

@@ -8,8 +8,9 @@ import ast
 from collections.abc import Mapping
 from typing import Any
 
-from frictionjoint.translate.expressions import Called, Expressions
-from frictionjoint.translate.functions import Translation
+from frictionjoint.translate.c_expressions import Called
+from frictionjoint.translate.c_functions import Translation
+from frictionjoint.translate.kernel import Kernel, signature
 from frictionjoint.translate.kinds import (
     LIBRARY,
     NOTHING,
@@ -49,29 +50,29 @@ def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
     listed: dict[str, Listed] = {}
     for name, kernel in kernels.items():
         called = translation.called[kernel.py_func]
-        seen = Expressions(kernel, translation.gathered)
+        seen = signature(kernel)
         shown.append(_shown(called, seen))
         listed[name] = (f"{called.name}_", _result(seen), _parameters(called, seen))
     return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
 
 
-def _result(seen: Expressions) -> str:
+def _result(seen: Kernel) -> str:
     said = ast.unparse(seen.tree.returns) if seen.tree.returns else ""
     return "bool" if said == "bool" else seen.result
 
 
 def _parameters(
-    called: Called, seen: Expressions
+    called: Called, seen: Kernel
 ) -> list[tuple[str, str, bool, list[int], dict[str, str]]]:
     found = []
     for name, kind in seen.kinds.items():
-        fields = fields_of(seen.gathered.structures[kind]) if is_structure(kind) else {}
+        fields = fields_of(seen.structures[kind]) if is_structure(kind) else {}
         axes = sorted(called.axes.get(name, ()))
         found.append((name, kind, name in called.written, axes, fields))
     return found
 
 
-def _shown(called: Called, seen: Expressions) -> str:
+def _shown(called: Called, seen: Kernel) -> str:
     """The function that the library shows: tuples go by address."""
     taken: list[str] = []
     given: list[str] = []

@@ -6,13 +6,13 @@ and which are *useful*, something returned or stored depending on them.
 
 import ast
 import inspect
-import textwrap
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.law.tangents.plain import plain, without_value
 from frictionjoint.law.tangents.terms import expression
+from frictionjoint.translate.kernel import Kernel, is_kernel, signature
+from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
 
 
 @dataclass(frozen=True)
@@ -38,35 +38,33 @@ class Particulars:
     harmless: frozenset[str]
 
 
-class Activity:
-    """A kernel's statements, and which of its numbers have a tangent.
+class Activity(Kernel):
+    """A kernel, and which of its numbers have a tangent.
 
     Attributes:
-        body: statements, in a plainer form. arguments: their kinds by name.
-        arrays: arguments that are arrays. varied: local numbers with a tangent.
-        used: those among them whose tangent is used. modules: named in source outside the module.
+        arguments: their annotations by name. arrays: arguments that are arrays.
+        varied: local numbers with a tangent. used: those among them whose tangent is used.
+        modules: named in source outside the module.
     """
+
+    purpose = "differentiated"
 
     def __init__(
         self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
     ) -> None:
         """Analyse; the arguments are those of `differentiate.Differentiated`."""
+        super().__init__(kernel)
+        self.read(left_out=particulars.left_out)
+        self.body = self.body if wanted else _without_value(self.body)
         self.particulars = particulars
-        self.python = kernel.py_func
         self.owner: Any = inspect.getmodule(self.python)
         self.homes = _homes(self.owner)
         self.modules: set[str] = set()
         self.rounded = particulars.rounded.get(kernel, {})
         self.exact: set[ast.AST] = set()
-        tree: Any = ast.parse(textwrap.dedent(inspect.getsource(self.python))).body[0]
-        body = tree.body[1:] if ast.get_docstring(tree) else tree.body
-        body = plain(body, set(particulars.left_out))
-        self.body = body if wanted else without_value(body)
-        self.arguments = {a.arg: ast.unparse(a.annotation) for a in tree.args.args}
-        self.arrays = {name for name, kind in self.arguments.items() if kind == "Vector"}
+        self.arguments = {a.arg: ast.unparse(a.annotation or a) for a in self.tree.args.args}
+        self.arrays = {name for name in self.parameters if self.kinds[name] == REALS}
         nodes = [node for statement in self.body for node in ast.walk(statement)]
-        stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        self.locals = set(self.arguments) | stored
         self.varied = set(moving)
         _grow(self.varied, nodes, self._varied_by)
         self.used: set[str] = set()
@@ -115,7 +113,7 @@ class Activity:
             if kernel is None and ast.unparse(node.func) in ("int", "len", "range"):
                 return False
             if kernel is not None:
-                if inspect.signature(kernel.py_func).return_annotation not in (float, None):
+                if signature(kernel).result not in (DOUBLE, NOTHING):
                     return False
                 if any(ast.unparse(argument) in self.arrays for argument in node.args):
                     return True
@@ -139,15 +137,15 @@ class Activity:
 
     def kernel_of(self, node: ast.Call) -> Any:
         """The kernel that is called, None where it is none."""
-        found = self.python.__globals__.get(ast.unparse(node.func))
-        return found if hasattr(found, "py_func") else None
+        found = self.called(node)
+        return found if is_kernel(found) else None
 
     def as_is(self, node: ast.expr) -> str:
         """The same expression outside its module."""
         tree = expression(ast.unparse(node))
         own = self.owner.__name__.rpartition(".")[2]
         for name in [n for n in ast.walk(tree) if isinstance(n, ast.Name)]:
-            outside = name.id in self.python.__globals__ and name.id not in self.locals
+            outside = name.id in self.aliases and not self.is_local(name)
             if outside and name.id != "math":
                 home = self.homes.get(name.id, own)
                 self.modules.add(home)
@@ -175,6 +173,27 @@ def _homes(module: Any) -> dict[str, str]:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
+
+
+def _without_value(body: list[ast.stmt]) -> list[ast.stmt]:
+    """Without the value returned, and without what was computed for it alone."""
+    for node in (n for statement in body for n in ast.walk(statement)):
+        if isinstance(node, ast.Return):
+            node.value = None
+    if isinstance(body[-1], ast.Return):
+        body = body[:-1]
+    while True:
+        names = [n for s in body for n in ast.walk(s) if isinstance(n, ast.Name)]
+        used = {n.id for n in names if isinstance(n.ctx, ast.Load)}
+        left = [s for s in body if not (isinstance(s, ast.Assign) and _sets_none_of(used, s))]
+        if len(left) == len(body):
+            return left
+        body = left
+
+
+def _sets_none_of(used: set[str], node: ast.Assign) -> bool:
+    target = node.targets[0]
+    return isinstance(target, ast.Name) and target.id not in used
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:

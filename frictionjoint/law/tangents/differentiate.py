@@ -17,7 +17,6 @@ from collections.abc import Callable
 from typing import Any
 
 from frictionjoint.law.tangents.activity import Activity, Particulars
-from frictionjoint.law.tangents.plain import UnknownError
 from frictionjoint.law.tangents.terms import (
     Terms,
     added,
@@ -62,7 +61,7 @@ class Differentiated:
             kernel: marked by `compiled`. moving: its arguments, numbers, that have a tangent.
             wanted: whether the caller uses the value returned.
         Raises:
-            UnknownError: a construct that cannot be differentiated.
+            ModelError: a construct that cannot be differentiated.
         """
         self.activity = Activity(kernel, moving, wanted, particulars)
         self.particulars = particulars
@@ -110,7 +109,7 @@ class Differentiated:
             return self._return(node.value)
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
             return [self._call(node.value, False, [])]
-        raise self._unknown(node)
+        self.activity.unknown(node)
 
     def _return(self, value: ast.expr | None) -> list[str]:
         if value is None:
@@ -159,7 +158,7 @@ class Differentiated:
             ):
                 hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
                 if hides and ast.unparse(part) not in self.particulars.harmless:
-                    raise self._unknown(node)
+                    self.activity.unknown(node)
         return self.activity.as_is(node)
 
     # expressions
@@ -188,7 +187,7 @@ class Differentiated:
             pairs = zip((node.body, node.orelse), inside, strict=True)
             parts = [self._differentiate(part, lines) for part, lines in pairs]
             return self._choice(self._test(node.test), parts, before, inside)
-        raise self._unknown(node)
+        self.activity.unknown(node)
 
     def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
         a, of_a = self._differentiate(node.left, before)
@@ -210,7 +209,7 @@ class Differentiated:
             by_a = expression(f"({text(b)}) * {text(value)} / ({text(a)})")
             by_b = expression(f"{text(value)} * math.log({text(a)})")
         else:
-            raise self._unknown(node)
+            self.activity.unknown(node)
         return value, added(times(of_a, by_a), times(of_b, by_b))
 
     def _function(self, node: ast.Call, before: list[str]) -> tuple[ast.expr, Terms]:
@@ -224,7 +223,7 @@ class Differentiated:
         if called in ("min", "max") and len(parts) == 2:
             return self._extreme(called, parts, before)
         if called not in _DERIVATIVES or len(parts) != 1:
-            raise self._unknown(node)
+            self.activity.unknown(node)
         y = self._held(ast.Call(node.func, values, []), before)
         derivative = _DERIVATIVES[called](text(values[0]), text(y))
         return y, times(parts[0][1], expression(derivative))
@@ -258,7 +257,7 @@ class Differentiated:
         """Call of a kernel with tangents."""
         kernel = self.activity.kernel_of(node)
         if kernel is None:
-            raise self._unknown(node)
+            self.activity.unknown(node)
         names = list(inspect.signature(kernel.py_func).parameters)
         rule = self.particulars.rules.get(kernel)
         taken = inspect.signature(rule.py_func).parameters if rule else None
@@ -274,7 +273,7 @@ class Differentiated:
                 moving.add(name)
                 arguments.append(combined(terms))
             elif terms:
-                raise self._unknown(node)
+                self.activity.unknown(node)
         if rule:
             return f"rules.{rule.py_func.__name__}({', '.join(arguments)})"
         self.calls.append((kernel, frozenset(moving), wanted))
@@ -290,11 +289,6 @@ class Differentiated:
         name = f"y{self.made}"
         assert name not in self.activity.locals
         return name
-
-    def _unknown(self, node: ast.AST) -> UnknownError:
-        python = self.activity.python
-        where = f"{python.__module__}.{python.__name__}"
-        return UnknownError(f"{where} cannot be differentiated: {ast.unparse(node)!r}")
 
 
 def _indented(lines: list[str]) -> list[str]:

@@ -1,17 +1,12 @@
-"""Write `frictionjoint.law.tangents.kernels`: the laws' kernels with their tangents.
-
-    python -m frictionjoint.law.tangents.generate
+"""Source of the laws' steps with their tangents.
 
 A law is written once, as a scalar kernel. Its source is differentiated here, statement by
-statement and in forward mode (`frictionjoint.law.tangents.differentiate`), and the result is a file
-like any other, compiled with the other kernels.
+statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
+from frictionjoint.errors import ModelError
 from frictionjoint.law import (
     armstrong,
     dahl,
@@ -28,9 +23,6 @@ from frictionjoint.law import (
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.activity import Particulars
 from frictionjoint.law.tangents.differentiate import Differentiated
-from frictionjoint.law.tangents.plain import UnknownError
-
-FILE = Path(__file__).with_name("kernels.py")
 
 _RIVALS = (static, armstrong, dahl, dahl_stribeck, lugre, elastoplastic, maxwell_slip)
 _ROOTS = (integrated.start, integrated.step, memory.make_room, *(law.step for law in _RIVALS))
@@ -61,59 +53,19 @@ _PARTICULARS = Particulars(
     harmless=frozenset({"d == a", "dq != 0.0", "dq == 0.0", "v == 0.0"}),
 )
 
-_DRIVE = """
-@compiled
-def drive_{law}(
-    P: Vector,
-    P_t: Tangents,
-    time: Vector,
-    position: Vector,
-    edges: Index,
-    H: Vector,
-    H_t: Array,
-    rate: Vector,
-    rate_t: Array,
-    X: Vector,
-    X_t: Tangents,
-) -> None:
-    for j in range(len(edges) - 1):
-        first = edges[j]
-        for i in range(len(X)):
-            put(X_t, i, ZERO)
-        {start}
-        H[first], rate[first] = 0.0, X[{header}.RATE]
-        for i in range(len(H_t)):
-            H_t[i, first], rate_t[i, first] = 0.0, 0.0
-        for k in range(first + 1, edges[j + 1]):
-            dq = position[k] - position[k - 1]
-            dt = time[k] - time[k - 1]
-            {step}
-            H[k], rate[k] = X[{header}.FH], X[{header}.RATE]
-            for i in range(len(H_t)):
-                H_t[i, k], rate_t[i, k] = X_t[{header}.FH, i], X_t[{header}.RATE, i]
-"""
-_STEP = "{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)"
-_DRIVE_INTEGRATED = _DRIVE.format(
-    law="integrated",
-    header="memory",
-    start="integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)",
-    step="integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, dq / dt)\n"
-    "            memory_make_room(X, X_t, 0, memory.HEADER)",
-)
-
 
 def source() -> str:
-    """The text of `frictionjoint.law.tangents.kernels`.
+    """Python text of every law's step and of all it calls, with tangents.
 
     Raises:
-        UnknownError: a law holds a construct that cannot be differentiated.
+        ModelError: a law holds a construct that cannot be differentiated.
     """
     done: dict[Any, Differentiated] = {}
     ways: dict[Any, tuple[frozenset[str], bool]] = {}
 
     def add(kernel: Any, moving: frozenset[str], wanted: bool) -> None:
         if ways.setdefault(kernel, (moving, wanted)) != (moving, wanted):
-            raise UnknownError(f"{kernel.py_func.__name__} is called in two ways")
+            raise ModelError(f"{kernel.py_func.__name__} is called in two ways")
         if kernel not in done:
             made = Differentiated(kernel, moving, wanted, _PARTICULARS)
             for callee in made.calls:
@@ -122,36 +74,20 @@ def source() -> str:
 
     for kernel in _ROOTS:
         add(kernel, frozenset(), False)
-    laws = [law.__name__.rpartition(".")[2] for law in _RIVALS]
-    drives = [
-        _DRIVE.format(
-            law=law,
-            header="bristle",
-            start="start_rival(P, 0, X, 0)",
-            step=_STEP.format(law=law),
-        )
-        for law in laws
-    ]
-    modules = sorted({"bristle", "memory"}.union(*(x.activity.modules for x in done.values())))
-    functions = [*(made.source for made in done.values()), _DRIVE_INTEGRATED, *drives]
+    modules = sorted(set().union(*(x.activity.modules for x in done.values())))
+    functions = [made.source for made in done.values()]
     return _HEAD.format(modules=", ".join(modules)) + "\n\n".join(functions) + "\n"
 
 
-_HEAD = '''"""The laws' kernels with their tangents; written by ``generate``, see there."""
-
+_HEAD = """
 import math
 
-from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import {modules}
-from frictionjoint.law.kernel import start_rival
 from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import (
     ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4
 )
 
-'''
-
-if __name__ == "__main__":
-    FILE.write_text(source(), encoding="utf-8")
-    subprocess.run([sys.executable, "-m", "ruff", "format", "--quiet", str(FILE)], check=True)
+"""

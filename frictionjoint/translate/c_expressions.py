@@ -1,33 +1,33 @@
-"""C text and C type of the expressions a kernel consists of."""
+"""C text of the expressions a kernel consists of."""
 
 import ast
-import inspect
 import math
-import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
-from frictionjoint.compiled import External, Table, pointer, room
-from frictionjoint.errors import ModelError
+from frictionjoint.compiled import External, Table, pointer
+from frictionjoint.translate.kernel import (
+    Kernel,
+    built_in,
+    is_kernel,
+    is_shape,
+    place,
+    signature,
+)
 from frictionjoint.translate.kinds import (
     DOUBLE,
-    POINTERS,
     REALS,
     WHOLE,
     Dialect,
     elements,
-    fields_of,
-    is_structure,
     is_tuple,
-    kind_of,
     row_of,
-    tuple_of,
 )
 
-BINARY = {ast.Add: ("+", 4), ast.Sub: ("-", 4), ast.Mult: ("*", 5), ast.Div: ("/", 5)}
+_BINARY = {ast.Add: ("+", 4), ast.Sub: ("-", 4), ast.Mult: ("*", 5), ast.Div: ("/", 5)}
 _WHOLE_BINARY = {ast.BitAnd: "&", ast.BitOr: "|", ast.RShift: ">>", ast.LShift: "<<"}
 _FLOOR = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod"}
 _COMPARE = {
@@ -38,7 +38,7 @@ _COMPARE = {
     ast.Gt: ">",
     ast.GtE: ">=",
 }
-# how strongly operators bind; the numbers in BINARY belong to the same scale
+# how strongly operators bind; the numbers in _BINARY belong to the same scale
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
 _HELPED = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}
 _MORE = {"copysign", "hypot", "atan2", "floor", "asin", "acos", "fabs", "pow", "fmod"}
@@ -88,159 +88,31 @@ class Gathered:
     externals: dict[str, Any] = field(default_factory=dict)
 
 
-class Expressions:
-    """Expressions of one function.
+class Expressions(Kernel):
+    """Expressions of one kernel.
 
     Attributes:
-        kinds: of each parameter and local. written: arrays that are written to.
+        rows: numbers that a row of a parameter has, where known. written: arrays written to.
         axes: lengths of parameters that are asked for. lengths: C text of those of local arrays.
         roots: arrays that local pointers point into. same: what other arrays' names stand for.
     """
 
     def __init__(self, function: Any, gathered: Gathered) -> None:
-        self.plain: Callable[..., Any] = getattr(function, "py_func", function)
+        super().__init__(function)
         self.gathered = gathered
-        tree = ast.parse(textwrap.dedent(inspect.getsource(self.plain))).body[0]
-        assert isinstance(tree, ast.FunctionDef)
-        self.tree = tree
-        self.kinds: dict[str, str] = {}
-        self.kinds = {a.arg: self._annotation(a.annotation, a) for a in tree.args.args}
-        self.rows = {a.arg: row_of(a.annotation, self._aliases) for a in tree.args.args}
-        self.parameters = list(self.kinds)
+        gathered.structures.update(self.structures)
+        self.rows = {a.arg: row_of(a.annotation, self.aliases) for a in self.tree.args.args}
         self.written: set[str] = set()
         self.axes: dict[str, set[int]] = {}
         self.lengths: dict[str, str] = {}
         self.roots: dict[str, str] = {}
         self.same: dict[str, ast.expr] = {}
-        nodes = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
-        self.locals = {n.id for n in nodes if isinstance(n.ctx, ast.Store)}
-
-    @property
-    def _aliases(self) -> dict[str, Any]:
-        return self.plain.__globals__
-
-    def unknown(self, node: ast.AST) -> NoReturn:
-        """Raise ModelError for what cannot be translated."""
-        raise ModelError(
-            f"{self.plain.__module__}.{self.plain.__name__} cannot be made C: rewrite "
-            f"{ast.unparse(node)!r} in plainer Python"
-        )
-
-    def look_up(self, node: ast.expr) -> Any:
-        """What a name or an attribute of a module stands for."""
-        if isinstance(node, ast.Attribute):
-            return getattr(self.look_up(node.value), node.attr, None)
-        if isinstance(node, ast.Name) and node.id in self.plain.__globals__:
-            return self.plain.__globals__[node.id]
-        self.unknown(node)
-
-    @property
-    def result(self) -> str:
-        """Kind of what the function returns."""
-        return self._annotation(self.tree.returns, self.tree)
-
-    def _annotation(self, node: ast.expr | None, where: ast.AST) -> str:
-        kind = kind_of(node, self._aliases)
-        if kind is None or node is None:
-            self.unknown(where)
-        if is_structure(kind):
-            self.gathered.structures[kind] = self._aliases[ast.unparse(node)]
-        return self.noted(kind)
-
-    def _field(self, node: ast.expr) -> str | None:
-        """Kind of a field of a NamedTuple; None for what is none."""
-        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
-            return None
-        kind = self.kinds.get(node.value.id)
-        if kind is None or not is_structure(kind):
-            return None
-        return fields_of(self.gathered.structures[kind])[node.attr]
 
     def noted(self, kind: str) -> str:
         """The kind itself; a tuple's is defined later."""
         if is_tuple(kind):
             self.gathered.tuples.add(kind)
         return kind
-
-    # types
-
-    def kind(self, node: ast.expr) -> str | None:
-        """Kind of an expression; None while it hangs on a local not yet known."""
-        if isinstance(node, ast.Name) and (node.id in self.kinds or node.id in self.locals):
-            return self.kinds.get(node.id)
-        if self._field(node):
-            return self._field(node)
-        if isinstance(node, ast.Name | ast.Attribute):
-            return self._kind_of_constant(node)
-        if isinstance(node, ast.Constant):
-            return DOUBLE if isinstance(node.value, float) else WHOLE
-        if isinstance(node, ast.Subscript):
-            return self._kind_of_element(node)
-        if isinstance(node, ast.BoolOp | ast.Compare):
-            return WHOLE
-        if isinstance(node, ast.UnaryOp):
-            return WHOLE if isinstance(node.op, ast.Not) else self.kind(node.operand)
-        if isinstance(node, ast.IfExp):
-            return self._wider(node.body, node.orelse)
-        if isinstance(node, ast.BinOp):
-            if isinstance(node.op, ast.Div | ast.Pow):
-                return DOUBLE
-            return self._wider(node.left, node.right)
-        if isinstance(node, ast.Tuple):
-            kinds = [self.kind(x) for x in node.elts]
-            return tuple_of(k for k in kinds if k) if all(kinds) else None
-        if isinstance(node, ast.Call):
-            return self._call_kind(node)
-        self.unknown(node)
-
-    def _kind_of_constant(self, node: ast.Name | ast.Attribute) -> str:
-        if ast.unparse(node).endswith(".shape"):
-            self.unknown(node)
-        value = self.look_up(node)
-        if isinstance(value, tuple):
-            return tuple_of(DOUBLE if isinstance(x, float) else WHOLE for x in value)
-        return DOUBLE if isinstance(value, float) else WHOLE
-
-    def _kind_of_element(self, node: ast.Subscript) -> str | None:
-        if _is_shape(node.value):
-            return WHOLE
-        if isinstance(node.value, ast.Name | ast.Attribute) and not self._is_local(node.value):
-            value = self.look_up(node.value)
-            if isinstance(value, Table):
-                return WHOLE
-            return DOUBLE if any(isinstance(x, float) for x in value) else WHOLE
-        kind = self.kind(node.value)
-        if kind is None:
-            return None
-        if is_tuple(kind):
-            return elements(kind)[_place(node.slice)]
-        return POINTERS[kind] if kind in POINTERS else self.unknown(node)
-
-    def _is_local(self, node: ast.expr) -> bool:
-        """Whether a value is the function's own, not one of a module."""
-        if isinstance(node, ast.Name):
-            return node.id in self.kinds or node.id in self.locals
-        return isinstance(node, ast.Call) or bool(self._field(node))
-
-    def _wider(self, *nodes: ast.expr) -> str | None:
-        kinds = [self.kind(node) for node in nodes]
-        if len(set(kinds)) == 1:
-            return kinds[0]
-        return DOUBLE if DOUBLE in kinds else None if None in kinds else WHOLE
-
-    def _call_kind(self, node: ast.Call) -> str | None:
-        name = _built_in(node)
-        if name in ("abs", "min", "max"):
-            return self._wider(*node.args)
-        if name:
-            return DOUBLE if name == "float" else WHOLE
-        called = self.look_up(node.func)
-        if called in (room, pointer):
-            return REALS
-        if is_kernel(called) or isinstance(called, External) or hasattr(called, "c_text"):
-            stub = called.stub if isinstance(called, External) else called
-            return Expressions(stub, self.gathered).result
-        return WHOLE if called in (math.ceil, math.floor, math.isnan) else DOUBLE
 
     # text
 
@@ -251,7 +123,7 @@ class Expressions:
 
     def target(self, node: ast.expr) -> str:
         """C text of what is assigned to."""
-        if isinstance(node, ast.Subscript) and self._is_local(node.value):
+        if isinstance(node, ast.Subscript) and self.is_local(node.value):
             self.write(node.value)
         elif not isinstance(node, ast.Name):
             self.unknown(node)
@@ -268,7 +140,7 @@ class Expressions:
 
     def length(self, node: ast.expr, axis: int) -> str:
         """C text of an array's length along an axis."""
-        if self._field(node):
+        if self.field(node):
             return f"{self.text(node)}_n[{axis}]"
         if not isinstance(node, ast.Name):
             self.unknown(node)
@@ -288,7 +160,7 @@ class Expressions:
             return self.number(node.value, node), _ATOM
         if isinstance(node, ast.Name) and node.id in self.kinds:
             return safe(node.id), _ATOM
-        if self._field(node) and isinstance(node, ast.Attribute):
+        if self.field(node) and isinstance(node, ast.Attribute):
             return f"{self.text(node.value)}->{node.attr}", _ATOM
         if isinstance(node, ast.Name | ast.Attribute):
             return self._constant(node), _ATOM
@@ -336,12 +208,12 @@ class Expressions:
         return self.text(node)
 
     def _subscript(self, node: ast.Subscript) -> str:
-        if _is_shape(node.value) and isinstance(node.value, ast.Attribute):
-            return self.length(node.value.value, _place(node.slice))
-        if not self._is_local(node.value):
+        if is_shape(node.value) and isinstance(node.value, ast.Attribute):
+            return self.length(node.value.value, place(node.slice))
+        if not self.is_local(node.value):
             return self._element_of_constant(node)
         if is_tuple(self.kind(node.value)):
-            return f"{self.text(node.value, _ATOM)}._{_place(node.slice)}"
+            return f"{self.text(node.value, _ATOM)}._{place(node.slice)}"
         parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         for part in parts:
             if isinstance(part, ast.Slice) or _is_negative(part):
@@ -376,7 +248,7 @@ class Expressions:
                 self.gathered.helpers.add("square")
                 return f"fj_square({self.text(node.left)})", _ATOM
             return f"pow({self.text(node.left)}, {self.text(node.right)})", _ATOM
-        whole = self._wider(node.left, node.right) == WHOLE
+        whole = self.wider(node.left, node.right) == WHOLE
         if type(node.op) in _FLOOR and whole:
             return self._helper(
                 _FLOOR[type(node.op)], [*map(self.text, (node.left, node.right))]
@@ -384,9 +256,9 @@ class Expressions:
         if type(node.op) in _WHOLE_BINARY and whole:
             sides = (self.text(side, _ATOM) for side in (node.left, node.right))
             return f"({f' {_WHOLE_BINARY[type(node.op)]} '.join(sides)})", _ATOM
-        if type(node.op) not in BINARY:
+        if type(node.op) not in _BINARY:
             self.unknown(node)
-        sign, binds = BINARY[type(node.op)]
+        sign, binds = _BINARY[type(node.op)]
         left = self.text(node.left, binds)
         if isinstance(node.op, ast.Div) and whole:
             left = f"(double){self.text(node.left, _ATOM)}"
@@ -403,13 +275,13 @@ class Expressions:
     def _call(self, node: ast.Call) -> str:
         if node.keywords:
             self.unknown(node)
-        name = _built_in(node)
+        name = built_in(node)
         if name == "len":
             return self._length_of(node.args[0])
         if name in ("min", "max") and len(node.args) != 2:
             self.unknown(node)
         if name in ("abs", "min", "max"):
-            name += "" if self._wider(*node.args) == DOUBLE else "_int"
+            name += "" if self.wider(*node.args) == DOUBLE else "_int"
             return self._helper(name, [*map(self.text, node.args)])
         if name:
             return self._converted(name, node.args[0])
@@ -425,7 +297,7 @@ class Expressions:
         return self._mathematics(called, node)
 
     def _length_of(self, node: ast.expr) -> str:
-        if not self._is_local(node):
+        if not self.is_local(node):
             return str(len(self.look_up(node)))
         return self.length(node, 0)
 
@@ -438,7 +310,7 @@ class Expressions:
 
     def _kernel(self, called: Any, node: ast.Call) -> str:
         known = self.gathered.call(called)
-        kinds = Expressions(called, self.gathered).kinds
+        kinds = signature(called).kinds
         texts: list[str] = []
         for name, argument in zip(known.parameters, node.args, strict=True):
             texts.append(self.as_kind(argument, kinds[name]))
@@ -449,7 +321,7 @@ class Expressions:
 
     def _external(self, called: Any, node: ast.Call) -> str:
         self.gathered.externals[called.name] = called
-        kinds = list(Expressions(called.stub, self.gathered).kinds.values())
+        kinds = list(signature(called).kinds.values())
         for argument, kind in zip(node.args, kinds, strict=True):
             if kind == REALS:
                 self.write(argument)
@@ -482,7 +354,7 @@ class Expressions:
         if isinstance(value, tuple):
             texts = [self.number(x, node) for x in value]
             return self._literal(self._kind_of_constant(node), texts, node)
-        module = self.plain.__module__
+        module = self.python.__module__
         if isinstance(node, ast.Attribute):
             module = self.look_up(node.value).__name__
         if module in ("math", "numpy") or (isinstance(value, float) and not math.isfinite(value)):
@@ -492,7 +364,7 @@ class Expressions:
         return self._named(node, value)
 
     def _named(self, node: ast.expr, value: Any) -> str:
-        module, own = self.plain.__module__, ast.unparse(node).split(".")[-1]
+        module, own = self.python.__module__, ast.unparse(node).split(".")[-1]
         if isinstance(node, ast.Attribute):
             module = self.look_up(node.value).__name__
         name = first = f"fj_{module.split('.')[-1]}_{own.strip('_')}"
@@ -513,30 +385,9 @@ class Expressions:
         self.unknown(node)
 
 
-def is_kernel(value: Any) -> bool:
-    """Whether something is a function marked by `frictionjoint.compiled`."""
-    return hasattr(value, "py_func")
-
-
 def safe(name: str) -> str:
     """A name that C does not take for itself."""
     return f"{name}_" if name in _RESERVED else name
-
-
-def _built_in(node: ast.Call) -> str:
-    known = ("abs", "min", "max", "int", "float", "bool", "len")
-    return node.func.id if isinstance(node.func, ast.Name) and node.func.id in known else ""
-
-
-def _is_shape(node: ast.expr) -> bool:
-    return isinstance(node, ast.Attribute) and node.attr == "shape"
-
-
-def _place(node: ast.expr) -> int:
-    """A constant subscript."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, int):
-        return node.value
-    raise ModelError(f"a tuple is taken apart by constants, not by {ast.unparse(node)!r}")
 
 
 def _is_negative(node: ast.expr) -> bool:

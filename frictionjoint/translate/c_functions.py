@@ -11,26 +11,25 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from frictionjoint.compiled import pointer, room
+from frictionjoint.translate.c_expressions import Called, Expressions, Gathered, safe
 from frictionjoint.translate.c_math import helpers_of
-from frictionjoint.translate.expressions import BINARY, Called, Expressions, Gathered, safe
+from frictionjoint.translate.kernel import Known, signature
 from frictionjoint.translate.kinds import (
-    DOUBLE,
     HEADER,
     NOTHING,
     POINTERS,
     REALS,
-    WHOLE,
     Dialect,
     definitions,
-    elements,
     is_structure,
     is_tuple,
     structure_definitions,
 )
+from frictionjoint.translate.plain import names_in, stored_in
 
-# values that a selecting number can take, by module of the kernel and text of the expression
-Known = Mapping[tuple[str, str], frozenset[float]]
 _WIDTH = 100
+# whole numbers of functions from elsewhere, by annotation
+_FOREIGN = {"int": "int", "Size": "size_t"}
 # a space at which no line is broken
 _GLUE = "\N{NO-BREAK SPACE}"
 
@@ -99,8 +98,7 @@ def source(functions: Iterable[Any], known: Known) -> str:
 
 def name_of(function: Any) -> str:
     """The C name of a kernel."""
-    plain = function.py_func
-    return "_".join(["fj", *plain.__module__.split(".")[-2:], plain.__name__.strip("_")])
+    return f"fj_{signature(function).name}"
 
 
 class _Function(Expressions):
@@ -108,29 +106,25 @@ class _Function(Expressions):
 
     def __init__(self, function: Any, gathered: Gathered, known: Known) -> None:
         super().__init__(function, gathered)
-        self.known = known
-        self.name = name_of(function)
-        self.in_line = bool(getattr(function, "in_line", False))
-        self.declared: set[str] = set(self.kinds)
-        self.counters: set[str] = set()
-        self.rooms: set[str] = set()
-        self._fresh = 0
+        self.read(known)
+        self.declared: set[str] = set(self.parameters)
+        # arrays that are made here last as long as the block they are made in
+        self.rooms = {to for to, value in self._assigned() if self._is_room(value)}
+        for kind in (*self.kinds.values(), self.result):
+            self.noted(kind)
 
     def translate(self) -> str:
         """C text; afterwards `written` and `axes` are known."""
-        tree = self.tree
-        doc = ast.get_docstring(tree) or ""
-        body = _without_unread(self._fold(tree.body[1:] if doc else tree.body))
-        self._infer(body)
-        lines = self._block(body, set())
-        read = _names(ast.Module(body, []))
+        doc = ast.get_docstring(self.tree) or ""
+        lines = self._block(self.body, set())
+        read = names_in(ast.Module(self.body, []))
         lines = [f"(void){safe(name)};" for name in self.parameters if name not in read] + lines
         taken = [one for name in self.parameters for one in self._parameter(name)]
         head = "static inline" if not self.gathered.dialect.full else "static"
         if self.in_line and self.gathered.dialect.full:
             head = "FJ_IN_LINE"
         result = self.gathered.dialect.type_of(self.result)
-        start = _wrapped(f"{head} {result} {self.name}({', '.join(taken) or 'void'})")
+        start = _wrapped(f"{head} {result} fj_{self.name}({', '.join(taken) or 'void'})")
         inner = "\n".join(_wrapped("    " + line) for line in lines)
         return f"{comment(doc)}{start}\n{{\n{inner}\n}}"
 
@@ -147,78 +141,13 @@ class _Function(Expressions):
             return f"const {kind}"
         return kind if kind in POINTERS else f"{self.gathered.dialect.type_of(kind)} "
 
-    # what is known beforehand
+    def _assigned(self) -> list[tuple[str, ast.expr]]:
+        nodes = (n for statement in self.body for n in ast.walk(statement))
+        assigned = [n for n in nodes if isinstance(n, ast.Assign)]
+        return [(ast.unparse(n.targets[0]), n.value) for n in assigned]
 
-    def _fold(self, body: list[ast.stmt]) -> list[ast.stmt]:
-        """Without branches that the known values rule out, and what follows a sure return."""
-        kept: list[ast.stmt] = []
-        for node in body:
-            if isinstance(node, ast.If | ast.While | ast.For):
-                node.body, node.orelse = self._fold(node.body), self._fold(node.orelse)
-            sure = self._decided(node.test) if isinstance(node, ast.If) else None
-            if sure is None:
-                kept.append(node)
-            elif isinstance(node, ast.If):
-                kept += node.body if sure else node.orelse
-            if kept and isinstance(kept[-1], ast.Return):
-                break
-        return kept
-
-    def _decided(self, test: ast.expr) -> bool | None:
-        if not isinstance(test, ast.Compare) or not isinstance(test.ops[0], ast.Eq | ast.NotEq):
-            return None
-        module = ".".join(self.plain.__module__.split(".")[-2:])
-        values = self.known.get((module, ast.unparse(test.left)))
-        if values is None:
-            return None
-        right = test.comparators[0]
-        value = right.value if isinstance(right, ast.Constant) else self.look_up(right)
-        equal = isinstance(test.ops[0], ast.Eq)
-        if value not in values:
-            return not equal
-        return equal if len(values) == 1 else None
-
-    # types of locals
-
-    def _infer(self, body: list[ast.stmt]) -> None:
-        pairs: list[tuple[ast.expr, int, ast.expr]] = []
-        for node in (n for statement in body for n in ast.walk(statement)):
-            if isinstance(node, ast.Assign):
-                for target in node.targets:
-                    pairs += _all_pairs(target, node.value)
-                    self.rooms |= self._made_room(pairs)
-            elif isinstance(node, ast.AugAssign | ast.AnnAssign) and node.value is not None:
-                pairs.append((node.target, -1, node.value))
-            elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
-                self.counters.add(node.target.id)
-                self.kinds.setdefault(node.target.id, self._kind_of_counter(node.iter))
-        own = set(self.kinds)
-        for _ in pairs:
-            before = dict(self.kinds)
-            for to, place, value in pairs:
-                if isinstance(to, ast.Name) and to.id not in own:
-                    kind = self.kind(value)
-                    if kind and place != -1:
-                        kind = elements(kind)[place]
-                    if kind and self.kinds.get(to.id) != DOUBLE:
-                        self.kinds[to.id] = self.noted(kind)
-            if before == self.kinds:
-                break
-
-    def _made_room(self, pairs: list[tuple[ast.expr, int, ast.expr]]) -> set[str]:
-        """Names of arrays that are made here: they last as long as the block they are made in."""
-        return {
-            to.id
-            for to, _, value in pairs
-            if isinstance(to, ast.Name)
-            and isinstance(value, ast.Call)
-            and self.look_up_call(value) is room
-        }
-
-    def _kind_of_counter(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Call):
-            return WHOLE
-        return DOUBLE if any(isinstance(x, float) for x in self.look_up(node)) else WHOLE
+    def _is_room(self, value: ast.expr) -> bool:
+        return isinstance(value, ast.Call) and self.called(value) is room
 
     # statements
 
@@ -226,9 +155,9 @@ class _Function(Expressions):
         """Lines of a block. `outside`: names that are used after it."""
         lines: list[str] = []
         for i, node in enumerate(body):
-            after = _names(ast.Module(body[i + 1 :], [])) | outside
+            after = names_in(ast.Module(body[i + 1 :], [])) | outside
             if isinstance(node, ast.If | ast.While | ast.For):
-                shared = sorted(name for name in _names(node) & after if self._is_new(name))
+                shared = sorted(name for name in names_in(node) & after if self._is_new(name))
                 self.declared.update(shared)
                 lines += [self._empty(name) for name in shared]
             lines += self._statement(node, after)
@@ -243,12 +172,7 @@ class _Function(Expressions):
 
     def _statement(self, node: ast.stmt, after: set[str]) -> list[str]:
         if isinstance(node, ast.Assign):
-            return self._assign_all(node)
-        if isinstance(node, ast.AnnAssign) and node.value is not None:
-            return self._assign(node.target, node.value)
-        if isinstance(node, ast.AugAssign) and type(node.op) in BINARY:
-            sign = BINARY[type(node.op)][0]
-            return [f"{self.target(node.target)} {sign}= {self.text(node.value)};"]
+            return self._assign(node.targets[0], node.value)
         if isinstance(node, ast.If):
             return self._if(node, after)
         if isinstance(node, ast.While) and not node.orelse:
@@ -306,7 +230,7 @@ class _Function(Expressions):
         """Whether a loop's end is plainly the same at each turn."""
         if any(isinstance(n, ast.Call | ast.Subscript) for n in ast.walk(bound)):
             return False
-        return not _names(bound) & _set(ast.Module(body, []))
+        return not names_in(bound) & stored_in(ast.Module(body, []))
 
     def _over_constants(self, node: ast.For, name: str, after: set[str]) -> list[str]:
         array, place = self.array_of(node.iter), f"{name}_at"
@@ -320,61 +244,22 @@ class _Function(Expressions):
 
     # assignments
 
-    def _assign_all(self, node: ast.Assign) -> list[str]:
-        if len(node.targets) == 1 or isinstance(node.value, ast.Name | ast.Constant):
-            return [line for to in node.targets for line in self._assign(to, node.value)]
-        held, lines = self._held(node.value)
-        return lines + [line for to in node.targets for line in self._assign(to, held)]
-
-    def _held(self, value: ast.expr) -> tuple[ast.Name, list[str]]:
-        """A value under a name of its own."""
-        self._fresh += 1
-        name, kind = f"value_{self._fresh}", self.kind(value)
-        if kind is None or name in self.locals:
-            self.unknown(value)
-        self.kinds[name] = self.noted(kind)
-        self.declared.add(name)
-        text = self.as_kind(value, kind)
-        return ast.Name(name), [f"{self._declared_as(kind)}{name} = {text};"]
-
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
         if not isinstance(target, ast.Tuple):
             return self._single(target, value)
-        lines: list[str] = []
-        if not isinstance(value, ast.Tuple):
-            if not is_tuple(self.kind(value)):
-                self.unknown(target)
-            held: ast.expr = value
-            if not isinstance(value, ast.Name):
-                held, lines = self._held(value)
-            for i, to in enumerate(target.elts):
-                lines += self._single(to, ast.Subscript(held, ast.Constant(i)))
-            return lines
-        pairs = list(zip(target.elts, value.elts, strict=True))
-        stored: set[str] = set()
-        for to, part in pairs:
-            # one after the other is as good as all at once unless a later value, or a later place,
-            # reads what an earlier one has set
-            if stored & (_names(part) | _read(to)):
-                return self._at_once(pairs)
-            stored |= _set_by(to)
-        return [line for to, part in pairs for line in self._single(to, part)]
-
-    def _at_once(self, pairs: list[tuple[ast.expr, ast.expr]]) -> list[str]:
-        lines: list[str] = []
-        new: list[ast.expr] = []
-        for to, value in pairs:
-            if isinstance(to, ast.Subscript) and any(_set_by(o) & _read(to) for o, _ in pairs):
-                self.unknown(to)
-            held, more = self._held(value)
-            lines += more
-            new.append(held)
-        for (to, _), value in zip(pairs, new, strict=True):
-            lines += self._single(to, value)
+        kind, lines, held = self.kind(value), [], value
+        if kind is None:
+            self.unknown(value)
+        if not isinstance(value, ast.Name):
+            held = ast.Name(self._new_name())
+            self.kinds[held.id] = self.noted(kind)
+            lines = self._single(held, value)
+        for i, to in enumerate(target.elts):
+            lines += self._single(to, ast.Subscript(held, ast.Constant(i)))
         return lines
 
     def _single(self, target: ast.expr, value: ast.expr) -> list[str]:
-        if isinstance(value, ast.Call) and self.look_up_call(value) is room:
+        if isinstance(value, ast.Call) and self._is_room(value):
             return self._room(target, value)
         if not isinstance(target, ast.Name):
             return [f"{self.target(target)} = {self.text(value)};"]
@@ -387,17 +272,11 @@ class _Function(Expressions):
             return [f"{self._declared_as(kind)}{safe(target.id)} = {text};"]
         return [f"{safe(target.id)} = {text};"]
 
-    def look_up_call(self, node: ast.Call) -> Any:
-        """The function that is called; None for a built-in one."""
-        if isinstance(node.func, ast.Name) and node.func.id not in self.plain.__globals__:
-            return None
-        return self.look_up(node.func)
-
     def _point(self, name: str, value: ast.expr) -> None:
         """Remember what a local pointer points into."""
         if not isinstance(value, ast.Call):
             self.same[name] = value
-        while isinstance(value, ast.Call) and self.look_up_call(value) is pointer:
+        while isinstance(value, ast.Call) and self.called(value) is pointer:
             value = value.args[0]
         if isinstance(value, ast.Name):
             self.roots[name] = value.id
@@ -405,7 +284,7 @@ class _Function(Expressions):
     def _room(self, target: ast.expr, value: ast.Call) -> list[str]:
         name, size = self.target(target), value.args[0]
         text = self.text(size)
-        if not _names(size) & (self.locals | set(self.parameters)) and not _calls(size):
+        if not names_in(size) & (self.locals | set(self.parameters)) and not _calls(size):
             self.lengths[name] = text
             return [f"double {name}[{text}] = {{0}};"]
         count = f"{name}_n0"
@@ -415,56 +294,6 @@ class _Function(Expressions):
             f"double {name}[{count} > 0 ? {count} : 1];",
             f"memset({name}, 0, sizeof({name}));",
         ]
-
-
-def _all_pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, int, ast.expr]]:
-    """What is set, its place in the value or -1 for all of it, and the value."""
-    if not isinstance(target, ast.Tuple):
-        return [(target, -1, value)]
-    if isinstance(value, ast.Tuple):
-        return [(to, -1, part) for to, part in zip(target.elts, value.elts, strict=True)]
-    return [(to, i, value) for i, to in enumerate(target.elts)]
-
-
-def _names(node: ast.AST) -> set[str]:
-    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
-
-
-def _calls(node: ast.AST) -> bool:
-    return any(isinstance(n, ast.Call) for n in ast.walk(node))
-
-
-def _set(node: ast.AST) -> set[str]:
-    """Names that are assigned to within a statement."""
-    nodes = (n for n in ast.walk(node) if isinstance(n, ast.Name))
-    return {n.id for n in nodes if isinstance(n.ctx, ast.Store)}
-
-
-def _set_by(target: ast.expr) -> set[str]:
-    """The variable or the array that an assignment changes."""
-    while isinstance(target, ast.Subscript):
-        target = target.value
-    return _names(target)
-
-
-def _read(target: ast.expr) -> set[str]:
-    """Names that say where an assignment goes."""
-    return _names(target.slice) if isinstance(target, ast.Subscript) else set()
-
-
-def _without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
-    """Without assignments of plain values that nothing reads since branches were left out."""
-    nodes = [n for n in ast.walk(ast.Module(body, [])) if isinstance(n, ast.Name)]
-    read = {n.id for n in nodes if isinstance(n.ctx, ast.Load)}
-
-    def unread(node: ast.stmt) -> bool:
-        if not isinstance(node, ast.Assign):
-            return False
-        calls = [n for n in ast.walk(node.value) if isinstance(n, ast.Call)]
-        plain = all(ast.unparse(call.func) in ("int", "float") for call in calls)
-        return plain and all(isinstance(t, ast.Name) and t.id not in read for t in node.targets)
-
-    return [node for node in body if not unread(node)]
 
 
 def _constants(values: Mapping[str, int | float | tuple[float, ...]]) -> list[str]:
@@ -486,11 +315,15 @@ def _from_outside(gathered: Gathered) -> list[str]:
     """Tables that Python sets, and addresses of functions that it knows."""
     made = [f"FJ_SHARED int64_t fj_{x.name}[{x.size}];" for x in gathered.tables.values()]
     for outside in gathered.externals.values():
-        seen = Expressions(outside.stub, gathered)
-        kinds = [gathered.dialect.type_of(kind) for kind in seen.kinds.values()]
-        result = gathered.dialect.type_of(seen.result)
-        made.append(f"FJ_SHARED {result} (*fj_{outside.name})({', '.join(kinds) or NOTHING});")
+        seen = signature(outside)
+        annotated = zip(seen.tree.args.args, seen.kinds.values(), strict=True)
+        kinds = [_FOREIGN.get(ast.unparse(a.annotation or a), kind) for a, kind in annotated]
+        made.append(f"FJ_SHARED {seen.result} (*fj_{outside.name})({', '.join(kinds) or NOTHING});")
     return ["\n".join(made)] if made else []
+
+
+def _calls(node: ast.AST) -> bool:
+    return any(isinstance(n, ast.Call) for n in ast.walk(node))
 
 
 def comment(text: str) -> str:
