@@ -187,8 +187,9 @@ class _Function(Kernel):
         made = self._visit(node)
         if kind != DOUBLE or self.kind(node) == DOUBLE:
             return made
-        constant = isinstance(made, ast.Constant)
-        return self._number(float(made.value), node) if constant else _call("wp.float64", made)
+        if isinstance(made, ast.Constant):
+            return self._number(float(ast.unparse(made)), node)
+        return _call("wp.float64", made)
 
     def _same(self, *nodes: ast.expr) -> list[ast.expr]:
         """Values as one kind, for what takes two of a kind."""
@@ -198,17 +199,17 @@ class _Function(Kernel):
     def _visit(self, node: ast.expr) -> ast.expr:
         if isinstance(node, ast.Constant):
             return self._number(node.value, node)
+        if isinstance(node, ast.Name) and self.is_local(node):
+            return node
         if isinstance(node, ast.Name | ast.Attribute):
-            return (
-                node if isinstance(node, ast.Name) and self.is_local(node) else self._constant(node)
-            )
+            return self._constant(node)
         if isinstance(node, ast.Subscript) and not isinstance(node.slice, ast.Slice | ast.Tuple):
             return ast.Subscript(self._visit(node.value), self._visit(node.slice), node.ctx)
         if isinstance(node, ast.UnaryOp):
-            negative = isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant)
-            if negative and isinstance(node.operand.value, int | float):
-                return self._number(-node.operand.value, node)
-            return ast.UnaryOp(node.op, self._visit(node.operand))
+            operand = node.operand
+            if isinstance(node.op, ast.USub) and isinstance(operand, ast.Constant):
+                return self._number(ast.literal_eval(node), node)
+            return ast.UnaryOp(node.op, self._visit(operand))
         if isinstance(node, ast.BinOp):
             return self._binary(node)
         if isinstance(node, ast.BoolOp):
