@@ -136,17 +136,21 @@ def _name(function: Any) -> str:
 
 def _kernel(function: _Function, in_line: bool) -> _Function:
     name = _name(function)
-    made: Any = function
     ours = name.startswith("frictionjoint.")
-    if ours and not PLAIN:
-        # a namespace of its own, where the C function takes the place of `_first_call`
-        space: dict[str, Any] = {"_first_call": _first_call}
-        made = types.FunctionType(_waiting.__code__, space, function.__name__)
-        functools.update_wrapper(made, function)
-        space["_self"] = made
+    made: Any = native(function) if ours and not PLAIN else function
     made.py_func, made.in_line = function, in_line
     if ours:
         registry[name] = made
+    return cast("_Function", made)
+
+
+def native(function: _Function) -> _Function:
+    """The C function of a kernel of this package, also where kernels run as Python."""
+    # a namespace of its own, where the C function takes the place of `_first_call`
+    space: dict[str, Any] = {"_first_call": _first_call}
+    made: Any = types.FunctionType(_waiting.__code__, space, function.__name__)
+    functools.update_wrapper(made, function)
+    space["_self"], made.py_func = made, function
     return cast("_Function", made)
 
 

@@ -1,21 +1,28 @@
-"""Calls of every kernel, recorded while all kernels run as Python.
+"""Every kernel as C beside the Python it is written in, on random numbers.
 
-    FRICTIONJOINT_PYTHON=1 python tests/kernel_calls.py FILE SEED
+    FRICTIONJOINT_PYTHON=1 python tests/kernel_calls.py
 
-Laws, effects, controllers and filters run along random motions with random numbers; of each kernel
-some calls are kept: arguments before, arguments after, and what came back.
+Laws, effects, controllers and filters run as Python along random motions, and of each kernel some
+calls are kept. Hypothesis varies these: every number that is no count, flag or choice moves by a
+random factor. The Python and the C function must give the same result, and leave the same arrays.
 """
 
+import inspect
+import math
 import pickle
 import sys
+import traceback
+import warnings
 from collections import defaultdict
-from pathlib import Path
 
 import mujoco
 import numpy as np
 from acting import acting, arm, ctrl
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
 
 import frictionjoint as fj
+from frictionjoint.compiled import native
 from frictionjoint.control import kernel as control
 from frictionjoint.control.profile import fill_means, followed
 from frictionjoint.control.reconstruct import fill_mean_drives
@@ -47,40 +54,36 @@ from frictionjoint.simulate.shaft_wave import resist
 from frictionjoint.translate.build import all_kernels
 
 KEPT = 25
+EXAMPLES = 20
 SAMPLES = 60
-Recorded = dict[str, list[tuple[tuple, tuple, object]]]
+# they take addresses of MuJoCo's structures: tests/test_state.py steps them beside the Python ones
+ADDRESSED = {"frictionjoint.simulate.native.native", "frictionjoint.simulate.native.both"}
 
 
 class Recorder:
-    """Keeps calls while it profiles."""
+    """Keeps arguments of calls, pickled, by kernel while it profiles."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.rng = rng
         self.codes = {k.py_func.__code__: name for name, k in all_kernels().items()}
-        self.calls: Recorded = defaultdict(list)
+        self.calls: dict[str, list[bytes]] = defaultdict(list)
         self.seen: dict[str, int] = defaultdict(int)
-        self.open: dict[int, tuple[str, list, tuple]] = {}
 
-    def __call__(self, frame, event: str, result: object) -> None:
+    def __call__(self, frame, event: str, _: object) -> None:
         """Hook of `sys.setprofile`."""
         name = self.codes.get(frame.f_code)
-        if name is None:
+        if name is None or event != "call":
             return
-        if event == "call":
-            self.seen[name] += 1
-            count = self.seen[name]
-            if count <= KEPT or self.rng.random() < KEPT / count:
-                code = frame.f_code
-                given = [frame.f_locals[x] for x in code.co_varnames[: code.co_argcount]]
-                self.open[id(frame)] = (name, given, pickle.dumps(given))
-        elif event == "return" and id(frame) in self.open:
-            name, given, before = self.open.pop(id(frame))
-            entry = (before, pickle.dumps((given, result)))
-            kept = self.calls[name]
-            if len(kept) < KEPT:
-                kept.append(entry)
-            else:
-                kept[int(self.rng.integers(KEPT))] = entry
+        self.seen[name] += 1
+        count, kept = self.seen[name], self.calls[name]
+        if count > KEPT and self.rng.random() > KEPT / count:
+            return
+        code = frame.f_code
+        given = pickle.dumps([frame.f_locals[x] for x in code.co_varnames[: code.co_argcount]])
+        if count <= KEPT:
+            kept.append(given)
+        else:
+            kept[int(self.rng.integers(KEPT))] = given
 
 
 def laws(rng: np.random.Generator) -> list:
@@ -260,11 +263,78 @@ def filters(rng: np.random.Generator) -> None:
         smooth(rng.normal(size=(SAMPLES, 2)), derivative)
 
 
-if __name__ == "__main__":
-    random = np.random.default_rng(int(sys.argv[2]))
-    recorder = Recorder(random)
+def varied(value, rng: np.random.Generator, size: float):
+    """The same with each number moved by a random factor; whole numbers, infinity and NaN stay."""
+    if isinstance(value, tuple):
+        parts = [varied(x, rng, size) for x in value]
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+    if isinstance(value, np.ndarray) and value.dtype == np.float64:
+        finite = np.isfinite(value)
+        moves = finite & (np.where(finite, value, 0.0) % 1.0 != 0.0)
+        return np.where(moves, value * np.exp(size * rng.normal(size=value.shape)), value)
+    if isinstance(value, float) and math.isfinite(value) and value % 1.0:
+        return value * math.exp(size * rng.normal())
+    return value
+
+
+def flat(value) -> np.ndarray:
+    """All numbers of a nest of tuples and arrays."""
+    if value is None:
+        return np.zeros(0)
+    if isinstance(value, tuple | list):
+        return np.concatenate([np.zeros(0), *map(flat, value)])
+    return np.ravel(np.asarray(value, dtype=np.float64))
+
+
+def compare(python, calls: list[bytes]) -> None:
+    """Raise where the C function gives other numbers than the Python one."""
+    kernel = native(python)
+
+    @settings(
+        max_examples=EXAMPLES, deadline=None, database=None, suppress_health_check=[*HealthCheck]
+    )
+    @given(
+        call=st.sampled_from(calls),
+        seed=st.integers(0, 2**32 - 1),
+        size=st.sampled_from([0.0, 1e-9, 1e-3, 0.1, 0.5]),
+    )
+    def same(call: bytes, seed: int, size: float) -> None:
+        rng = np.random.default_rng(seed)
+        arguments = [varied(x, rng, size) for x in pickle.loads(call)]
+        own = pickle.loads(pickle.dumps(arguments))
+        try:
+            result = python(*own)
+        except (ArithmeticError, ValueError, IndexError):
+            assume(False)  # what C makes infinity or NaN
+        got = kernel(*arguments)
+        expected, found = flat((own, result)), flat((arguments, got))
+        most = np.max(np.abs(expected), initial=0.0, where=np.isfinite(expected))
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * min(1.0, most))
+
+    same()
+
+
+def main() -> int:
+    """Compare all kernels; the number of those that differ or were never called."""
+    rng = np.random.default_rng()
+    recorder = Recorder(rng)
     sys.setprofile(recorder)
     for part in (along_logs, joints_alone, controllers, simulations, batches, around, filters):
-        part(random)
+        part(rng)
     sys.setprofile(None)
-    Path(sys.argv[1]).write_bytes(pickle.dumps(dict(recorder.calls)))
+    wrong = 0
+    for name, kernel in all_kernels().items():
+        if name in ADDRESSED:
+            continue
+        try:
+            assert recorder.calls[name], "never called here"
+            compare(kernel, recorder.calls[name])
+        except Exception:
+            wrong += 1
+            print(f"{name} {inspect.signature(kernel)}\n{traceback.format_exc()}")
+    return wrong
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore", RuntimeWarning)
+    sys.exit(min(main(), 1))
