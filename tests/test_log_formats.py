@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -285,3 +286,11 @@ def test_files_that_people_sent() -> None:
     log = read_log(SHARED / "formats/dynamixel_wizard.csv", columns=columns, units=units)
     assert np.ptp(log.target) < 7.0
     assert len(read_log(SHARED / "formats/lerobot_nested", "kLeftElbow", {"unit": "rad"}).time) > 99
+
+
+def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    path = tmp_path / "log.parquet"
+    path.write_bytes(b"")
+    with pytest.raises(LogError, match=r"pip install 'frictionjoint\[parquet\]'"):
+        read_log(path)

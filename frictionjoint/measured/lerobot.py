@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import corrupt, one_line
+from frictionjoint.measured import parquet
+from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.units import check_units, unit_of
@@ -182,29 +182,19 @@ def _episode(
             f"{path.name}: {what}, it has 0 to {int(total or 0) - 1}: name one as {path.name}#N"
         )
     wanted = int(episode)
-    tables = []
-    for file in _files(path, info, wanted):
-        try:
-            tables.append(
-                pyarrow.parquet.read_table(
-                    file,
-                    columns=["timestamp", *widths],
-                    filters=[("episode_index", "==", wanted)],
-                )
-            )
-        except (OSError, ValueError, KeyError, pa.ArrowException) as error:
-            raise corrupt(file, error) from None
-    table = pa.concat_tables(tables) if tables else None
-    if table is None or not table.num_rows:
+    columns, rule = ["timestamp", *widths], [("episode_index", "==", wanted)]
+    tables = [parquet.read_rows(file, columns, rule) for file in _files(path, info, wanted)]
+    if not any(table.num_rows for table in tables):
         raise LogError(f"{path.name}: no frame of episode {wanted} below data: is it whole?")
-    time = table["timestamp"].to_numpy().astype(np.float64)
+    table = {x: np.concatenate([t[x].to_numpy() for t in tables]) for x in columns}
+    time = table["timestamp"].astype(np.float64)
     fps = info.get("fps")
     if isinstance(fps, int | float) and fps > 0.0:
         # stamps are multiples of the period in single precision: what they lost is known
         frame = np.round(time * fps)
         if np.all(np.abs(time * fps - frame) < 0.05) and np.all(np.diff(frame) > 0.0):
             time = frame / fps
-    return time, {name: _rows(path, table, name, count) for name, count in widths.items()}
+    return time, {name: _rows(path, table[name], name, count) for name, count in widths.items()}
 
 
 def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
@@ -220,8 +210,7 @@ def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
     return sorted((path / "data").glob("*/*.parquet"))
 
 
-def _rows(path: Path, table: pa.Table, feature: str, count: int) -> Array:
-    rows = table[feature].to_pylist()
+def _rows(path: Path, rows: NDArray[Any], feature: str, count: int) -> Array:
     if any(row is None or len(row) != count for row in rows):
         raise LogError(f"{path.name}, {feature}: not {count} numbers in every frame")
-    return np.array(rows, dtype=np.float64)
+    return np.array(list(rows), dtype=np.float64)

@@ -10,15 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import text_table
+from frictionjoint.measured import parquet, text_table
 from frictionjoint.measured.arrays import (
-    corrupt,
     mat_columns,
     mat_names,
     npz_columns,
@@ -230,10 +227,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
         return [*names, *(x for x in asked if x not in names and whole(x) in names)]
     if kind in text_table.ENDINGS:
         return bare_names(path) if is_bare(path) else text_table.header(path)
-    try:
-        return list(pyarrow.parquet.read_schema(path).names)
-    except (OSError, ValueError, pa.ArrowException) as error:
-        raise corrupt(path, error) from None
+    return parquet.column_names(path)
 
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
@@ -249,15 +243,4 @@ def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
             if is_bare(path)
             else text_table.read_columns(path, names, time)
         )
-    return {name: _parquet_column(path, name, name == time) for name in names}
-
-
-def _parquet_column(path: Path, name: str, of_time: bool) -> Array:
-    try:
-        x = pyarrow.parquet.read_table(path, columns=[name])[name]
-    except (OSError, ValueError, KeyError, pa.ArrowException) as error:
-        raise corrupt(path, error) from None
-    of_dates = of_time and pa.types.is_timestamp(x.type)
-    if not (pa.types.is_floating(x.type) or pa.types.is_integer(x.type) or of_dates):
-        raise LogError(f"{path.name}, {name}: {x.type} is not a column of numbers")
-    return text_table.owned(x)
+    return {name: parquet.read_column(path, name, name == time) for name in names}

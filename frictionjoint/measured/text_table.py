@@ -10,15 +10,15 @@ first.
 """
 
 import csv
+import math
 import re
-from collections.abc import Container, Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
@@ -32,13 +32,19 @@ _SEPARATORS = ",;\t "
 _SOME = 60
 # name of a column that has none
 _UNNAMED = "(column {})"
-# What Arrow takes as a number or as an empty cell.
-_NUMBER = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I)
+# What is taken as a number or as an empty cell.
+_NUMBER = re.compile(
+    r"\s*([+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I | re.A
+)
+# what programs write where a number is missing
+_MISSING = {"", "na", "n/a", "#n/a", "#na", "null", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}
 # A date with a time, and its difference to universal time.
 _MOMENT = re.compile(
     r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(Z|[+-]\d\d(:?\d\d)?)?\s*"
 )
 _ZONE = 3
+# rows that are read at once, as text
+_BATCH = 10_000
 
 
 class _Layout(NamedTuple):
@@ -47,8 +53,8 @@ class _Layout(NamedTuple):
     Attributes:
         names: of its columns, None for one without a name. separator: between cells.
         point: decimal separator. before: lines before the first that may be a sample.
-        moments: type of date columns. title: line number of the header.
-        skipped: lines above it that are no comments.
+        zoned: date columns, and whether they name their time zone. title: line number of the
+            header. skipped: lines above it that are no comments.
         units: cell below each name, if there is a line of units.
     """
 
@@ -56,7 +62,7 @@ class _Layout(NamedTuple):
     separator: str
     point: str
     before: int
-    moments: dict[str, pa.DataType]
+    zoned: dict[str, bool]
     title: int = 1
     skipped: int = 0
     units: tuple[str, ...] = ()
@@ -95,7 +101,7 @@ def notes(path: Path) -> tuple[str, ...]:
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
     """Some columns of a file, each of shape (n,).
 
-    Only these are parsed: 8 bytes per number in the result, at most 16 while reading.
+    Lines are read in batches: 8 bytes per number in the result, at most 16 while reading.
 
     Args:
         time: the column that may contain dates and times.
@@ -103,49 +109,144 @@ def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[
         LogError: with the line number, for a cell that is no number or a line of another width.
     """
     layout = _layout(path)
-    moments = {name: kind for name, kind in layout.moments.items() if name == time}
-    read = pa.csv.ReadOptions(column_names=layout.all_names, skip_rows=layout.before)
-    parse = pa.csv.ParseOptions(delimiter=layout.separator)
-    convert = pa.csv.ConvertOptions(
-        include_columns=names,
-        column_types=dict.fromkeys(names, pa.float64()) | moments,
-        decimal_point=layout.point,
-    )
-    try:
-        table = pa.csv.read_csv(path, read, parse, convert)
-    except (pa.ArrowException, UnicodeDecodeError):
-        read.use_threads = False  # then Arrow's message names the row
-        try:
-            table = pa.csv.read_csv(path, read, parse, convert)
-        except (pa.ArrowException, UnicodeDecodeError) as error:
-            fault = _first_fault(path, layout, names, moments, one_line(error))
-            raise LogError(fault) from None
-    columns = {}
-    for name in names:
-        columns[name] = owned(table[name])
-        table = table.drop_columns(name)
-    return columns
+    parts: dict[str, list[NDArray[Any]]] = {name: [] for name in names}
+    at = [layout.all_names.index(name) for name in names]
+    for first, lines in _batches(path, layout):
+        table = _only_numbers(lines, layout)
+        if table is not None:
+            for name, i in zip(names, at, strict=True):
+                parts[name].append(table[:, i].copy())
+            continue
+        rows = _rows(path, layout, first, lines)
+        if not rows:
+            continue
+        columns = list(zip(*(cells for _, cells in rows), strict=True))
+        for name, i in zip(names, at, strict=True):
+            zoned = layout.zoned.get(name) if name == time else None
+            try:
+                parts[name].append(_values(columns[i], layout.point, zoned))
+            except ValueError:
+                fault = _fault(rows, name, i, layout.point, zoned)
+                raise LogError(f"{path.name}, {fault}") from None
+    return {name: _joined(parts.pop(name)) for name in names}
 
 
-def owned(column: pa.ChunkedArray) -> Array:
-    """An Arrow column of numbers as a new array, missing cells NaN; at most one copy.
+def _batches(path: Path, layout: _Layout) -> Iterator[tuple[int, list[str]]]:
+    """Some lines that may hold samples, and the number, from 1, of the first of them."""
+    with path.open(encoding="utf-8", errors="replace", newline="") as file:
+        lines = islice(file, layout.before, None)
+        number = layout.before + 1
+        while batch := list(islice(lines, _BATCH)):
+            yield number, batch
+            number += len(batch)
 
-    For dates and times, the seconds since the first.
+
+def _only_numbers(lines: list[str], layout: _Layout) -> Array | None:
+    """Samples with a number in every cell, shape (samples, columns); None where there are others.
+
+    Several times faster than cell by cell.
     """
-    if pa.types.is_timestamp(column.type):
-        moments = column.to_numpy()
-        return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"))
-    x = np.asarray(column.to_numpy(), dtype=np.float64)
-    return x if x.flags.writeable else x.copy()
+    if layout.point == "," or layout.zoned:
+        return None
+    samples = [line for line in lines if line.rstrip("\r\n")]
+    if not samples:
+        return np.empty((0, len(layout.names)))
+    try:
+        table = np.loadtxt(samples, delimiter=layout.separator, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return table if table.shape[1] == len(layout.names) else None
+
+
+def _rows(path: Path, layout: _Layout, first: int, lines: list[str]) -> list[tuple[int, list[str]]]:
+    """Line number, from 1, and cells of each sample; a blank line holds none."""
+    reader = csv.reader(lines, delimiter=layout.separator)
+    made, wide = [], len(layout.names)
+    try:
+        for cells in reader:
+            number = first + reader.line_num - 1
+            if cells and len(cells) != wide:
+                raise LogError(
+                    f"{path.name}, row {number}: {len(cells)} cells, the header has {wide}: "
+                    "complete the row or leave it out"
+                )
+            if cells:
+                made.append((number, cells))
+    except csv.Error as fault:
+        number = first + reader.line_num - 1
+        raise LogError(f"{path.name}, row {number}: {one_line(fault)}") from None
+    return made
+
+
+def _values(cells: Sequence[str], point: str, zoned: bool | None) -> NDArray[Any]:
+    """Cells as numbers or, where `zoned` says of which kind, as dates; ValueError for others."""
+    return _numbers(cells, point) if zoned is None else _moments(cells, zoned)
+
+
+def _fault(
+    rows: list[tuple[int, list[str]]], name: str, at: int, point: str, zoned: bool | None
+) -> str:
+    """Where the first cell of a column is that `_values` does not take."""
+    wanted = "number" if zoned is None else "date with a time, as that of the first row is"
+    for number, cells in rows:
+        try:
+            _values([cells[at]], point, zoned)
+        except ValueError:
+            return f"row {number}, {name}: {cells[at][:40]!r} is not a {wanted}"
+    raise AssertionError(name)
+
+
+def _numbers(cells: Sequence[str], point: str) -> Array:
+    """Cells as numbers, NaN for an empty one; ValueError for what is none."""
+    text = "".join(cells)
+    if "_" in text or not text.isascii():  # which Python would take
+        raise ValueError
+    if point == ",":
+        cells = [x.replace(",", ".") for x in cells]
+    try:
+        return np.array([float(x) if x else math.nan for x in cells])
+    except ValueError:
+        return np.array([_number(x) for x in cells])
+
+
+def _number(cell: str) -> float:
+    return math.nan if cell.strip().lower() in _MISSING else float(cell)
+
+
+def _moments(cells: Sequence[str], zoned: bool) -> NDArray[np.datetime64]:
+    """Dates with times as universal time, in nanoseconds; ValueError for what is none."""
+    local, minutes = [], []
+    for cell in map(str.strip, cells):
+        found = _MOMENT.fullmatch(cell)
+        if cell and (not found or bool(found[_ZONE]) != zoned):
+            raise ValueError
+        zone = found[_ZONE] or "" if found else ""
+        local.append(cell.removesuffix(zone) or "NaT")
+        digits = zone.strip("Z+-").replace(":", "").ljust(4, "0")
+        ahead = 60 * int(digits[:2]) + int(digits[2:])
+        minutes.append(-ahead if zone.startswith("-") else ahead)
+    moments: NDArray[np.datetime64] = np.array(local, "datetime64[ns]")
+    return np.asarray(moments - np.array(minutes, "timedelta64[m]"))
+
+
+def _joined(parts: list[NDArray[Any]]) -> Array:
+    """One column; seconds since the first of its dates."""
+    x: NDArray[Any] = np.concatenate(parts) if parts else np.empty(0)
+    if np.issubdtype(x.dtype, np.datetime64):
+        return np.asarray((x - x[:1]) / np.timedelta64(1, "s"))
+    return x
 
 
 def line_of(path: Path, sample: int) -> int:
-    """Line number, from 1, of a sample; blank lines are counted as lines, not as samples."""
-    before = _layout(path).before
-    for i, (number, _) in enumerate(_data_lines(path, before)):
-        if i == sample:
-            return number
-    return before + sample + 1
+    """Line number, from 1, of a sample; blank lines between are counted, not sampled."""
+    layout = _layout(path)
+    left = sample
+    for first, lines in _batches(path, layout):
+        for number, line in enumerate(lines, start=first):
+            left -= bool(line.rstrip("\r\n"))
+            if left < 0:
+                return number
+    return layout.before + sample + 1
 
 
 def _layout(path: Path) -> _Layout:
@@ -190,7 +291,7 @@ def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
         separator=separator,
         point=point,
         before=before,
-        moments=_moments(names, separator, after),
+        zoned=_zoned(names, separator, after),
         title=title + 1,
         skipped=title if title > remarks else 0,
         units=units,
@@ -260,61 +361,17 @@ def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
     return names
 
 
-def _moments(names: list[str], separator: str, some: str) -> dict[str, pa.DataType]:
-    """Type of each column that begins with a date and a time.
+def _zoned(names: list[str], separator: str, some: str) -> dict[str, bool]:
+    """Columns that begin with a date and a time, and whether that names its time zone.
 
     Args:
         some: the first lines that may be samples.
     """
     sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
     cells = zip(names, map(_MOMENT.fullmatch, sample), strict=False)
-    return {
-        name: pa.timestamp("ns", "UTC" if cell[_ZONE] else None) for name, cell in cells if cell
-    }
+    return {name: bool(cell[_ZONE]) for name, cell in cells if cell}
 
 
 def _numbers_only(line: str) -> bool:
     """Whether a line contains only numbers."""
     return all(_NUMBER.fullmatch(x) for x in re.split(r"[,;\s]+", line))
-
-
-def _data_lines(path: Path, before: int) -> Iterator[tuple[int, str]]:
-    """Number and text of every sample line, after the first `before` lines."""
-    with path.open(encoding="utf-8", errors="replace", newline="") as file:
-        number = 0
-        for chunk in file:
-            # Arrow ends a line at a lone carriage return too
-            for line in chunk.rstrip("\n").removesuffix("\r").split("\r"):
-                number += 1
-                if number > before and line:
-                    yield number, line
-
-
-def _first_fault(
-    path: Path, layout: _Layout, names: list[str], moments: Container[str], error: str
-) -> str:
-    """Find the cell that Arrow could not read, and name its line and column."""
-    all_names, number = layout.all_names, 0
-    # Arrow's row, the header being the first and blank lines uncounted: no need to parse the rest
-    row = re.search(r"Row #(\d+)", error)
-    first = max(0, int(row[1]) - 1 - layout.before) if row else 0
-    for number, line in islice(_data_lines(path, layout.before), first, None):
-        try:
-            cells = next(csv.reader([line], delimiter=layout.separator))
-        except csv.Error as fault:
-            return f"{path.name}, row {number}: {one_line(fault)}"
-        if len(cells) != len(all_names):
-            return (
-                f"{path.name}, row {number}: {len(cells)} cells, the header has "
-                f"{len(all_names)}: complete the row or leave it out"
-            )
-        for name, cell in zip(all_names, cells, strict=True):
-            of_dates = name in moments
-            kind = _MOMENT if of_dates else _NUMBER
-            text = cell if of_dates else cell.replace(layout.point, ".")
-            if name in names and cell and not kind.fullmatch(text):
-                wanted = "date with a time, as that of the first row is" if of_dates else "number"
-                return f"{path.name}, row {number}, {name}: {cell[:40]!r} is not a {wanted}"
-    if not number:
-        return f"{path.name}: no samples under the header, record some"
-    return f"{path.name}: cannot be read as a table: {error}"
