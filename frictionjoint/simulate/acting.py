@@ -1,4 +1,4 @@
-"""Whether friction acts: the warnings about a model that is stepped without our callback."""
+"""Warnings about a model with friction that is stepped without our callback."""
 
 import warnings
 import weakref
@@ -16,7 +16,7 @@ _warned: set[int] = set()
 
 
 def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, int]) -> None:
-    """Warn once per model if it was stepped and its friction was not evaluated meanwhile.
+    """Warn once per model if it was stepped and its friction was not evaluated.
 
     Args:
         model: resolved. data: of that model. found: addresses of its blocks by joint name.
@@ -44,5 +44,5 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
 
 
 def forget_warning(model: mujoco.MjModel) -> None:
-    """Warn again of a model at this address, which is attached now."""
+    """Allow the warning again for a model at this address, which is attached now."""
     _warned.discard(model._address)

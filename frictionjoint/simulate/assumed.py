@@ -1,4 +1,5 @@
-"""The text ``<custom><text name="frictionjoint-assumed:JOINT">``: what of a friction is assumed."""
+"""The text ``<custom><text name="frictionjoint-assumed:JOINT">``: what is assumed about a
+friction."""
 
 import mujoco
 
@@ -6,7 +7,7 @@ ASSUMED = "frictionjoint-assumed:"
 
 
 def remove_assumed(spec: mujoco.MjSpec, joint: str) -> None:
-    """Take the text of a joint out of a spec, also behind the prefix of ``MjSpec.attach``.
+    """Remove the text of a joint from a spec, also with a prefix of ``MjSpec.attach``.
 
     Args:
         spec: changed in place.

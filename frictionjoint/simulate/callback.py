@@ -1,7 +1,8 @@
-"""The passive-force callback in Python; ``simulate.native`` is the same in C, of the same kernels.
+"""The passive-force callback in Python; ``simulate.native`` is the same in C, from the same
+kernels.
 
-Both keep nothing: parameters are read from the model's numerics, state from the data's userdata. A
-model without friction costs a look at its numerics.
+Both are stateless: parameters are read from the model's numerics, state from the data's userdata.
+For a model without friction they only look through its numerics.
 """
 
 import mujoco
@@ -128,7 +129,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _copy_to_islands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Mass matrix and factors of MuJoCo until 3.10, which keeps them by island too."""
+    """Mass matrix and factors of MuJoCo up to 3.10, which also stores them by island."""
     for i, dof in enumerate(data.map_idof2dof[: data.nidof]):
         data.iLDiagInv[i] = data.qLDiagInv[dof]
         begin, n, to = model.M_rowadr[dof], model.M_rownnz[dof], data.iM_rowadr[i]

@@ -1,7 +1,7 @@
-"""Friction in dm_control: parameters into an MJCF tree, the callback around an environment.
+"""Friction in dm_control: parameters in an MJCF tree, the callback around an environment.
 
     root = mjcf.from_path("arm.xml")
-    install(root, {"elbow": parameters})                     # mjcf; what is compiled carries it
+    install(root, {"elbow": parameters})                     # mjcf; the compiled model has friction
     environment = composer.Environment(Task(root))           # or control.Environment
     with attach(environment):
         environment.step(action)
@@ -30,13 +30,13 @@ from frictionjoint.simulate.samples import FrictionSamples, Samples
 
 
 def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
-    """Write friction into the MJCF tree that will be compiled, with room for its state.
+    """Write friction into the MJCF tree to be compiled, with room for its state.
 
-    Call it after everything is attached to `root`. Friction a joint has already is replaced, so
-    that a composer task may draw it anew in ``initialize_episode_mjcf``.
+    Call it after everything is attached to `root`. Existing friction of a joint is replaced, so a
+    composer task may draw it anew in ``initialize_episode_mjcf``.
 
     Args:
-        root: changed in place, only if every joint is fit for it; not attached to anything.
+        root: changed in place, only if every joint is suitable; not attached to anything.
         friction: parameters by joint name, with scope ("robot/elbow").
     Raises:
         ModelError: unknown joint, not a hinge or slide, or `root` is attached to another model.
@@ -76,14 +76,14 @@ def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
 def attach(
     environment: Any, samples: Samples | None = None, seed: int | None = None
 ) -> Iterator[Any]:
-    """Friction acts in a ``control.Environment`` or ``composer.Environment`` inside the block.
+    """Turn on friction in a ``control.Environment`` or ``composer.Environment`` inside the block.
 
-    A composer environment compiles at every reset; each model is made ready as it is compiled.
+    A composer environment compiles at every reset; each model is prepared when it is compiled.
 
     Args:
-        environment: its model carries friction.
-        samples: parameter sets by name of the joint, with scope ("robot/elbow"), of which every
-            episode draws one per joint.
+        environment: its model has friction.
+        samples: parameter sets by name of the joint, with scope ("robot/elbow"); each episode draws
+            one per joint.
         seed: of the draws.
     Raises:
         ModelError: as `frictionjoint.attach`, or as `frictionjoint.set_parameters`.
@@ -113,7 +113,7 @@ def _hook(
     place: str,
     change: Callable[[mujoco.MjModel], Any],
 ) -> None:
-    """Change a composer environment's model at a hook; composer takes no hook away again."""
+    """Change a composer environment's model at a hook; composer cannot remove a hook."""
     active = [True]
     inside.callback(active.clear)
 

@@ -1,8 +1,8 @@
-"""Models that the callback meets before anybody has made them ready.
+"""Models that the callback meets before they are prepared.
 
-A model that is compiled, copied or loaded while friction acts carries its parameters, but not yet
-the addresses that belong to it. The native callback asks for them here when it first sees the
-model: one call into Python in the life of a model.
+A model that is compiled, copied or loaded while friction is on has its parameters, but not yet its
+own addresses. The native callback requests them here when it first meets the model: one call into
+Python per model.
 """
 
 import ctypes
@@ -27,7 +27,7 @@ _kept: list[Any] = []
 
 
 def make_ready(model: Any) -> None:
-    """Resolve a model's friction; where that fails warn once, and leave the model without it.
+    """Resolve a model's friction; if that fails, warn once and leave the model without friction.
 
     Args:
         model: an MjModel or a `ModelView`; it is being stepped, so its data exist.
@@ -60,7 +60,7 @@ def warn_of_no_room_in_c(m: Address) -> None:
 
 
 def bind_python() -> None:
-    """Tell compiled code where these two are."""
+    """Give compiled code the addresses of these two functions."""
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
     ready = prototype(lambda address: make_ready(ModelView(address)))
     for outside, function in (

@@ -5,8 +5,8 @@
     gymnasium.make_vec("MyArm-v0", num_envs=8, wrappers=[Friction])
     Friction(environment, samples={"elbow": report.samples(1024)})   # another draw per episode
 
-The environment's MJCF carries the parameters. A reset of a ``MujocoEnv`` is ``mj_resetData``, so
-the friction starts afresh with it. ``frictionjoint.enable()`` serves every environment without a
+The environment's MJCF contains the parameters. A reset of a ``MujocoEnv`` is ``mj_resetData``,
+which resets the friction too. ``frictionjoint.enable()`` serves every environment without a
 wrapper.
 """
 
@@ -20,15 +20,15 @@ from frictionjoint.simulate.samples import FrictionSamples, Samples
 
 
 class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Lets the friction carried by a ``MujocoEnv``'s model act until the environment closes.
+    """Turn on the friction of a ``MujocoEnv``'s model until the environment closes.
 
     Args:
-        env: its model carries friction.
-        samples: parameter sets by name of the joint, of which every reset draws one per joint; the
-            numbers drawn are ``info["friction_samples"]`` of the reset. The draws follow the seed
-            of the reset and leave the environment's own random numbers as they are.
+        env: its model has friction.
+        samples: parameter sets by name of the joint; each reset draws one per joint, and the
+            numbers are ``info["friction_samples"]`` of the reset. The draws follow the seed of the
+            reset and leave the environment's own random numbers unchanged.
     Raises:
-        ModelError: the model carries no friction, see `frictionjoint.attach`, or not that of the
+        ModelError: the model has no friction, see `frictionjoint.attach`, or not that of the
             samples, see `frictionjoint.set_parameters`.
         TypeError: the environment has no MuJoCo model.
     """
@@ -43,7 +43,7 @@ class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Reset the environment, with friction drawn anew where there are samples."""
+        """Reset the environment, with a new draw of friction if there are samples."""
         if self._samples is None:
             return super().reset(seed=seed, options=options)
         if seed is not None:
@@ -53,6 +53,6 @@ class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
         return observation, info | {"friction_samples": drawn}
 
     def close(self) -> None:
-        """Close the environment and let go of the callback."""
+        """Close the environment and release the callback."""
         self._attached.detach()
         super().close()

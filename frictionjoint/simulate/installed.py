@@ -1,8 +1,8 @@
-"""The one passive callback of the process: ours, after whatever the user had installed.
+"""The single passive callback of the process: the user's, then ours.
 
-MuJoCo keeps a single ``mjcb_passive``. Our kernel serves every model that carries friction, so it
-is installed once, however many models are attached; a callback that was there before is called
-first, at every evaluation, and comes back alone when the last hold ends.
+MuJoCo has one ``mjcb_passive``. Our kernel serves every model with friction, so it is installed
+once, however many models are attached. A callback that was there before is called first, at every
+evaluation, and is restored when the last hold ends.
 """
 
 import ctypes
@@ -29,9 +29,9 @@ class Hold:
     """A reason to keep the callback installed: an attached model, or `enable`.
 
     Attributes:
-        previous: the callback that this hold found installed, None without one.
-        callback: what it installed. first: the user's callback within it, None without one.
-        kernel: ours within it. warned: that another callback was set over it.
+        previous: the callback found at its start, None without one.
+        callback: the callback it installed. first: the user's callback within it, None without one.
+        kernel: ours within it. warned: whether a warning about a replaced callback was given.
     """
 
     previous: Any
@@ -65,9 +65,9 @@ def hold(backend: Backend) -> Hold:
 
 
 def release(entry: Hold) -> None:
-    """Undo one hold. They end in any order, so one below the top only hands down what it found.
+    """Undo one hold. Holds may end in any order; one below the top passes its previous callback on.
 
-    A callback that somebody installed over ours meanwhile stays.
+    A callback that other code installed over ours stays.
     """
     _warn_if_replaced("it stays so")
     at = _holds.index(entry)
@@ -86,7 +86,7 @@ def is_installed() -> bool:
 
 
 def replaced() -> bool:
-    """Whether somebody has set another passive callback since our last hold began."""
+    """Whether other code has set a passive callback since our last hold began."""
     return bool(_holds) and not is_installed()
 
 
@@ -115,7 +115,7 @@ def _kernel(backend: Backend) -> Any:
 
 
 def _in_turn(first: Any, kernel: Any) -> Any:
-    """One callback that calls two; C where both are C, so that no thread waits for Python."""
+    """One callback that calls two; in C if both are C, so that no thread waits for Python."""
     if first is None:
         return kernel
     if is_c(first) and kernel is not python_callback and _is_free(first):
@@ -141,6 +141,6 @@ def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], Non
 
 
 def _is_free(first: Any) -> bool:
-    """Whether C can call this one first: it does so for one callback of a user's at a time."""
+    """Whether C can call this callback first; it supports one user callback at a time."""
     others = (hold.first for hold in _holds if hold.first is not None and is_c(hold.first))
     return all(_address(other) == _address(first) for other in others)

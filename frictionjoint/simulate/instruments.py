@@ -1,9 +1,9 @@
-"""Instruments that are late: `measurement-delay` as MuJoCo's own delay of a joint's sensors.
+"""Delayed instruments: `measurement-delay` as MuJoCo's own delay of a joint's sensors.
 
-Where the position is logged late, the joint's sensors of position and velocity are; where the
-torque is, its sensor of the actuators' force. A joint without such sensors gets them, so that what
-is read from ``sensordata`` is what the instruments would have logged. Nothing else is late: the
-simulation itself knows the position as it is.
+If the position is logged late, the joint's sensors of position and velocity are delayed; if the
+torque is, its sensor of the actuator force. A joint without such sensors gets them, so that
+``sensordata`` contains what the instruments would have logged. Nothing else is delayed: the
+simulation itself uses the true position.
 """
 
 import math
@@ -17,7 +17,7 @@ _LINEAR = 1  # between the samples that MuJoCo keeps
 
 
 def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
-    """Make a joint's sensors late, s: of the position above 0, of the torque below; in place."""
+    """Delay a joint's sensors, s: of the position if above 0, of the torque if below; in place."""
     late = {True: _POSITION, False: _TORQUE}
     for kind in (*_POSITION, *_TORQUE):
         found = [s for s in spec.sensors if s.type == kind and s.objname == joint]

@@ -1,7 +1,7 @@
-"""Byte offsets of the fields the native callback touches in mjModel and mjData.
+"""Byte offsets of the mjModel and mjData fields that the native callback uses.
 
-They differ between MuJoCo versions. They are worked out from `mujoco.introspect`, which lists the
-C structures of the running build, and checked against a live model before they are trusted.
+They differ between MuJoCo versions. They are computed from `mujoco.introspect`, which lists the C
+structures of the running build, and verified against a live model.
 """
 
 import ctypes
@@ -86,7 +86,7 @@ OLD_DATA_FIELDS = (
 
 
 class LayoutMismatchError(RuntimeError):
-    """The structures of this MuJoCo build are not what its own listing says."""
+    """The structures of this MuJoCo build differ from its own listing."""
 
 
 def _ctype(declared: Any) -> Any:
@@ -138,10 +138,10 @@ def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
 
 @lru_cache(maxsize=1)
 def offsets() -> tuple[dict[str, int], dict[str, int]]:
-    """Byte offsets in mjModel and mjData by field name; fields of some versions only where there.
+    """Byte offsets in mjModel and mjData by field name; fields of some versions only if they exist.
 
     Raises:
-        LayoutMismatchError: a live model does not hold what the offsets promise.
+        LayoutMismatchError: a live model contradicts the offsets.
     """
     model_type = model_structure()
     data_type = data_structure()

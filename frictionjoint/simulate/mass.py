@@ -15,7 +15,7 @@ from frictionjoint.simulate.row import BASE, GAIN, WRITTEN
 
 @in_line
 def take_back(X: Vector, x: int, M: Vector, entry: int) -> None:
-    """Make M[entry] what it is without friction; the row X[x:] holds what stands in the factors."""
+    """Restore M[entry] without friction; the row X[x:] stores the entry of the factors."""
     found = M[entry]
     if found == X[x + WRITTEN]:
         M[entry] = X[x + BASE]
@@ -25,7 +25,7 @@ def take_back(X: Vector, x: int, M: Vector, entry: int) -> None:
 
 @in_line
 def put_in(X: Vector, x: int, M: Vector, entry: int, h: float) -> bool:
-    """Add friction of a step of h s to M[entry]; whether M is to be factored again."""
+    """Add friction of a step of h s to M[entry]; returns whether M must be factored again."""
     new = X[x + BASE] + h * X[x + GAIN]
     M[entry] = new
     changed = new != X[x + WRITTEN]

@@ -1,18 +1,18 @@
-"""What elasticity and backlash are in a model: a second joint between motor and link.
+"""Elasticity and backlash in a model: a second joint between motor and link.
 
-The joint that carries friction turns with the motor: actuators, encoder and friction act on it, and
-the rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is how far
-the link is ahead of it: it has the spring and damper of `joint-elasticity`, or within the gap of
-`backlash` nothing, and beyond it the flanks, which push and do not hold.
+The joint with friction turns with the motor: actuators, encoder and friction act on it, and the
+rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is the link's lead.
+It has the spring and damper of `joint-elasticity`; for `backlash`, nothing within the gap, and
+beyond it the flanks, which push but do not pull.
 
-The numbers of a fit are those that a motor feels: the inertia J behind the spring, its resonance
-with the motor held, its damping. For the last joint of a chain the link is given that inertia: what
-it lacks is the armature of a tendon over both joints, what it has too much goes to the rotor. Where
-the link's inertia cannot be made smaller, and MuJoCo would see an impossible body, that of a first
-joint gets more mass nearer to the axis, which weighs as much on it. Behind any other joint its mass
-counts, and the deflection gets an armature that leaves to the motor's side just what was
-identified. Before other joints the inertia is left to the bodies, whatever the pose, and the fit
-gives stiffness and damping. Behind a gap is the link without what turns with the motor.
+The numbers of a fit are those that the motor sees: the inertia J behind the spring, its resonance
+with the motor held, its damping. For the last joint of a chain the link gets that inertia: a
+missing part becomes the armature of a tendon over both joints, a surplus moves to the rotor. If the
+link's inertia cannot be reduced, because MuJoCo would see an impossible body, a first joint's mass
+moves nearer to the axis with the same weight. Behind any other joint the mass counts, and the
+deflection gets an armature that leaves the identified inertia on the motor's side. Before other
+joints the inertia is that of the bodies, whatever the pose, and the fit gives stiffness and
+damping. Behind a gap is the link without the parts that turn with the motor.
 """
 
 import math
@@ -46,7 +46,7 @@ class _Spring:
     """Spring between motor and link.
 
     Attributes:
-        inertia: behind it, kg m^2. rate: rad/s, of the link on it with the motor held.
+        inertia: behind it, kg m^2. rate: rad/s, natural frequency of the link with the motor held.
         damping_ratio: 1, at that rate. half_gap: rad. least_rotor: kg m^2.
     """
 
@@ -68,7 +68,7 @@ class _Spring:
 
 
 def require_place(spec: mujoco.MjSpec, name: str) -> None:
-    """See to it that a joint can have a deflection behind it.
+    """Check that a joint can have a deflection behind it.
 
     Raises:
         ModelError: another joint of its body comes after it, or the deflection's name is taken.
@@ -136,7 +136,7 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
 
 
 def remove_mechanism(spec: mujoco.MjSpec, name: str) -> None:
-    """Take a joint's deflection out again, if it has one; the inertia that it moves stays."""
+    """Remove a joint's deflection, if it has one; the inertia that moved stays."""
     found = spec.joint(name + DEFLECTION)
     if found is None:
         return
@@ -151,7 +151,7 @@ def remove_mechanism(spec: mujoco.MjSpec, name: str) -> None:
 
 
 def require_flags(model: mujoco.MjModel, name: str) -> None:
-    """See to it that the flags of a model let a joint's deflection spring back.
+    """Check that the flags of a model let a joint's deflection spring back.
 
     Raises:
         ModelError: they do not.
@@ -178,7 +178,7 @@ def deflection(model: mujoco.MjModel, name: str) -> int:
 
 
 def _inertia(model: mujoco.MjModel, dof: int) -> float:
-    """Of a joint at qpos0, its armature and all behind it, kg m^2 (kg)."""
+    """Inertia of a joint at qpos0: its armature and all behind it, kg m^2 (kg)."""
     data, unit, column = mujoco.MjData(model), np.zeros(model.nv), np.zeros(model.nv)
     mujoco.mj_forward(model, data)
     unit[dof] = 1.0
@@ -189,7 +189,7 @@ def _inertia(model: mujoco.MjModel, dof: int) -> float:
 def _spring(
     name: str, effects: Sequence[tuple[Effect, Array]], link: float, total: float, step: float
 ) -> _Spring:
-    """What one effect says or two, then springs in a row, as far as the time step resolves it."""
+    """The spring of one effect, or of two in series, softened as the time step requires."""
     behind, half_gap, compliance, damping_ratio = total, 0.0, 0.0, 0.0
     for effect, numbers in effects:
         if effect is ELASTICITY:
@@ -216,7 +216,8 @@ def _spring(
 
 
 def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
-    """Take inertia about a hinge's axis from its body, kg m^2; False where none such can be."""
+    """Reduce the inertia of a body about a hinge's axis, kg m^2; False if no such body can
+    exist."""
     if not _own_inertia(spec, model, j):
         return False
     b = int(model.jnt_bodyid[j])
@@ -236,10 +237,11 @@ def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) 
 
 
 def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
-    """Take inertia about a hinge's axis from where its body's mass is, its first moment kept.
+    """Reduce the inertia about a hinge's axis by moving the mass nearer, with the same first
+    moment.
 
     Returns:
-        False where other joints feel the mass, or where its distance does not make so much.
+        False if other joints feel the mass, or if its distance does not suffice.
     """
     if not _own_inertia(spec, model, j) or model.dof_parentid[model.jnt_dofadr[j]] >= 0:
         return False
@@ -258,7 +260,7 @@ def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -
 
 
 def _own_inertia(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int) -> bool:
-    """Whether a hinge's body can be given an inertia: MuJoCo does not make it of its geoms."""
+    """Whether a hinge's body has an explicit inertia, not one from its geoms."""
     if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_HINGE:
         return False
     return bool(spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
@@ -284,7 +286,7 @@ def _in_keys(
 
 
 def _first(joint: mujoco.MjsJoint, field: str, value: float) -> None:
-    """Set the first coefficient of a polynomial, or the one number of an older MuJoCo."""
+    """Set the first coefficient of a polynomial, or the single number of an older MuJoCo."""
     numbers = np.zeros_like(np.array(getattr(joint, field), dtype=np.float64))
     np.ravel(numbers)[:1] = value
     setattr(joint, field, numbers if numbers.ndim else value)

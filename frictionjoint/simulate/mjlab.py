@@ -1,11 +1,13 @@
-"""Friction in mjlab: actuator configurations whose joints have what their MJCF carries.
+"""Friction in mjlab: actuator configurations whose joints have the friction of their MJCF.
 
-mjlab initializes its actuators with the compiled model and mujoco_warp's model and data. The
-actuators here are mjlab's own, delay and limits included, and let the friction act from then on.
-One of them is enough for a scene: it serves every joint of it that carries friction.
+mjlab initialises its actuators with the compiled model and mujoco_warp's model and data. The
+actuators here are mjlab's own, delay and limits included, and turn friction on at that moment. One
+of them is
+enough for a scene: it serves every joint with friction in it.
 
-A CUDA graph that mjlab captured before does not hold the friction: call ``env.sim.create_graph()``
-once the environment is made.
+A CUDA graph that mjlab captured before does not contain the friction: call
+``env.sim.create_graph()``
+after the environment is made.
 """
 
 # mjlab and torch are not installed where types are checked
@@ -21,7 +23,7 @@ from frictionjoint.simulate.warp import WarpFriction, attach_warp
 
 
 class _WithFriction:
-    """Lets friction act when mjlab initializes the actuator."""
+    """Turns friction on when mjlab initialises the actuator."""
 
     def initialize(self, mj_model: mujoco.MjModel, model: Any, data: Any, device: str) -> None:
         super().initialize(mj_model, model, data, device)
@@ -29,11 +31,11 @@ class _WithFriction:
 
 
 def friction_of(mj_model: mujoco.MjModel, model: Any, data: Any) -> WarpFriction:
-    """The friction that acts in a scene, attached now if it was not.
+    """The friction of a scene, attached now if it was not.
 
     Args:
         mj_model: the compiled model.
-        model: mujoco_warp's, bare or as mjlab's bridge hands it out.
+        model: mujoco_warp's, bare or as mjlab's bridge returns it.
         data: mujoco_warp's, in the same way.
     Raises:
         ModelError: see `attach_warp`.

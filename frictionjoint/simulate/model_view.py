@@ -8,7 +8,7 @@ from frictionjoint.simulate.layout import model_extents, model_structure
 
 
 class ModelView:
-    """The fields of an mjModel under the names that `mujoco.MjModel` gives them.
+    """The fields of an mjModel under the names in `mujoco.MjModel`.
 
     Arrays are views of the model's own memory: it must outlive them, and writing changes it.
 

@@ -1,13 +1,13 @@
-"""A motor driven by a voltage or a current, as MuJoCo sees it.
+"""A motor driven by a voltage or a current, in MuJoCo.
 
 The motor is an actuator whose ``ctrl`` is the voltage at its leads:
 
     torque = kt/R (V - kt v)
 
-less what saturates (`motor-saturation`), which the friction's callback takes off. At 0 V its leads
-are held together and the back-EMF brakes. A motor that is let go has open leads: no current, no
-torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an actuator group to
-itself. Driven by a current, its ``ctrl`` is that current and nothing brakes.
+minus the saturation (`motor-saturation`), which the friction's callback subtracts. At 0 V its leads
+are shorted and the back-EMF brakes. A motor that is switched off has open leads: no current, no
+torque and no brake. In MuJoCo that is a disabled actuator, so the motor gets an actuator group of
+its own. For a motor driven by a current, ``ctrl`` is that current and nothing brakes.
 """
 
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ ALL_OFF = (1 << _GROUPS) - 1
 
 @dataclass(frozen=True)
 class Motor:
-    """A DC motor seen through its gear.
+    """A DC motor as its gear transmits it.
 
     Attributes:
-        gain: kt/R, N m/V (N/V for a slide); kt, N m/A, of a motor driven by its current.
+        gain: kt/R, N m/V (N/V for a slide); kt, N m/A, for a motor driven by its current.
         back_emf: kt**2/R, N m s/rad (N s/m); 0 for a current.
-        drive: what its ``ctrl`` is.
+        drive: kind of its ``ctrl``.
         saturation: s of the effect `motor-saturation`, 1/(N m)^2.
     """
 
@@ -41,7 +41,7 @@ class Motor:
     saturation: float = 0.0
 
     def torque(self, voltage: float, velocity: float) -> float:
-        """N m (N) with the circuit closed."""
+        """Torque with the circuit closed, N m (N)."""
         return float(given(self.gain * voltage - self.back_emf * velocity, self.saturation))
 
 

@@ -1,8 +1,7 @@
-"""Torque commanded of a joint's motors, for effects by which they give less than that.
+"""Torque commanded of a joint's motors, for effects by which they deliver less.
 
-MuJoCo works out the forces of actuators after the passive ones, so the callback reads ``ctrl``
-itself. It takes actuators that a motor is made of: a gain and an affine bias, nothing that
-remembers and no limit of the force.
+MuJoCo computes actuator forces after the passive ones, so the callback reads ``ctrl`` itself. It
+supports actuators with a gain and an affine bias, without dynamics and without a force limit.
 """
 
 import mujoco
@@ -29,7 +28,7 @@ _GEAR, _GAIN, _BIAS = 6, mujoco.mjNGAIN, mujoco.mjNBIAS
 
 @compiled
 def gives_less(P: Vector, effects: int) -> bool:
-    """Whether the block at P[effects] holds `motor-saturation` or `motor-temperature`."""
+    """Whether the block at P[effects] contains `motor-saturation` or `motor-temperature`."""
     at = effects + 1
     for _ in range(int(P[effects])):
         for known in _IDS:
@@ -57,10 +56,10 @@ def asked_torque(
     ranges: Vector,
     ctrl: Vector,
 ) -> float:
-    """Torque of the actuators on a joint at this instant, N m, from MuJoCo's own arrays.
+    """Commanded torque of the actuators on a joint, N m, from MuJoCo's own arrays.
 
     Args:
-        flags: ``opt.disableflags``; off: ``opt.disableactuator``, one bit a group.
+        flags: ``opt.disableflags``; off: ``opt.disableactuator``, one bit per group.
     """
     total = 0.0
     if flags & _NO_ACTUATION:
@@ -93,7 +92,7 @@ def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
 
 
 def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
-    """See to it that motors that give less than asked are such as `asked_torque` knows.
+    """Check that `asked_torque` supports the motors that deliver less than commanded.
 
     Raises:
         ModelError: an actuator of another kind on the joint, or none.

@@ -1,7 +1,7 @@
-"""The passive callback as C: MuJoCo calls it with the addresses of a model and its data.
+"""The passive callback in C: MuJoCo calls it with the addresses of a model and its data.
 
-Where the fields of their structures lie is known when the process has found its MuJoCo: a table
-holds it (``simulate.layout`` verifies it against a live model).
+The offsets of their fields are known after the process has loaded its MuJoCo. They are kept in a
+table (``simulate.layout`` verifies it against a live model).
 """
 
 import ctypes
@@ -168,7 +168,7 @@ AT = Table("offsets", len(_OF_MODEL) + len(_OF_DATA))
 
 @compiled
 def native(m: Address, d: Address) -> None:
-    """Take the friction of a model's joints from ``qfrc_passive``; see ``python_callback``."""
+    """Subtract the friction of a model's joints from ``qfrc_passive``; see ``python_callback``."""
     n = int(wholes_in(m, AT[M_NNUMERIC])[0])
     if n == 0:
         return
@@ -310,7 +310,7 @@ def native(m: Address, d: Address) -> None:
 
 @external
 def first_callback(m: Address, d: Address) -> None:
-    """The one that a user had installed before."""
+    """The callback that a user had installed before."""
 
 
 @compiled
@@ -336,7 +336,7 @@ def build_native() -> Any:
     """The callback for this process's MuJoCo, as a ctypes function.
 
     Raises:
-        LayoutMismatchError: the structures are not what MuJoCo's own listing says.
+        LayoutMismatchError: the structures differ from MuJoCo's own listing.
     """
     model_at, data_at = offsets()
     AT.numbers[:] = [

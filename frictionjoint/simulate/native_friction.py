@@ -1,4 +1,4 @@
-"""MuJoCo's own friction and damping of a joint, which would count twice with ours."""
+"""MuJoCo's own friction and damping of a joint, which would count twice together with ours."""
 
 from collections.abc import Iterable
 
@@ -11,7 +11,7 @@ MEND = "clear it with `frictionjoint install --clear-native`, or install(..., cl
 
 
 def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:
-    """What acts natively, in words, by name of the joint; joints without are left out."""
+    """Native friction in words, by name of the joint; joints without are left out."""
     found = {}
     for name in joints:
         dof = int(model.jnt_dofadr[model.joint(name).id])
@@ -26,7 +26,7 @@ def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, s
 
 
 def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
-    """A sentence for each fixed tendon over a joint that has MuJoCo's own friction or damping."""
+    """A sentence for each fixed tendon with native friction or damping over a joint."""
     found = []
     for t in range(model.ntendon):
         first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
@@ -40,7 +40,7 @@ def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
 
 
 def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[str, str]:
-    """The same of a spec, with the damping that ``springdamper`` makes when it compiles."""
+    """The same for a spec, including the damping that ``springdamper`` creates when it compiles."""
     joints = list(joints)
     if any(_has_springdamper(spec.joint(name)) for name in joints):
         return native_friction(compiled_copy(spec), joints)
@@ -54,10 +54,10 @@ def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[
 
 
 def clear_native_friction(spec: mujoco.MjSpec, joints: Iterable[str]) -> None:
-    """Take frictionloss and damping off joints of a spec.
+    """Remove frictionloss and damping from joints of a spec.
 
-    ``springdamper`` overrides a joint's stiffness and damping when the model compiles: the
-    stiffness that it makes stays, as a number, and its damping goes.
+    ``springdamper`` overrides a joint's stiffness and damping when the model compiles: its
+    stiffness is kept as a number, its damping removed.
     """
     joints = list(joints)
     of_springdamper = [name for name in joints if _has_springdamper(spec.joint(name))]

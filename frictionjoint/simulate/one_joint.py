@@ -1,7 +1,7 @@
 """One joint in closed loop, without MuJoCo: its law, its effects, its load and its controller.
 
-It steps as MuJoCo does with implicitfast, by the kernels that the callback runs, some fifty times
-faster: a fit of simulated motion asks for it thousands of times. Other joints follow their
+It steps as MuJoCo does with implicitfast, with the kernels of the callback, about fifty times
+faster, because a fit to simulated motion needs thousands of runs. Other joints follow their
 measured motion. Limits and contacts are left out.
 """
 
@@ -40,14 +40,14 @@ _ROWS = 10
 
 @dataclass(frozen=True)
 class Load:
-    """Torque of the rigid body: inertia a + c cos q + s sin q + r + stiffness (q - q0).
+    """Rigid-body torque: inertia a + c cos q + s sin q + r + stiffness (q - q0).
 
-    Exact for a joint alone; among other joints their motion enters at the measured position.
+    Exact for a single joint; with other joints, their motion enters at the measured position.
 
     Attributes:
         numbers: inertia, c, s, r, and the mean, cosine and sine of the two unit gravity torques,
-            shape (10, n); n is 1 where they do not change in time.
-        armature: kg m^2, of the inertia. stiffness: of the MJCF's own spring, and q0.
+            shape (10, n); n is 1 if they are constant.
+        armature: kg m^2, part of the inertia. stiffness: of the MJCF's own spring, and q0.
     """
 
     numbers: Array
@@ -61,7 +61,7 @@ def load_of(
     velocity: Array | None = None,
     others: Mapping[str, tuple[Array, Array, Array]] | None = None,
 ) -> Load:
-    """Load of a joint, along the measured motion of other joints where there are any.
+    """Load of a joint, along the measured motion of other joints if there are any.
 
     Args:
         velocity: of the joint, shape (n,). others: position, velocity and acceleration by name.
@@ -86,7 +86,7 @@ def load_of(
 
 
 def _harmonic(x: list[Array]) -> tuple[Array, Array, Array]:
-    """Mean, cosine and sine of what is known at `_TURNS`."""
+    """Mean, cosine and sine of a quantity known at `_TURNS`."""
     cosine = sum(2.0 / 3.0 * math.cos(q) * y for q, y in zip(_TURNS, x, strict=True))
     sine = sum(2.0 / 3.0 * math.sin(q) * y for q, y in zip(_TURNS, x, strict=True))
     return (x[0] + x[1] + x[2]) / 3.0, np.asarray(cosine), np.asarray(sine)
@@ -94,14 +94,14 @@ def _harmonic(x: list[Array]) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class JointModel:
-    """All that a simulation of one joint needs besides its load and its controller.
+    """A joint for simulation, without its load and its controller.
 
     Attributes:
         numbers: block of the law, then of the effects. effects: where those begin.
         gain: N m per unit of the drive. back_emf: N m s/rad, while the drive is on.
-        inertia: kg m^2 beyond that of the MJCF. lag: s from a tick to its torque.
-        thermal: place in the row and reference, deg C, of each temperature that an effect
-            remembers, shape (k, 2).
+        inertia: kg m^2 in addition to the MJCF's. lag: s from a tick to its torque.
+        thermal: place in the row and reference, deg C, of each temperature in an effect's memory,
+            shape (k, 2).
     """
 
     numbers: Array
@@ -136,18 +136,18 @@ class JointModel:
 
     @property
     def row(self) -> int:
-        """float64 of state."""
+        """Number of float64 of state."""
         return row_size(int(law_row_size(self.numbers, 0)), int(self.numbers[self.effects]))
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a simulation is given, on its own steps, all of shape (n,) but for the numbers.
+    """Input of a simulation, on its own steps, arrays of shape (n,).
 
     Attributes:
-        step: s. target: that the controller knows, rad. supply: over that of the block.
+        step: s. target: known to the controller, rad. supply: relative to that of the block.
         on: whether the drive is on. start: position and velocity at the first step.
-        temperature: as measured, deg C, shape (n,); None: effects of it rest at their references.
+        temperature: as measured, deg C, shape (n,); None: effects stay at their references.
     """
 
     step: float
@@ -168,13 +168,15 @@ def simulate(
 ) -> Array:
     """Position at every step, rad, shape (n,).
 
-    A joint that stands at first is held by its friction, as far as that goes, against its load, its
-    effects and its drive, which then has acted before; otherwise friction begins as if never moved.
+    If a joint is at rest at first, friction holds it as far as it can against its load, its effects
+    and its drive, which is assumed to have acted before; otherwise friction starts as if never
+    moved.
 
     Args:
-        motion: position and velocity as measured, on the steps, shape (n,) each, from which the
-            run is started anew after every `window` steps; friction and controller have followed
-            that motion up to there. None: the whole run is free.
+        motion: measured position and velocity on the steps, shape (n,) each, from which the run is
+            restarted after every `window` steps; friction and controller follow that motion up to
+            there.
+            None: the whole run is free.
     """
     n = len(run.target)
     q, v = motion if motion is not None else (np.zeros(0), np.zeros(0))
@@ -206,15 +208,15 @@ def simulate(
 
 
 class _Given(NamedTuple):
-    """What stays the same through a run.
+    """Constants of a run.
 
     Attributes:
         P: block of the law, then of the effects. effects: where those begin.
         B: block of the controller. motor: gain, back-EMF, inertia and lag, in steps.
         load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
         step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
-        temperature, thermal: see `Run` and `JointModel`; nothing where it was not measured.
-        began: whether the drive set in at the first step: before, a lag finds nothing there.
+        temperature, thermal: see `Run` and `JointModel`; empty if it was not measured.
+        began: whether the drive starts at the first step; then a lag finds no earlier drive.
     """
 
     P: Array
@@ -236,14 +238,15 @@ class _Given(NamedTuple):
 
 @in_line
 def _warm(given: _Given, X: Vector, k: int) -> None:
-    """Put the temperature of step k where effects remember it."""
+    """Write the temperature of step k into the effects' memory."""
     for i in range(len(given.thermal)):
         X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
 
 
 @in_line
 def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float) -> float:
-    """Of the rigid body and the MJCF's own spring at step i; c, s: cosine and sine of q."""
+    """Torque of the rigid body and of the MJCF's own spring at step i; c, s: cosine and sine of
+    q."""
     return float(load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2]))
 
 
@@ -260,7 +263,7 @@ def _effects(
     s: float,
     asked: float,
 ) -> float:
-    """Torque of the effects with what surrounds the joint at step k; c, s: cosine and sine of q."""
+    """Torque of the effects at step k, with their signals; c, s: cosine and sine of q."""
     load, body = given.load, given.body
     i = min(k, load.shape[1] - 1)
     gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
@@ -274,7 +277,7 @@ def _effects(
 
 @compiled
 def _hold(given: _Given, X: Vector, q: float) -> bool:
-    """Strain the friction of a joint at rest until it holds what the drive and the load leave.
+    """Deflect the friction of a joint at rest until it balances drive and load.
 
     Returns:
         whether it can.
@@ -309,16 +312,16 @@ def copy(X: Vector, to: Vector) -> None:
 
 @compiled
 def _tried(given: _Given, X: Vector, tried: Vector, q: float, d: float, asked: float) -> float:
-    """`_unbalanced` of a row that is as X at first."""
+    """`_unbalanced` for a row that starts as X."""
     copy(X, tried)
     return _unbalanced(given, tried, q, d, asked)
 
 
 @compiled
 def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> float:
-    """Torque of all but the drive, less the drive's, at rest at q after a slow displacement d.
+    """Torque of everything minus the drive's, at rest at q after a slow displacement d.
 
-    Of a friction that was never moved before.
+    The friction starts as never moved.
     """
     P, effects, h = given.P, given.effects, given.step
     c, s = math.cos(q), math.sin(q)
@@ -380,7 +383,7 @@ def _part(
 
 @compiled
 def _along(given: _Given, X: Vector, S: Vector, begin: int, end: int, drive: Vector) -> None:
-    """Lead friction, effects and controller along the measured motion from `begin` to `end`."""
+    """Drive friction, effects and controller along the measured motion from `begin` to `end`."""
     P, effects, load, body = given.P, given.effects, given.load, given.body
     gain, emf, on = given.motor[0], given.motor[1], given.on
     some = P[effects] > 0.0
@@ -402,7 +405,7 @@ def _along(given: _Given, X: Vector, S: Vector, begin: int, end: int, drive: Vec
 def _windows(
     given: _Given, X: Vector, S: Vector, window: int, position: Vector, drive: Vector
 ) -> None:
-    """Steps free from the measured motion in windows; X and S follow that motion between them."""
+    """Free steps in windows from the measured motion, which X and S follow between them."""
     n = len(given.target)
     row, remembered = room(len(X)), room(len(S))
     for begin in range(0, n, window):

@@ -1,6 +1,6 @@
-"""MuJoCo's structures and functions as compiled code reaches them.
+"""MuJoCo's structures and functions for compiled code.
 
-A structure is an address, and a field of it lies so many bytes behind it (``simulate.layout``).
+A structure is an address, and a field is at a byte offset from it (``simulate.layout``).
 """
 
 import ctypes
@@ -22,37 +22,37 @@ Flags = Index
 
 @c_text("(*(double **)({0} + {1}))")
 def reals(owner: Address, at: int) -> Vector:
-    """The array of doubles whose address a structure holds `at` bytes from its beginning."""
+    """The array of doubles whose address is at byte `at` of a structure."""
     raise NotImplementedError
 
 
 @c_text("(*(int32_t **)({0} + {1}))")
 def shorts(owner: Address, at: int) -> Shorts:
-    """The same of ints."""
+    """The same for ints."""
     raise NotImplementedError
 
 
 @c_text("(*(uint8_t **)({0} + {1}))")
 def flags(owner: Address, at: int) -> Flags:
-    """The same of bytes."""
+    """The same for bytes."""
     raise NotImplementedError
 
 
 @c_text("((double *)({0} + {1}))")
 def reals_in(owner: Address, at: int) -> Vector:
-    """The doubles that a structure itself holds there."""
+    """The doubles inside a structure at that offset."""
     raise NotImplementedError
 
 
 @c_text("((int32_t *)({0} + {1}))")
 def shorts_in(owner: Address, at: int) -> Shorts:
-    """The ints that a structure itself holds there."""
+    """The ints inside a structure at that offset."""
     raise NotImplementedError
 
 
 @c_text("((int64_t *)({0} + {1}))")
 def wholes_in(owner: Address, at: int) -> Index:
-    """The sizes that a structure itself holds there."""
+    """The sizes inside a structure at that offset."""
     raise NotImplementedError
 
 
@@ -73,17 +73,17 @@ def mj_factorM(m: Address, d: Address) -> None:
 
 @external
 def mj_projectConstraint(m: Address, d: Address) -> None:
-    """The inverse inertia that constraints feel."""
+    """Inverse inertia in constraint space."""
 
 
 @external
 def mj_markStack(d: Address) -> None:
-    """Remember how much of the data's stack is taken."""
+    """Mark the present top of the data's stack."""
 
 
 @external
 def mj_freeStack(d: Address) -> None:
-    """Give back what was taken since."""
+    """Free everything allocated since the mark."""
 
 
 @external
@@ -93,7 +93,7 @@ def mj_stackAllocNum(d: Address, n: Size) -> Vector:
 
 
 def bind_mujoco(*functions: External[..., Any]) -> None:
-    """Tell compiled code where the loaded MuJoCo has these functions."""
+    """Give compiled code the addresses of these functions in the loaded MuJoCo."""
     folder = os.path.dirname(mujoco.__file__)
     names = sorted(os.listdir(folder))
     file = next(f for f in names if "libmujoco" in f or f == "mujoco.dll")

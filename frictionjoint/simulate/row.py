@@ -50,7 +50,7 @@ SLIPPING = 0.5
 
 
 def row_size(law_row: int, n_effects: int) -> int:
-    """float64 that a joint with this many effects takes in userdata."""
+    """Number of float64 in userdata for a joint with this many effects."""
     return FRONT + law_row + (2 * MEMORY + 1) * n_effects
 
 
@@ -66,7 +66,7 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 @in_line
 def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
-    """What effects remember, committed and evaluated, is as in a joint never moved."""
+    """Reset the effects' memory, committed and evaluated, to that of a joint never moved."""
     memory = x + FRONT + law_row_size(P, p)
     for i in range(2 * MEMORY * int(P[effects])):
         X[memory + i] = 0.0
@@ -86,8 +86,8 @@ def torque_now(
 ) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
-    A state gone astray has no torque: NaN. `step` is the model's time step, s; with 0 no gap is a
-    leap.
+    A diverged state has no torque: NaN. `step` is the model's time step, s; with 0 no gap counts as
+    a reset.
     """
     if not (abs(q) <= ASTRAY and abs(v) <= ASTRAY):
         # the law's search for events would not end; what is remembered stays as it is

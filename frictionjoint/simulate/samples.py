@@ -1,4 +1,4 @@
-"""Friction drawn anew for every episode, from the samples of a report (domain randomisation)."""
+"""Friction drawn for each episode from the samples of a report (domain randomisation)."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""A joint's friction while it runs: torque over time, hysteresis loop, stick or slip.
+"""Plots of a joint's friction while it runs: torque over time, hysteresis loop, stick or slip.
 
-Drawn with MuJoCo's own figures, so the same `Scope` serves the interactive viewer
-(``handle.set_figures(scope.figures(handle.viewport))``) and a rendering off screen.
+They use MuJoCo's own figures, so the same `Scope` serves the interactive viewer
+(``handle.set_figures(scope.figures(handle.viewport))``) and off-screen rendering.
 """
 
 from collections import deque
@@ -32,7 +32,7 @@ class Sample:
     Attributes:
         time: s. position: rad. velocity: rad/s. torque: N m, of the law, opposing motion.
         sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
-        depth: extrema remembered inside the limits.
+        depth: number of extrema in memory, without the limits.
     """
 
     time: float
@@ -78,7 +78,7 @@ class Scope:
         self._samples: deque[Sample] = deque(maxlen=_POINTS)
 
     def record(self, data: mujoco.MjData) -> Sample:
-        """Read the joint's state after a step; a time that goes back empties the figures."""
+        """Read the joint's state after a step; if time goes back, the figures are cleared."""
         X = data.userdata
         header = self._row + FRONT + HEADER
         velocity = float(data.qvel[self._v])
@@ -99,7 +99,7 @@ class Scope:
     def figures(self, viewport: mujoco.MjrRect) -> list[tuple[mujoco.MjrRect, mujoco.MjvFigure]]:
         """Torque over time and the hysteresis loop, in the lower corners of the viewport.
 
-        The loop is that around the place where the joint stuck last.
+        The loop is drawn around the position where the joint last stuck.
         """
         position, torque = self._units
         width, height = viewport.width * 2 // 5, viewport.height * 2 // 5
