@@ -1,11 +1,11 @@
 """Public logs that nothing was tried on before: the first command of each, and a least squares.
 
-    python lab/public_logs.py --raw DIR [--only cart --only sawyer] [--out DIR] [--write]
+    python lab/public_logs.py --raw DIR --out DIR [--only cart --only sawyer]
 
 `public_logs.toml` names the source of each log, its files in --raw, and the options. Each row is
 one command `frictionjoint close-loop`, as a user would type it from --help and the log's own
 documentation. A refusal is a row of its own. `least_squares.py` fits the same samples without this
-package. With --write the rows go to lab/notes/public_logs.md.
+package.
 """
 
 import argparse
@@ -25,9 +25,7 @@ from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
 
 ROOT = Path(__file__).resolve().parents[1]
-NOTES = ROOT / "lab/notes/public_logs.md"
 LIMIT = 1200.0
-HEAD = "| log | read | verdict | named | held out before | after | least squares | s |"
 BODY = (
     '<mujoco><worldbody><body><joint name="joint" type="{kind}" axis="0 1 0"/>{mass}'
     "</body></worldbody></mujoco>"
@@ -80,17 +78,15 @@ def row(name, case, raw, out):
                 [*run, *words, "--force"], capture_output=True, text=True, timeout=LIMIT
             )
         except subprocess.TimeoutExpired:
-            return f"| {name} | yes | not ended after {LIMIT:.0f} s | | | | | |"
+            return f"| {name} | not ended after {LIMIT:.0f} s | | | | | |"
         if done.returncode:
             said = done.stderr.strip().splitlines()[-1].removeprefix("frictionjoint: ")
             (out / "refused.txt").write_text(said)
-            return f"| {name} | no | {said[:300]} | | | | {least_squares(case, raw)} | |"
+            return f"| {name} | refused: {said[:300]} | | | | {least_squares(case, raw)} | |"
         (out / "seconds.txt").write_text(f"{time.perf_counter() - begin:.0f}")
     found = json.loads((out / "report.json").read_text())
     seconds = (out / "seconds.txt").read_text() if (out / "seconds.txt").exists() else ""
-    return " | ".join(
-        [f"| {name} | yes", *figures(found), least_squares(case, raw), f"{seconds} |"]
-    )
+    return " | ".join([f"| {name}", *figures(found), least_squares(case, raw), f"{seconds} |"])
 
 
 def figures(found):
@@ -142,19 +138,17 @@ def _arrays(logs):
 
 
 def main():
-    """Run, print, write."""
+    """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--raw", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only", action="append", default=[])
-    parser.add_argument("--write", action="store_true")
     asked = parser.parse_args()
     cases = tomllib.loads((ROOT / "lab/public_logs.toml").read_text())
-    rows = []
+    print("| log | verdict | named | held out before | after | least squares | s |")
     for name, case in cases.items():
         if not asked.only or name in asked.only:
-            rows.append(row(name, case, asked.raw, asked.out))
-            print(rows[-1], flush=True)
+            print(row(name, case, asked.raw, asked.out), flush=True)
 
 
 if __name__ == "__main__":

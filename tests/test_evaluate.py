@@ -1,6 +1,7 @@
 """How far a model is from logs, whatever friction it has. The logs are MuJoCo simulations."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -137,10 +138,21 @@ def test_a_target_needs_a_controller_and_gives_a_closed_loop() -> None:
     assert found.closed_loop_mae < 1e-3
     assert found.replay_rms is None
     assert found.torque_percent < 2.0
+    jitter = np.random.default_rng(3).uniform(-2e-8, 2e-8, len(log.time))
+    shaken = replace(log, time=log.time + jitter)
+    assert fj.evaluate(servo, [shaken]).joints["elbow"].closed_loop_mae == pytest.approx(
+        found.closed_loop_mae, rel=0.05
+    )
     stiff = servo.replace('damping="0.2"', 'damping="2"')
     assert fj.evaluate(stiff, [log]).joints["elbow"].closed_loop_mae > 0.01
     with pytest.raises(FrictionJointError, match="--controller FILE"):
         fj.evaluate(NONE, [log])
+
+
+def test_a_log_of_another_joint_is_named() -> None:
+    log = replace(simulated(COULOMB), joint="wrist")
+    with pytest.raises(FrictionJointError, match="no joint is in the model and in every log"):
+        fj.evaluate(COULOMB, [log])
 
 
 def test_a_drive_of_nothing_has_no_percentage() -> None:

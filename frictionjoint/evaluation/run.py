@@ -148,6 +148,11 @@ def evaluate(
         raise LogError("no log: give at least one")
     compiled = compile_model(model)
     names = list(joints) if joints else _joints(paths, compiled)
+    if not names:
+        raise LogError(
+            "no joint is in the model and in every log: give joints, names in the model, and logs "
+            "of these"
+        )
     for name in names:
         require_joint(compiled, name)
     controllers = {name: _controller(controller, name, compiled) for name in names}

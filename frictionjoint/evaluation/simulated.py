@@ -119,7 +119,8 @@ class _Loop:
         log = recording.logs[joint]
         assert log.target is not None
         self._block, self._state = block_of(controller, log), np.zeros(STATE)
-        now = recording.time + log.time[0]
+        # the nearest sample: stamps that jitter by nanoseconds must not show one sample late
+        now = recording.time + log.time[0] + 0.5 * recording.step
         self._time = recording.time
         self._target = held(log.time, log.target, now - delay_of(controller))
         self._supply = held(log.time, supply_of(controller, log), now)
