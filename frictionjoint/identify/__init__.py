@@ -1,6 +1,6 @@
-"""From a log to parameters: rigid-body torque, prepared signals, least squares.
+"""From logs to parameters: rigid-body torque, prepared signals, least squares.
 
-The package can be called: ``frictionjoint.identify(logs, model, joint)`` is
+The package is callable: ``frictionjoint.identify(logs, model, joint)`` is
 `frictionjoint.commands.identify`.
 """
 

@@ -1,4 +1,4 @@
-"""The law alone: what `identify` writes, and what `close-loop` starts from and compares with."""
+"""Fit of the law alone: the result of `identify`, and the start and reference of `close-loop`."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -49,7 +49,7 @@ def base_fit(
 
 
 def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[Prepared, Fit]:
-    """A fit, or of other forms of its law the best one where that leaves clearly less."""
+    """A fit, or the best of other forms of its law if its residual is clearly smaller."""
     clear = [f for f in forms if f.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms]
     if not clear:
         return prepared, fitted
@@ -59,14 +59,14 @@ def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[
 def with_assumed_stiffness(
     prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
 ) -> Fit:
-    """The same fit with a stiffness that is assumed, if the logs do not determine it.
+    """The same fit with an assumed stiffness, if the logs do not determine it.
 
-    It is as high as the encoder's resolution and the time step suggest (see `shortest`), so that
-    the joint sticks. The logs determine a stiffness if they know it within a half, or if they fit
-    clearly worse with the assumed one.
+    It is as high as the encoder's resolution and the time step allow (see `shortest`), so that the
+    joint sticks. The logs determine a stiffness if its standard error is below half of it, or if
+    they fit clearly worse with the assumed one.
 
     Args:
-        covariance: of a fit's parameters.
+        covariance: function of logs and fit that returns the covariance of its parameters.
     """
     shape = fitted.shape
     reach = shortest(prepared)
@@ -90,15 +90,15 @@ def with_assumed_stiffness(
 
 
 def _holds(fitted: Fit) -> bool:
-    """Whether the law has a level, or an effect may stand for it."""
+    """Whether the law has a Coulomb level, or an effect may replace it."""
     return fitted.has_level or any(isinstance(term, EffectTerm) for term in fitted.terms)
 
 
 def shortest(prepared: Prepared) -> float:
     """The shortest displacement at a reversal that the logs resolve, rad (m).
 
-    Below the encoder's error nothing is seen, nor what the joint passes within half a sample of a
-    reversal, at its usual acceleration.
+    It is limited by the encoder's error, and by the distance that the joint moves within half a
+    sample of a reversal at its usual acceleration.
     """
 
     def of_log(resolution: float, dt: float, a: Array) -> float:

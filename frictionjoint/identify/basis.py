@@ -1,4 +1,4 @@
-"""Orthonormal directions of many samples and few columns."""
+"""Orthonormal bases of tall matrices with few columns."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ _DEPENDENT = 1e-10
 
 
 def orthonormal(X: Array) -> Array:
-    """Orthonormal columns of what X spans, shape (n, rank).
+    """Orthonormal basis of the columns of X, shape (n, rank).
 
     Args:
-        X: columns of about the same norm, or none, shape (n, k).
+        X: columns with similar norms, possibly none, shape (n, k).
     """
     values, vectors = eigh(X.T @ X)
     independent = values > _DEPENDENT * values.max(initial=0.0)
@@ -21,7 +21,8 @@ def orthonormal(X: Array) -> Array:
 
 
 def pseudo_inverse(A: Array, rcond: float) -> Array:
-    """Of symmetric matrices, shape (..., k, k): `numpy.linalg.pinv` of small ones in half the time.
+    """Pseudo-inverse of symmetric matrices, shape (..., k, k), twice as fast as
+    `numpy.linalg.pinv`.
 
     Args:
         rcond: eigenvalues below this fraction of the largest count as zero.
@@ -34,10 +35,10 @@ def pseudo_inverse(A: Array, rcond: float) -> Array:
 
 
 def without(X: Array, known: Array) -> Array:
-    """Columns with others projected out of them on all samples, shape as that of X.
+    """Columns with others projected out on all samples, shape as X.
 
     Args:
-        X: shape (n,) or (n, k). known: of about the same norm, or none, shape (n, m).
+        X: shape (n,) or (n, k). known: with similar norms, possibly none, shape (n, m).
     """
     basis = orthonormal(known)
     for _ in range(2):  # once leaves the rounding of the squares

@@ -1,4 +1,4 @@
-"""The MJCF of each log: one for all, or by the names of the logs where they are of other loads."""
+"""The MJCF of each log: one for all, or one per load by the names of the logs."""
 
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
@@ -18,7 +18,8 @@ class Bodies:
     """Rigid bodies of one joint under one or several loads.
 
     Args:
-        model: an MJCF, or one by a pattern of the names of logs (``light*``), the first that fits.
+        model: an MJCF, or one per pattern of log names (``light*``), of which the first match
+            counts.
         joint: name. fixed: see `RigidBody`.
     Raises:
         ModelError: see `RigidBody`; no pattern at all.
@@ -44,14 +45,14 @@ class Bodies:
 
     @property
     def models(self) -> list[mujoco.MjModel]:
-        """Compiled, one a load."""
+        """Compiled models, one per load."""
         return [body.model for body in self._bodies.values()]
 
     def of(self, logs: Sequence[JointLog]) -> list[RigidBody]:
-        """One a log.
+        """The body of each log.
 
         Raises:
-            ModelError: no pattern fits a log.
+            ModelError: no pattern matches a log.
         """
         return [self._of(log) for log in logs]
 
@@ -63,7 +64,7 @@ class Bodies:
         raise ModelError(f"no model for log {log.name!r}: its name fits none of {listed}")
 
     def check(self, logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> tuple[str, ...]:
-        """`check_logs` of each body with its logs, and what of the MJCF is left out."""
+        """`check_logs` of each body with its logs, with notes on omitted parts of the MJCF."""
         said: list[str] = []
         for body in self._bodies.values():
             mine, theirs = ([x for x in some if self._of(x) is body] for some in (logs, held_out))

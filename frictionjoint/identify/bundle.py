@@ -1,7 +1,6 @@
-"""Several logs of a fit as one: what a search asks of all of them is one call of a kernel each.
+"""Concatenated logs, so that each kernel is called once for all of them.
 
-To ask for what is done to a short log takes longer than to do it, and while it is asked for no
-other thread goes on.
+For a short log, the overhead of a call exceeds the computation, and blocks other threads.
 """
 
 from collections.abc import Sequence
@@ -21,7 +20,7 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
 
 
 class Log(Protocol):
-    """What a bundle asks of a log, see `segment.Segment`."""
+    """Interface of a log in a bundle, see `segment.Segment`."""
 
     @property
     def path(self) -> Path:
@@ -29,27 +28,27 @@ class Log(Protocol):
 
     @property
     def start(self) -> Start:
-        """How it begins."""
+        """Its initial state."""
 
     @property
     def filter(self) -> LowPass:
-        """That the balance passes."""
+        """Filter of the torque balance."""
 
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """The samples behind it that a fit keeps."""
+        """Filtered samples that a fit uses."""
 
     @property
     def signals(self) -> Array:
-        """Of the motion, shape (n, N_SIGNALS)."""
+        """Signals of the motion, shape (n, N_SIGNALS)."""
 
     @property
     def drive(self) -> Array:
-        """As measured or made by a controller, shape (n,)."""
+        """Drive as measured or computed by a controller, shape (n,)."""
 
     @property
     def commanded(self) -> Commanded | None:
-        """What its controller made the drive of."""
+        """Commands of its controller, from which the drive was computed."""
 
 
 # bytes of what searches made of the logs that are kept: most of it stays from one point of a search
@@ -62,11 +61,11 @@ Spectra = list[Spectrum]
 
 
 class Bundle(Generic[_Log]):
-    """Logs one behind the other.
+    """Concatenated logs.
 
     Attributes:
-        logs: at least one. places: of each among the n samples of all.
-        store: columns and targets of balances, and laws along the logs.
+        logs: at least one. places: slice of each among the n samples of all.
+        store: cache of columns and targets of torque balances, and of laws along the logs.
     """
 
     def __init__(self, logs: Sequence[_Log]) -> None:
@@ -83,7 +82,8 @@ class Bundle(Generic[_Log]):
         return Tracks(paths, starts)
 
     def kept(self, x: Array) -> Array:
-        """What the balance keeps of signals in rows, shape (k, n), as columns, shape (m, k)."""
+        """Signals in rows, shape (k, n), filtered and reduced to the kept samples, as columns,
+        shape (m, k)."""
         return np.asarray(self._filters(x)[:, self._kept].T)
 
     def row(self, signal: int) -> Array:
@@ -92,21 +92,21 @@ class Bundle(Generic[_Log]):
 
     @cached_property
     def velocity(self) -> Array:
-        """Of all samples, rad/s, shape (n,)."""
+        """Velocity at all samples, rad/s, shape (n,)."""
         return self.row(V)
 
     @cached_property
     def load_and_velocity(self) -> Array:
-        """Torque of the rigid body, N m, and velocity, rad/s, as the balance keeps them, (m, 2)."""
+        """Rigid-body torque, N m, and velocity, rad/s, on the kept samples, (m, 2)."""
         return self.kept(np.stack([self.row(LOAD), self.velocity]))
 
     @cached_property
     def rate(self) -> Array:
-        """Acceleration as the balance keeps it, rad/s^2, shape (m,)."""
+        """Acceleration on the kept samples, rad/s^2, shape (m,)."""
         return self.kept(self.row(A)[None])[:, 0]
 
     def balanced(self, spectra: Spectra, delay: float = 0.0, derivative: int = 0) -> Array:
-        """Drives as they were `delay` seconds before each sample that the balance keeps, (m,)."""
+        """Drives `delay` seconds before each kept sample, (m,)."""
         return np.asarray(self._filters.back(spectra, derivative, delay)[0, self._kept])
 
     @cached_property
@@ -115,7 +115,7 @@ class Bundle(Generic[_Log]):
         return self._filters.spectra(np.concatenate([log.drive for log in self.logs])[None])
 
     def changed(self, changes: Sequence[Change]) -> Spectra:
-        """Drives that their controllers make with some changes, one after the other."""
+        """Drives of controllers with some changes applied in order."""
         if not changes or self._commanded is None:
             return self.driven
         drive = np.concatenate([log.drive for log in self.logs])
@@ -123,9 +123,9 @@ class Bundle(Generic[_Log]):
         return self._filters.spectra(drive[None])
 
     def answer(self, changes: Sequence[Change]) -> Array:
-        """How much of such drives a small error of the position calls for, per rad (m), (m,).
+        """Change of such drives per small error of position, per rad (m), (m,).
 
-        Zero where the drive is measured.
+        Zero for a measured drive.
         """
         found = np.zeros_like(self.velocity)
         if self._commanded is not None:
@@ -133,12 +133,12 @@ class Bundle(Generic[_Log]):
         return self.kept(found[None])[:, 0]
 
     def damping_rate(self, changes: Sequence[Change]) -> Array:
-        """Rate of the damping that is in such drives, in units of the drive per s, (m,)."""
+        """Rate of the damping part of such drives, in units of the drive per s, (m,)."""
         return self._damping_rate_of(changes) if changes else self._damping_rate
 
     @cached_property
     def _damping_rate(self) -> Array:
-        """Of the drives as they are: every search of a controller's log asks for it."""
+        """The same for the unchanged drives, which every search of a controller's log needs."""
         return self._damping_rate_of(())
 
     def _damping_rate_of(self, changes: Sequence[Change]) -> Array:
@@ -148,7 +148,7 @@ class Bundle(Generic[_Log]):
         return self.kept((found * self.row(A))[None])[:, 0]
 
     def _put(self, made: Array, all_logs: Array) -> None:
-        """What controllers made, in the places of their logs."""
+        """Controller outputs in the slices of their logs."""
         commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
         assert self._commanded is not None
         for i, own in zip(commanded, self._commanded.places, strict=True):

@@ -1,7 +1,7 @@
-"""What a log's controller made of its commands, as a fit sees it: behind the filter of the motion.
+"""Controller output of a log for a fit: after the filter of the motion.
 
-A fit of a reconstructed drive can ask what another controller would have made (a dead band, a
-lower limit): an effect of the drive changes the drive itself.
+A fit of a reconstructed drive can compute the output of a changed controller (a dead band, a lower
+limit): an effect of the drive changes the drive itself.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,10 +22,10 @@ Change = Callable[[Array, float], tuple[Array, float]]
 
 @dataclass(frozen=True)
 class Commanded:
-    """Commands of a log and how its drive gets to the grid of a fit.
+    """Commands of a log and the way to its drive on the grid of a fit.
 
     Attributes:
-        grid: s, uniform times of the samples, shape (m,). filters: passed in turn.
+        grid: s, uniform times of the samples, shape (m,). filters: applied in order.
     """
 
     commands: Commands
@@ -38,19 +38,19 @@ class Commanded:
         return bool(self.commands.block[KD])
 
     def drive(self, changes: Sequence[Change]) -> Array:
-        """Drive that the controller makes with some changes, one after the other, shape (n,)."""
+        """Drive of the controller with some changes applied in order, shape (n,)."""
         return CommandedLogs([self]).drive(changes)
 
     def thinned(self, smooth: LowPass) -> "Commanded":
-        """On a coarser grid, behind one filter more."""
+        """The same on a coarser grid, after one more filter."""
         return replace(self, filters=(*self.filters, smooth))
 
 
 class CommandedLogs:
-    """Several of them, one behind the other: one call makes the drives of all.
+    """Commands of several logs, concatenated: one call computes all drives.
 
     Attributes:
-        places: of each log in what comes out.
+        places: slice of each log in the output.
     """
 
     def __init__(self, logs: Sequence[Commanded]) -> None:
@@ -67,11 +67,11 @@ class CommandedLogs:
         return self._behind(self._commands.mean_drive(*self._changed(changes)))
 
     def answer(self, changes: Sequence[Change]) -> Array:
-        """How much of such a drive a small error of the position calls for, per rad, (n,)."""
+        """Change of such a drive per small error of position, per rad, (n,)."""
         return self._behind(self._commands.answer(*self._changed(changes)))
 
     def damping(self, changes: Sequence[Change]) -> Array:
-        """How much less of such drives a small velocity calls for, per rad/s, (n,)."""
+        """Decrease of such drives per small velocity, per rad/s, (n,)."""
         return self._behind(self._commands.damping(*self._changed(changes)))
 
     def _changed(self, changes: Sequence[Change]) -> tuple[Array, Array]:
@@ -86,7 +86,7 @@ class CommandedLogs:
         return np.array(blocks), np.array(delays)
 
     def _behind(self, made: Array) -> Array:
-        """What a controller made of its samples, on the grid of the fit and behind its filters."""
+        """Controller outputs at its samples, on the grid of the fit and filtered."""
         x = np.empty_like(self._grid)
         _fill_uniform(self._commands.time, made, self._commands.edges, self._grid, self._edges, x)
         rows = x[None]
@@ -99,7 +99,7 @@ class CommandedLogs:
 def _fill_uniform(
     time: Vector, x: Vector, edges: Index, grid: Vector, grid_edges: Index, out: Vector
 ) -> None:
-    """Fill `out` with what lies on the straight lines between samples, log by log.
+    """Fill `out` by linear interpolation between samples, log by log.
 
     See `measured.derivatives.uniform`.
     """

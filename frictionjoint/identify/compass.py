@@ -1,8 +1,8 @@
-"""The least of a rough function: a search in finite steps along each axis (compass search).
+"""Compass search: minimum of a rough function by finite steps along each axis.
 
-Squares over the width of a gap, or over a threshold, are a valley with a rough floor: an impact
-comes a sample later, a sample passes to the other side. A derivative follows the roughness and
-ends in the first dent; steps that are longer than the dents do not (Kolda, Lewis, Torczon 2003).
+The sum of squares over the width of a gap, or over a threshold, is a valley with a rough floor: an
+impact shifts by a sample, a sample crosses the threshold. A gradient search stops at the first
+local minimum; steps longer than the roughness do not (Kolda, Lewis, Torczon 2003).
 """
 
 from collections.abc import Callable, Sequence
@@ -18,11 +18,11 @@ _FIRST, _LAST = 0.16, 0.002
 def compass(
     squares: Callable[[Array], float], x: Array, axes: Sequence[int], low: Array, high: Array
 ) -> Array:
-    """A point from which no step along these axes leads to less, shape (p,).
+    """A point from which no step along these axes reduces the sum of squares, shape (p,).
 
     Args:
-        squares: to make small. x: where to begin, shape (p,). axes: that may move.
-        low, high: ends of the range, shape (p,).
+        squares: function to minimise. x: start, shape (p,). axes: indices of the free numbers.
+        low, high: bounds, shape (p,).
     """
     x, least, step = x.copy(), squares(x), _FIRST
     while step > _LAST:

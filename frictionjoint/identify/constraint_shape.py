@@ -1,10 +1,10 @@
-"""The law as MuJoCo's own `frictionloss` has it, to read the logs of a simulation.
+"""A law that acts like MuJoCo's own `frictionloss`, to read logs of a simulation.
 
-That friction is a constraint: the solver drives velocity and acceleration to zero together, as
-v + a/b, with all the level allows (documentation of MuJoCo, chapter Computation, reference
-acceleration and friction loss). So it changes direction a time 1/b ahead of the velocity, which no
-joint does; a law without that lead leaves more of such a log than many an effect does. Of the lead
-half a step of the simulation is lost, for the acceleration is that of the step to come.
+That friction is a constraint: the solver drives velocity and acceleration to zero together, as v +
+a/b, within the friction limit (documentation of MuJoCo, chapter Computation, reference acceleration
+and friction loss). So it changes direction a time 1/b before the velocity, which no real joint
+does; for such a log, a law without that lead has a larger residual than many effects cause. Half a
+simulation step of the lead is lost, because the acceleration is that of the coming step.
 """
 
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class ConstraintShape:
     """S(|v|) sat((v + lead a) / V0), with the numbers of a static law.
 
     Attributes:
-        lead: s. reach: displacement at a reversal, rad: no log of such friction determines it.
+        lead: s. reach: displacement at a reversal, rad, which no log of such friction determines.
     """
 
     static: RivalShape
@@ -73,7 +73,7 @@ class ConstraintShape:
         return self
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
-        """The integrated law at a Coulomb level: it sticks where this constraint creeps."""
+        """The integrated law with a Coulomb level: it sticks, while this constraint creeps."""
         excess, log_Vs, delta, _ = self.static.vector()
         Fs = Fc * (1.0 + float(excess))
         return FrictionParameters.symmetric(
@@ -115,7 +115,7 @@ class ConstraintShape:
         return level * saturated, zero, by_number, np.zeros_like(by_number)
 
     def _parts(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
-        """Level over Fc, what is saturated, velocity and acceleration, each of shape (n,)."""
+        """Level over Fc, the saturated quantity, velocity and acceleration, each of shape (n,)."""
         v = gradient(q, time, edges)
         a = gradient(v, time, edges)
         excess, _, delta, _ = self.static.vector()
@@ -132,7 +132,7 @@ class ConstraintShape:
 
 
 def gradient(x: Array, time: Array, edges: Index) -> Array:
-    """Derivative along motions that lie one behind the other, shape (n,), as `numpy.gradient`."""
+    """Derivative along concatenated motions, shape (n,), as `numpy.gradient`."""
     out = np.empty_like(x)
     _fill_gradient(x, time, edges, out)
     return out

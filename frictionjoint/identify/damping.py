@@ -1,9 +1,8 @@
-"""The damping of a contact, sigma1, which is decided last.
+"""The presliding damping sigma1, which is decided last.
 
-What passes the filter of a balance holds little of it, and beside a soft transition curve it is
-viscous friction for a while after each reversal: it stands in for what else a model lacks, and
-where it does so with hardly any level, a search has cliffs in its way. So the integrated law is
-sought without it.
+The torque band contains little of it. With a soft transition curve it acts like viscous friction
+after each reversal and imitates whatever else the model lacks; with hardly any friction level this
+makes the search discontinuous. So the integrated law is fitted without it first.
 """
 
 from frictionjoint.identify.clearly import CLEARLY
@@ -13,7 +12,7 @@ from frictionjoint.identify.segment import Prepared
 
 
 def with_damping(prepared: Prepared, fitted: Fit) -> Fit:
-    """The same model with its law damped where it leaves clearly less so."""
+    """The same model with presliding damping if that clearly reduces the residual."""
     damped = fitted.shape.with_damping()
     if damped is None:
         return fitted

@@ -1,4 +1,4 @@
-"""The torque balance of a model: columns and target of each log, and how they move.
+"""The torque balance of a model: columns and target of each log, and their derivatives.
 
     torque  = load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms       (torque known)
     current = (load + Fc H(q; shape) + sigma1 dz/dt + sigma2 v + sum of terms) / g
@@ -46,7 +46,7 @@ _SMALL = 1e-4
 
 
 class Balance:
-    """The balance of some logs, for models of one law and one list of terms.
+    """The torque balance of some logs, for models with one law and one list of terms.
 
     Attributes:
         prepared: the logs. layout: of the model's parameters. span: longest travel of a log.
@@ -65,8 +65,8 @@ class Balance:
         """Columns, shape (n, k), and target, shape (n,), on the kept samples of all logs.
 
         Args:
-            beta: coefficients that give the torque of the motor; without them what depends on it
-                is zero, see `motor_torque`.
+            beta: coefficients that give the motor torque; without them, columns that depend on it
+                are zero, see `motor_torque`.
         """
         with side_by_side() as each:
             X = list(each(partial(self._some_columns, law, terms), range(len(self._parts))))
@@ -79,13 +79,13 @@ class Balance:
     def moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool = True
     ) -> Array:
-        """Derivative of columns times `beta` less target by every nonlinear number, shape (n, m).
+        """Derivative of columns times `beta` minus target by every nonlinear number, shape (n, m).
 
-        The law's own are carried through its kernel along with its torque.
+        The law's numbers are differentiated through its kernel.
 
         Args:
-            through_terms: with what the law changes in terms that follow it, which a search does
-                without.
+            through_terms: whether to include changes of terms that follow the law, which a search
+                omits.
         """
         make = partial(self._some_moves, law, terms, beta, through_terms)
         with side_by_side() as each:
@@ -108,10 +108,10 @@ class Balance:
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
-        """What the law and the terms that follow it add up to, shape (n,).
+        """Sum of the law and of the terms that follow it, shape (n,).
 
         Args:
-            held: friction over Fc at the first sample of each log, in place of its own.
+            held: friction over Fc at the first sample of each log, instead of its own.
         """
         at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
         found, first = [], 0
@@ -136,7 +136,7 @@ class Balance:
         return self._parts[i].store.get(("target", delay, age, changes), make)
 
     def _target_of(self, driven: Spectra, terms: tuple[Term, ...], i: int) -> Array:
-        """What the columns are to add up to with the drive that the terms make."""
+        """Target of the columns, with the drive as changed by the terms."""
         drive, age = self._parts[i].balanced(driven, delay_of(terms)), age_of(terms)
         if age:
             drive = drive + age * self._damping_rate(terms, i)
@@ -150,9 +150,9 @@ class Balance:
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
-        """How much of the drive a small error of the position calls for, per rad (m), shape (n,).
+        """Change of the drive per small error of position, per rad (m), shape (n,).
 
-        Zero where the drive is measured.
+        Zero for a measured drive.
         """
         return np.concatenate([part.answer(drive_changes(terms)) for part in self._parts])
 
@@ -160,7 +160,7 @@ class Balance:
         return self._columns_of(self._track(law, i), self._parts[i])
 
     def _columns_of(self, track: Array, part: Bundle[Segment]) -> Array:
-        """Of a law along logs."""
+        """Columns of a law along logs."""
         if "sigma1" in self.layout.base:
             return part.kept(np.stack([track[0], track[1] * part.velocity]))
         return part.kept(track[:1])
@@ -169,7 +169,7 @@ class Balance:
         return columns_of_term(term, self._signals(term, law, i), self._parts[i])
 
     def _term_torque(self, term: Term, own: Array, law: Shape, i: int) -> Array:
-        """Of a term with its coefficients, before the filter, shape (n,)."""
+        """Torque of a term with its coefficients, before the filter, shape (n,)."""
         logs = zip(self._parts[i].logs, self._signals(term, law, i), strict=True)
         return np.concatenate([torque_of(term, s, signals, own) for s, signals in logs])
 
@@ -180,9 +180,9 @@ class Balance:
         return [s.signals for s in self._parts[i].logs]
 
     def _driven(self, terms: tuple[Term, ...], i: int) -> Spectra:
-        """The drives that these terms make of the logs' commands.
+        """Drives that these terms compute from the logs' commands.
 
-        The latest ones are kept: what else moves leaves them as they are.
+        The latest ones are cached, because other numbers leave them unchanged.
         """
         changes = _changes(terms)
         known, found = self._latest.get(i, (None, None))
@@ -226,7 +226,7 @@ class Balance:
         return np.column_stack(found) if found else np.zeros((kept, 0))
 
     def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
-        """By number j of term k, an effect of the drive, shape (n,)."""
+        """Derivative by number j of term k, an effect of the drive, shape (n,)."""
         term, x = terms[k], terms[k].free_shape[j]
         h = _TIME_STEP * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
         moved = term.with_shape(_with(term.free_shape, j, x + h))
@@ -235,7 +235,7 @@ class Balance:
         return np.asarray((self._target(terms, i) - there) / h)
 
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
-        """By the numbers of the law, shape (n, number)."""
+        """Derivatives by the numbers of the law, shape (n, number)."""
         part, layout = self._parts[i], self.layout
         dH, drate = part.tracks.tangents(law, of_rate="sigma1" in layout.base)
         torque = beta[layout.base.index("Fc")] * dH
@@ -259,7 +259,7 @@ class Balance:
 
 
 def reaches(term: Term, span: float) -> list[tuple[float, float]]:
-    """Each free shape number of a term and how far it may move in one search.
+    """Each free shape number of a term, and by how much one search may change it.
 
     Args:
         span: travel of the joint.
@@ -278,17 +278,17 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
 
 
 def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
-    """What makes the columns of a term what they are."""
+    """Key of everything that determines the columns of a term."""
     return term.name, term.shape, term
 
 
 def term_key(term: Term, law: Shape | None) -> tuple[object, ...]:
-    """By which the columns of a term are remembered: beside a law where they follow it."""
+    """Cache key for the columns of a term, including the law if they follow it."""
     return "term", id_of(term), law
 
 
 def _changes(terms: tuple[Term, ...]) -> tuple[object, ...]:
-    """What makes the drive what it is."""
+    """Key of everything that determines the drive."""
     return tuple(id_of(t) for t in changing_drive(terms))
 
 
@@ -297,7 +297,7 @@ def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
 
 
 def kept(segment: Segment, x: Array) -> Array:
-    """What the balance keeps of signals of a log."""
+    """Signals of a log, filtered and reduced to the kept samples."""
     return segment.lowpass(x)[segment.kept]
 
 
@@ -319,13 +319,13 @@ def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
 
 
 def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
-    """Of a term along the signals of each log of a bundle, as the balance keeps them, (m, k)."""
+    """Columns of a term along each log of a bundle, on the kept samples, (m, k)."""
     logs = zip(part.logs, signals, strict=True)
     return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
 
 
 def balance(signals: Array, Fc: float, sigma2: float) -> Array:
-    """Torque of the rigid body and a law along signals that hold H, N m, shape (n,)."""
+    """Torque of the rigid body and a law along signals that contain H, N m, shape (n,)."""
     return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
 
 
@@ -358,14 +358,14 @@ def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
 
 
 def lengths(X: Array) -> Array:
-    """Norms of the columns to divide them by: 1 for those that are zero, shape (k,)."""
+    """Norms of the columns for scaling: 1 for zero columns, shape (k,)."""
     norm: Array = np.linalg.norm(X, axis=0)
     norm[norm == 0.0] = 1.0
     return norm
 
 
 def solve(X: Array, y: Array, low: Array, high: Array) -> Array:
-    """Linear least squares, bounded only where the free solution breaks a bound."""
+    """Linear least squares, bounded only if the free solution violates a bound."""
     scale, k = lengths(X), X.shape[1]
     # the triangle says all that the columns do, free or bounded, and is small
     triangle = np.asarray(np.linalg.qr(np.column_stack([X / scale, y]), mode="r"))

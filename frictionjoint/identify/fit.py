@@ -1,4 +1,4 @@
-"""A fitted model: what a search over a friction law and terms ends with."""
+"""A fitted model: the result of a search over a friction law and terms."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,26 +25,26 @@ class Fit:
     """A fitted model.
 
     Attributes:
-        shape: of the law. terms: added to it. drive: what the logs hold of the motor.
-        beta: linear coefficients, one a column, in the drive's units (see `gain`).
-        gain: torque per unit of drive; 1 where the torque is measured.
-        in_drive_units: whether all that is in N m is in units of the drive instead, since the logs
-            do not determine the gain, see `without_scale`.
-        layout: where each parameter lies.
-        residual: drive minus model times gain, N m, kept samples of all logs in turn, shape (n,).
+        shape: of the law. terms: added to it. drive: kind of drive in the logs.
+        beta: linear coefficients, one per column, in the drive's units (see `gain`).
+        gain: torque per unit of drive; 1 for a measured torque.
+        in_drive_units: whether all quantities in N m are in units of the drive instead, because the
+            logs do not determine the gain, see `without_scale`.
+        layout: index of each parameter.
+        residual: drive minus model times gain, N m, kept samples of all logs in order, shape (n,).
         jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
         weight: of each sample, shape (n,).
-        bound: which parameters sit on a bound of their range, shape (p,).
-        low, high: range of each linear coefficient; of a number of a shape, how far one search may
-            move it from where it is, shape (p,).
-        log_index: which log each sample belongs to, shape (n,).
-        begun: columns of what else each log may have begun with, N m, shape (n, m); they belong
-            to no parameter of the model. Empty where the model lets nothing swing.
+        bound: which parameters are on a bound of their range, shape (p,).
+        low, high: range of each linear coefficient; for a shape number, by how much one search may
+            change it, shape (p,).
+        log_index: log of each sample, shape (n,).
+        begun: columns of other possible initial states of each log, N m, shape (n, m); they belong
+            to no parameter of the model. Empty if the model has no free oscillation.
         target_rms: rms of the measured torque.
-        acting: rms of the drive over that before effects of the drive changed it, weighted.
-        holding: torque that a small error of the position calls for, of the drive and the load,
-            over that before effects changed them; geometric mean. 1 where the drive is measured.
-        commanded: whether the drive is what a controller made of its commands, and not measured.
+        acting: weighted rms of the drive, relative to that before effects of the drive changed it.
+        holding: torque per small error of position, of the drive and the load, relative to that
+            before effects changed them; geometric mean. 1 for a measured drive.
+        commanded: whether the drive is computed by a controller from commands, and not measured.
     """
 
     shape: Shape
@@ -69,15 +69,15 @@ class Fit:
 
     @property
     def over_kp(self) -> bool:
-        """Whether the drive is a controller's torque over its kp, which is not known.
+        """Whether the drive is a controller's torque divided by its unknown kp.
 
-        A torque up to a gain is to a fit what a current is; this one is an error of the position.
+        A fit treats a torque of unknown gain like a current; this one is an error of position.
         """
         return self.commanded and self.drive == "current"
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the linear columns."""
+        """Names of the linear columns."""
         return self.layout.names[self.layout.linear]
 
     @property
@@ -97,22 +97,23 @@ class Fit:
 
     @property
     def rms_in_motion(self) -> float:
-        """rms of the residual of these samples, N m, by which laws are compared."""
+        """rms of the residual of these samples, N m, used to compare laws."""
         return float(np.sqrt(np.mean(self.residual[self.in_motion] ** 2)))
 
     @property
     def scale(self) -> float:
-        """Torque per unit of what a fit makes small: where the gain is open, what acts counts."""
+        """Torque per unit of the minimised error; with an open gain, the acting drive counts."""
         return self.gain if self.drive == "torque" else self.gain * self.acting
 
     @property
     def error_unit(self) -> float:
-        """Torque per unit of error as models are compared.
+        """Torque per unit of error for comparing models.
 
-        What a log of a target holds is where the joint went. A torque that a model leaves stands
-        for an error of the position that calls for it: the likelihood of the motion has the
-        determinant of this map besides the torques that are left. Without it a drive that hardly
-        acts, of which little can be left, would explain any motion.
+        A log with a target shows where the joint went. A residual torque stands for the position
+        error that
+        requires it: the likelihood of the motion contains the determinant of this map in addition
+        to the residual torques. Without it, a drive that hardly acts, with little residual, would
+        explain any motion.
         """
         return self.gain * self.holding
 
@@ -123,11 +124,12 @@ class Fit:
 
     @cached_property
     def open(self) -> NDArray[np.bool_]:
-        """Parameters that can still move in both directions, shape (p,).
+        """Parameters that can change in both directions, shape (p,).
 
-        A time at the end of its sample, which is no longer one of sampling, cannot. And what is
-        left must move with them, as far as one search may: the numbers of a law without a level
-        move next to nothing, in whatever direction that is.
+        A time offset at the end of its sample is no sampling offset any more and cannot. And the
+        residual must
+        change with the parameter within the range of one search: the numbers of a law without a
+        friction level change almost nothing.
         """
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
@@ -142,7 +144,7 @@ class Fit:
 
     @property
     def free_jacobian(self) -> Array:
-        """Columns of the parameters that can still move in both directions, shape (n, free)."""
+        """Columns of the parameters that can change in both directions, shape (n, free)."""
         return with_load(self.jacobian, self.layout)[:, self.open]
 
     @property
@@ -177,7 +179,7 @@ class Fit:
 
 
 def with_gain(fitted: Fit, gain: float) -> Fit:
-    """The same fit with a gain of the drive that another fit has determined."""
+    """The same fit with a drive gain that another fit has determined."""
     factor = gain / fitted.gain
     return replace(
         fitted,

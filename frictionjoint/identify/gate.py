@@ -1,17 +1,19 @@
-"""Whether logs can be of the model at all: signs, units and clocks, before anything costly.
+"""Early checks whether logs can belong to the model: signs, units and clocks.
 
-A fit adapts to nearly anything: it finds friction that drives, or a gain of a thousand. Here the
-balance of torques is solved as a linear one, in a fraction of a second:
+A fit adapts to nearly anything: it finds friction that drives, or a gain of a thousand. Here a
+linear torque balance is solved, in a fraction of a second:
 
-    torque = load + friction + viscosity * v + what is left
+    torque = load + friction + viscosity * v + residual
 
-* **Signs.** Friction takes power from the joint. Where it would give power, a sign is wrong,
-  whatever else the balance holds. So it is where gravity and inertia both show the other way round,
-  in a torque that was measured behind the friction, say.
+* **Signs.** Friction takes power from the joint. If it would supply power, a sign is wrong,
+whatever
+  else the balance contains. So it is if gravity and inertia both appear with the opposite sign, for
+  example in a torque that was measured behind the friction.
 * **Units, clocks, another joint's columns.** The load of the model and friction of any level must
   explain some of the torque.
-* **Units too large.** What is large passes for friction; but the gravity and the inertia that the
-  torque shows cannot be the same many times the model's.
+* **Units too large.** A large torque could be friction; but the gravity and the inertia that the
+torque
+  shows cannot both be the same large multiple of the model's.
 """
 
 from typing import NamedTuple
@@ -58,7 +60,7 @@ class Balance(NamedTuple):
         gravity: of 1 kg at 1 m, N m, shape (n, 2). q, v, a, jerk: motion.
         side: sign of the velocity, without a step.
         elements: torque of elastic-plastic elements of level 1, shape (n, k).
-        log: number of the log. block: of the samples that count as one.
+        log: index of the log. block: of the samples that count as one.
     """
 
     drive: Array
@@ -86,9 +88,9 @@ class Balance(NamedTuple):
 
 
 class _Load(NamedTuple):
-    """The model's gravity and its inertia as the drive has them, each of shape (2,).
+    """Factors of the model's gravity and inertia in the drive, each of shape (2,).
 
-    What the model does not have, gravity along a vertical axis, has the factor 0 and no error.
+    A missing one, such as gravity about a vertical axis, has the factor 0 and no error.
     """
 
     factors: Array
@@ -96,9 +98,10 @@ class _Load(NamedTuple):
 
 
 def check_signs(prepared: Prepared) -> None:
-    """See that friction takes power from the joint, and that gravity and inertia are not turned.
+    """Check that friction takes power from the joint, and that gravity and inertia are not
+    reversed.
 
-    That holds whatever the model lacks or holds too much.
+    This holds whatever else the model lacks.
 
     Raises:
         LogError: a sign is wrong.
@@ -109,7 +112,7 @@ def check_signs(prepared: Prepared) -> None:
 
 
 def check(prepared: Prepared) -> None:
-    """See that the drive of logs can be that of the model's joint along their motion.
+    """Check that the drive of logs can be that of the model's joint along their motion.
 
     Args:
         prepared: logs of one joint, before any fit.
@@ -130,7 +133,7 @@ def check(prepared: Prepared) -> None:
 
 
 def check_fit(prepared: Prepared, fitted: Fit) -> None:
-    """See that a fit explains some of the torque; with less its parameters mean nothing.
+    """Check that a fit explains some of the torque; otherwise its parameters mean nothing.
 
     Raises:
         LogError: it does not.
@@ -144,9 +147,9 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     """Whether friction is known in N m (N), and not only in amperes or volts.
 
-    Where the torque was not measured, the load of the model determines what torque a current
-    makes. It does so where the torque of the load, beyond what any other parameter could account
-    for, exceeds what the fit leaves: what is left may be correlated with the load.
+    If the torque was not measured, the load of the model determines the torque per current. It does
+    so if the torque of the load, beyond what any other parameter could explain, exceeds the
+    residual of the fit, because the residual may be correlated with the load.
     """
     if not prepared.gain_unknown:
         return True
@@ -165,15 +168,16 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
 
 
 def load_shows(fitted: Fit) -> bool:
-    """Whether a drive grows with the load of the model at all; a measured torque needs not."""
+    """Whether a drive grows with the load of the model; a measured torque need not."""
     return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
 def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) -> None:
-    """The load must not be turned round, nor friction drive, in all logs together or in one.
+    """The load must not be reversed, nor friction drive, in all logs together or in one.
 
-    The balance of one log may be wrong by more than its standard errors tell, as where gravity and
-    inertia of a swing cancel. So the balance of the other logs must agree that its sign is wrong.
+    The balance of one log may be wrong by more than its standard errors, for example if gravity and
+    inertia of a free oscillation cancel. So the balance of the other logs must agree that its sign
+    is wrong.
     """
     if np.max(load.factors + SURE * load.errors) < 0.0:
         raise LogError(turned_round(prepared, names, *load.factors))
@@ -189,7 +193,7 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
 
 
 def _turned(b: Balance, i: int) -> bool:
-    """Whether the balance of all other logs has the i-th log's torque the other way round."""
+    """Whether all other logs show the i-th log's torque with the opposite sign."""
     own = b.log == i
     X = _free(b)
     beta, _ = _regression(X[~own], b.drive[~own], b.block[~own])
@@ -197,11 +201,11 @@ def _turned(b: Balance, i: int) -> bool:
 
 
 def _free(b: Balance) -> Array:
-    """Columns of a balance of free signs, shape (n, k); the first two are friction's.
+    """Columns of a balance with free signs, shape (n, k); the first two are friction's.
 
-    All else is free: the load and what may be wrong with it, gravity, a spring, a bias, and a delay
-    of the inertia's torque, which looks like viscosity. Without motion in both directions nothing
-    distinguishes a bias from friction: it counts as friction.
+    The others are the load and its possible errors, gravity, a spring, a bias, and a delay of the
+    inertial torque, which looks like viscosity. Without motion in both directions a bias cannot be
+    distinguished from friction and counts as friction.
     """
     rarer = min(float(np.mean(b.side > 0.0)), float(np.mean(b.side < 0.0)))
     bias = [b.one] if rarer > _BOTH_WAYS else []
@@ -209,8 +213,9 @@ def _free(b: Balance) -> Array:
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:
-    """Mean power that friction takes, in N m rad/s or units of the drive, its standard error, and
-    the part of the drive's rms that the balance leaves.
+    """Mean power of friction, in N m rad/s or units of the drive, its standard error, and the
+    residual as a
+    fraction of the drive's rms.
     """
     X = _free(b)
     beta, cov = _regression(X, b.drive, b.block)
@@ -221,7 +226,7 @@ def _friction_power(b: Balance) -> tuple[float, float, float]:
 
 
 def _left(b: Balance, gain_unknown: bool) -> float:
-    """Part of the drive's rms that the load of the model and friction of any level leave."""
+    """Residual of the model's load and friction of any level, as a fraction of the drive's rms."""
     friction = np.column_stack([b.elements, b.side, b.v])
     X = np.column_stack([b.load, friction]) if gain_unknown else friction
     target = b.drive if gain_unknown else b.drive - b.load
@@ -231,14 +236,14 @@ def _left(b: Balance, gain_unknown: bool) -> float:
 
 
 def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
-    """The torque's gravity and inertia against the model's."""
+    """Compare the torque's gravity and inertia with the model's."""
     alike = load.factors.max() < _ALIKE * load.factors.min()
     if np.min(load.factors - SURE * load.errors) > _TOO_LARGE and alike:
         raise LogError(too_large(prepared, names, float(load.factors.mean())))
 
 
 def _load_factors(b: Balance) -> _Load:
-    """By a balance that has friction and a constant torque besides."""
+    """From a balance that also contains friction and a constant torque."""
     gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
     X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)
@@ -246,7 +251,7 @@ def _load_factors(b: Balance) -> _Load:
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
-    """The factor that a torque is too small by or against the load, where the logs show it."""
+    """Ratio of a too small torque to the load, if the logs show it."""
     if prepared.gain_unknown:
         return ""
     X = np.column_stack([b.load, b.one, b.side, b.v])

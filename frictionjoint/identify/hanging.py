@@ -1,4 +1,4 @@
-"""Links behind springs: the part of a joint's inertia that hangs there bears all of its gravity."""
+"""Share of the inertia behind an elastic joint, which carries all of its gravity."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ _LEAST, _ALIKE = 0.05, 0.05
 
 
 def hanging(prepared: Prepared, fitted: Fit) -> tuple[Term, ...]:
-    """The terms of a fit, each with the part of the inertia that the fit puts behind its spring.
+    """The terms of a fit, each with the share of the inertia that the fit puts behind its spring.
 
-    What a model lumps together, motor and link, has one inertia; a rotor is balanced, so that what
-    gravity turns is the link alone, which sags more the less inertia it has at one resonance.
+    A model that combines motor and link has one inertia. A rotor is balanced, so gravity acts on
+    the link alone, which sags the more, the less inertia it has at a given resonance.
     """
     return tuple(_hung(prepared, fitted, i) for i in range(len(fitted.terms)))
 

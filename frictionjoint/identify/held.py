@@ -1,7 +1,7 @@
-"""Joints held at a pose: what a log does not measure stays where it is assumed to be.
+"""Joints held at a position: joints that a log does not measure stay where they are assumed to be.
 
-A compiled model is changed in place. The pose is folded into the frames of the bodies, so that data
-fresh from the model have it already; a lock is an armature that no torque moves.
+A compiled model is changed in place. The position is folded into the frames of the bodies, so that
+new data of the model have it; a lock is an armature that no torque moves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,7 @@ _IMMOVABLE = 1e13
 
 
 def joint_label(model: mujoco.MjModel, j: int) -> str:
-    """Name of a joint, or what to say of one without."""
+    """Name of a joint, or a description of a joint without a name."""
     body = model.body(int(model.jnt_bodyid[j])).name
     return str(model.joint(j).name or f"unnamed joint of body {body!r}")
 
@@ -36,12 +36,12 @@ def joint_label(model: mujoco.MjModel, j: int) -> str:
 def resolve(
     model: mujoco.MjModel, joint_id: int, fixed: Mapping[str, Pose] | None
 ) -> dict[int, Array]:
-    """Poses by the number of the joint.
+    """Positions by the index of the joint.
 
     Args:
-        joint_id: of the joint under study, which cannot be held.
+        joint_id: of the examined joint, which cannot be held.
     Raises:
-        ModelError: no such joint, or not a pose of its kind.
+        ModelError: no such joint, or not a position of its kind.
     """
     found = {}
     for name, value in (fixed or {}).items():
@@ -72,7 +72,7 @@ def _pose(name: str, kind: int, value: Pose) -> Array:
 
 
 def take_pose(model: mujoco.MjModel, poses: Mapping[int, Array]) -> None:
-    """Move a model's initial pose: joints by number, and all that hangs on them."""
+    """Change a model's initial pose: joints by index, and everything attached to them."""
     # free and ball joints turn from their frame itself, hinges and slides from the initial pose
     shifted = {j for j in poses if int(model.jnt_type[j]) not in _MANY}
     for body in {int(model.jnt_bodyid[j]) for j in shifted}:
@@ -97,7 +97,7 @@ def take_pose(model: mujoco.MjModel, poses: Mapping[int, Array]) -> None:
 
 
 def lock(model: mujoco.MjModel, *free: int) -> None:
-    """Hold every joint of a model but some, given by number, where it is."""
+    """Hold every joint of a model, except some given by index, where it is."""
     others = ~np.isin(model.dof_jntid, free)
     model.dof_armature[others] = _IMMOVABLE
     mujoco.mj_setConst(model, mujoco.MjData(model))

@@ -1,8 +1,7 @@
-"""Terms of what instruments hold that the joint does not: a torque not given, one not told, a
-position off.
+"""Measurement artefacts: torque that was not delivered, sensor saturation, encoder eccentricity.
 
-They are quantities that a residual depends on, as those of `smooth` are, and have no place in a
-simulation: the log is wrong there, not the model.
+They are quantities that a residual depends on, like those of `smooth`, and have no place in a
+simulation: the log is wrong, not the model.
 """
 
 from collections.abc import Sequence
@@ -24,7 +23,7 @@ _END, _MOSTLY = 0.1, 0.5
 
 @dataclass(frozen=True)
 class ExcessTerm(TunedTerm):
-    """Torque that a log holds beyond a level: asked for, it may not have been given.
+    """Logged torque beyond a level: it was commanded and may not have been delivered.
 
     Attributes:
         at: the level, N m (N). within: levels that are exceeded, but not always.
@@ -32,7 +31,7 @@ class ExcessTerm(TunedTerm):
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """A drive that saturates gives nothing beyond its level: all of that is missing."""
+        """A saturated drive delivers nothing beyond its level: at most all of that is missing."""
         return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     @property
@@ -46,9 +45,9 @@ class ExcessTerm(TunedTerm):
         return np.asarray(torque - np.clip(torque, -self.at, self.at))
 
     def shows(self, segments: Sequence[Segment], motion_hz: float) -> bool:
-        """Whether it can be told from the torque's own noise, which exceeds a level too.
+        """Whether it can be distinguished from torque noise, which exceeds a level too.
 
-        And from torque that an end of the joint's range takes up, which moves nothing either.
+        It must also differ from torque that an end of the joint's range absorbs without motion.
 
         Args:
             motion_hz: corner of the filter that the torque passed.
@@ -67,7 +66,7 @@ class ExcessTerm(TunedTerm):
         return noise < _ABOUT * squares and pressing < _MOSTLY * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """The level, and how much did not act: more than all cannot be missing."""
+        """The level, and the undelivered fraction, at most all."""
         whole = coefficients[0] >= 1.0 - 0.5 * _ABOUT
         missing = "all of it" if whole else f"{coefficients[0]:.0%}"
         return (
@@ -76,10 +75,10 @@ class ExcessTerm(TunedTerm):
         )
 
     def corrected(self, segment: Segment, fraction: float) -> Segment:
-        """A log of the torque that did act.
+        """A log with the torque that was delivered.
 
         Args:
-            fraction: of the torque beyond the level that did not.
+            fraction: of the torque beyond the level that was not delivered.
         """
         excess = self.columns(segment, segment.signals)[:, 0]
         return replace(segment, drive=segment.drive - fraction * excess)
@@ -90,7 +89,7 @@ NotGiven = tuple[ExcessTerm, float]
 
 
 def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
-    """Logs of the torque that did act."""
+    """Logs with the torque that was delivered."""
     logs = list(prepared.segments)
     for term, fraction in not_given:
         logs = [term.corrected(s, fraction) for s in logs]
@@ -99,16 +98,16 @@ def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
 
 @dataclass(frozen=True)
 class MissingTerm(SmoothTerm):
-    """Torque that a sensor at the end of its range does not tell: the mean of it."""
+    """Mean torque that a saturated sensor does not show."""
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """There is more of it than was logged, not less."""
+        """The true torque is larger than logged, not smaller."""
         return ((-np.inf, 0.0),)
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Less the torque that is missing."""
+        """The negative of the missing torque."""
         return ("missing",)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -127,13 +126,14 @@ class MissingTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class EncoderTerm(SmoothTerm):
-    """A position that is off by a wave of itself: an encoder's disc or shaft off its centre.
+    """A position error that is a wave of the position: an eccentric encoder disc or shaft.
 
-    With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is off by what it
-    changes along d: in its acceleration, gravity and viscous friction, by one d in all of them.
+    With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is wrong by its change
+    along
+    d: in acceleration, gravity and viscous friction, with one d in all of them.
 
     Attributes:
-        order: N, waves in a turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
+        order: N, waves per turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
         viscosity: N m s/rad.
     """
 
@@ -144,7 +144,7 @@ class EncoderTerm(SmoothTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Of the two waves, rad."""
+        """Amplitudes of the two waves, rad."""
         return ("sin", "cos")
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -160,7 +160,7 @@ class EncoderTerm(SmoothTerm):
         return np.asarray(along)
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """How far the position is off."""
+        """Amplitude of the position error."""
         return (
             f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, in "
             f"{self.order:g} waves a turn: an encoder or a shaft off its centre."

@@ -1,4 +1,4 @@
-"""Where each parameter of a model lies: linear coefficients first, then what enters nonlinearly."""
+"""Index of each parameter of a model: linear coefficients first, then nonlinear numbers."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +16,7 @@ class Layout:
     """Parameters of a law with terms.
 
     Attributes:
-        base: names of the linear coefficients of the law: load (where the gain of the drive is
+        base: names of the linear coefficients of the law: load (if the gain of the drive is
             unknown), sigma2, Fc, sigma1. law: names of the numbers of its shape.
         terms: of the model.
     """
@@ -27,9 +27,8 @@ class Layout:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of all parameters: `Fc`, `law.log Vs`, coefficients and shape numbers of term i as
-        `i.name`.
-        """
+        """Names of all parameters: `Fc`, `law.log Vs`, coefficients and shape numbers of term i
+        as `i.name`."""
         linear = [f"{i}.{c}" for i, t in enumerate(self.terms) for c in t.coefficients]
         shapes = [f"{i}.shape{k}" for i, t in enumerate(self.terms) for k in range(_free(t))]
         return (*self.base, *linear, *(f"law.{v}" for v in self.law), *shapes)
@@ -60,7 +59,7 @@ class Layout:
         return [*range(first.start, first.stop), *range(second.start, second.stop)]
 
     def at(self, name: str) -> int | None:
-        """Place of a parameter, None where the model has none of that name."""
+        """Index of a parameter, None if the model has none with that name."""
         return self.names.index(name) if name in self.names else None
 
 
@@ -69,12 +68,12 @@ def _free(term: Term) -> int:
 
 
 def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout:
-    """Of a model of these logs.
+    """Layout of a model of these logs.
 
-    A voltage-driven joint has sigma2 only where the logs hold motion with the motor let go:
-    elsewhere what is linear in velocity is the effect `back-emf`, which a log of voltages cannot
-    distinguish from viscous friction. Nor has it sigma1 before that effect is in the model: on a
-    soft transition curve that damping would stand in for it.
+    A voltage-driven joint has sigma2 only if the logs contain motion with the motor off: otherwise
+    a torque linear in velocity is the effect `back-emf`, which a log of voltages cannot distinguish
+    from viscous friction. It has sigma1 only with that effect in the model: on a soft transition
+    curve this damping would imitate it.
     """
     voltage = prepared.voltage_driven
     damped = law.damped and (not voltage or any(t.opposes_voltage for t in terms))

@@ -1,7 +1,8 @@
-"""Whether logs and model have the same joints, and whether every pose that matters is known.
+"""Checks that logs and model have the same joints, and that every relevant position is known.
 
-A joint that no log measures stands still in the balance of torques. Where its pose changes the
-torque of the joint under study, that pose must be given: a guess would pass for friction.
+A joint that no log measures is held in the torque balance. If its position changes the torque of
+the
+examined joint, it must be given: a guess would appear as friction.
 """
 
 import difflib
@@ -35,13 +36,13 @@ _BEYOND_LIMIT = 10.0
 def check_logs(
     logs: Sequence[JointLog], body: RigidBody, held_out: Sequence[JointLog] = ()
 ) -> tuple[str, ...]:
-    """See that logs can be of a joint of a model, by names, kinds, ranges and known poses.
+    """Check that logs can be of a joint of a model, by names, kinds, ranges and known positions.
 
     Returns:
-        what a reader of a result must know: what was mended in the logs, what was assumed.
+        notes on repairs of the logs and on assumptions.
     Raises:
         LogError: a log of another kind of joint, the same samples twice, a joint that the model
-            does not have, one whose pose matters and is not known, or travel far beyond the
+            does not have, one with an unknown position that matters, or travel far beyond the
             model's range.
     """
     everything = [*logs, *held_out]
@@ -64,7 +65,7 @@ def check_logs(
 
 
 def _check_repeats(logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> None:
-    """No samples may serve twice, whatever the files are called."""
+    """The same samples must not be used twice, whatever the files are called."""
     everything = [*logs, *held_out]
     for i, log in enumerate(everything):
         for other in everything[:i]:
@@ -91,7 +92,7 @@ def _check_range(log: JointLog, body: RigidBody) -> None:
 
 
 def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
-    """How much of the logs lies at a limit of the joint, or beyond it."""
+    """Fraction of the logs at a limit of the joint, or beyond it."""
     beyond = np.array([np.max(body.beyond_limits(q)) for q in positions])
     if np.all(beyond < 0.0):
         return ()
@@ -128,7 +129,7 @@ def _check_limit(log: JointLog, body: RigidBody) -> None:
 
 
 def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
-    """Every joint of a log must be the model's, every pose that matters must be known."""
+    """Every joint of a log must be the model's; every relevant position must be known."""
     model = body.model
     fixed = {model.joint(j).name for j in body.poses}
     both = sorted(fixed & set(log.other_positions))
@@ -160,7 +161,7 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
 
 
 def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
-    """Numbers of the joints of unknown pose that change the torque along a log."""
+    """Indices of the joints with unknown positions that change the torque along a log."""
     model = body.model
     known = {*body.poses, body.joint_id, *(model.joint(n).id for n in _of(log, body))}
     open_ones = [j for j in range(model.njnt) if j not in known]
@@ -212,7 +213,7 @@ def _move(model: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) 
 
 
 def _load(body: RigidBody, qpos: Array, qvel: Array, qacc: Array) -> Array:
-    """Torque of the rigid body at the joint in some states, shape (n,)."""
+    """Rigid-body torque at the joint in some states, shape (n,)."""
     data = mujoco.MjData(body.model)
     dof = int(body.model.jnt_dofadr[body.joint_id])
     load = np.zeros(len(qpos))

@@ -1,4 +1,4 @@
-"""The motion of a log behind its filter, and the torque of the rigid body along it."""
+"""The filtered motion of a log, and the rigid-body torque along it."""
 
 from functools import partial
 from typing import NamedTuple
@@ -23,11 +23,12 @@ class Motion(NamedTuple):
     """A log's motion on a uniform grid, rad and s, or m and s.
 
     Attributes:
-        raw_time, raw: the position on the log's own grid, shape (m,). sample: s of that.
-        smooth: filter that takes what is on the log's grid to this one.
-        time, q, v, a: shape (n,). dt: s of a step.
+        raw_time, raw: the position on the log's own grid, shape (m,). sample: its sampling
+            interval, s.
+        smooth: filter from the log's grid to this one.
+        time, q, v, a: shape (n,). dt: time step, s.
         others: position, velocity and acceleration of other joints by name.
-        rigid: torque of the body along it. gear: without what the armature takes.
+        rigid: rigid-body torque along it. gear: without the armature's part.
     """
 
     raw_time: Array
@@ -45,11 +46,11 @@ class Motion(NamedTuple):
 
 
 def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> Motion:
-    """Filter a log's motion and put it through inverse dynamics.
+    """Filter a log's motion and compute inverse dynamics.
 
     Args:
-        corner_hz: of the filter. held: whether the drive is held between samples, which the
-            acceleration that is compared with it must know.
+        corner_hz: of the filter. held: whether the drive is constant between samples, which the
+            acceleration must account for.
     """
     raw_time, raw, sample = on_a_grid(log)
     finest = min(_STEP_S, 1.0 / (_A_MOTION * corner_hz))

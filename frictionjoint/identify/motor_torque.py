@@ -1,7 +1,7 @@
-"""The torque a motor gives, as a fit of its voltage or current sees it.
+"""The motor torque in a fit to voltage or current.
 
-It is what the rest of the balance takes, so it follows from the coefficients that are solved for:
-the columns of what follows that torque and those coefficients are found in turn.
+It equals the rest of the balance, so it follows from the unknown coefficients: the columns that
+depend on it and the coefficients are computed alternately.
 """
 
 from collections.abc import Sequence
@@ -19,20 +19,20 @@ _MORE = 3
 
 
 def follows_motor(term: Term) -> bool:
-    """Whether its column is made of the motor's torque."""
+    """Whether its column depends on the motor torque."""
     return isinstance(term, EffectTerm) and MOTOR in term.effect.needs
 
 
 def solutions(terms: tuple[Term, ...]) -> int:
-    """How often coefficients are solved for until the torque of the motor is theirs."""
+    """How often coefficients are solved until the motor torque is consistent with them."""
     return 1 + _MORE * any(follows_motor(term) for term in terms)
 
 
 def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:
-    """The columns with those that follow the motor's torque, if there are any, filled in.
+    """The columns, including those that depend on the motor torque.
 
-    The torque is all of the balance but what acts on the motor. It is taken behind the filter: the
-    motion is known no finer, and there the edges of friction would stand alone.
+    The torque is the whole balance except what acts on the motor. It is filtered, because the
+    motion is known no finer, and unfiltered steps of friction would stand out.
 
     Args:
         X: columns in the order of the layout, shape (n, k), the first that of the load.

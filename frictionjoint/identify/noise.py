@@ -1,13 +1,13 @@
-"""Noise of a log's instruments, and the band in which its torque balance is worth keeping.
+"""Noise of a log's instruments, and the usable band of its torque balance.
 
-A position differentiated twice turns its noise into a torque that grows with the square of the
-frequency, J (2 pi f)^2 times as much. Where that passes the torque's own noise nothing is learnt of
-the joint, and what cancels it (a lighter link, a snap) looks like an effect. So the balance ends
-before the position's noise is more than a small part of what the instruments leave.
+Differentiating a position twice turns its noise into a torque that grows with the square of the
+frequency, J (2 pi f)^2 times as much. Where that exceeds the torque's own noise the log contains no
+information on the joint, and whatever cancels it (a lighter link, a snap) looks like an effect. So
+the band ends where position noise is still a small part of the whole noise.
 
-The torque's noise is read above the motion. So is the position's, but for the encoder's count: that
-is no white noise. It beats with the samples at constant speed and is silent at rest, so its error
-is computed along the very motion.
+The torque noise is measured above the band of the motion. So is the position noise, except for the
+encoder count, which is not white: it beats with the samples at constant speed and vanishes at rest,
+so its error is computed along the actual motion.
 """
 
 from dataclasses import dataclass, field
@@ -36,13 +36,13 @@ _NEAR, _WHOLE = 50.0, 0.05
 
 @dataclass(frozen=True)
 class Noise:
-    """Of one log.
+    """Noise of one log.
 
     Attributes:
         torque: one-sided density, (unit of the drive)^2 / Hz.
-        frequency: Hz, and position: density of the position's noise there, rad^2 / Hz, shape (m,).
-        inertia: drive over acceleration, kg m^2 where the drive is a torque.
-        count: of the encoder, rad; 0 where the log has none.
+        frequency: Hz, and position: density of the position noise there, rad^2 / Hz, shape (m,).
+        inertia: drive over acceleration, kg m^2 if the drive is a torque.
+        count: encoder step, rad; 0 if the log has none.
     """
 
     torque: float
@@ -58,7 +58,7 @@ class Noise:
         return float(max(self.count / np.sqrt(12.0), np.sqrt(self.position.sum() * df)))
 
     def left(self, corner_hz: float) -> tuple[float, float]:
-        """Power that the torque's and the position's noise leave behind the balance's filter."""
+        """Noise power of torque and position after the filter of the balance."""
         f = self.frequency
         passed = gentle(f / corner_hz) ** 2
         df = float(f[1]) if len(f) > 1 else 0.0
@@ -75,10 +75,10 @@ class Noise:
 
 
 def density_above(x: Array, dt: float) -> float:
-    """Level of the noise of a signal, read above its motion, unit^2 / Hz.
+    """Noise density of a signal, measured above its motion, unit^2 / Hz.
 
-    The median passes over lines. Of a spectrum averaged over few pieces it lies below the mean,
-    as the median of a chi-squared variable does.
+    The median ignores lines. For a spectrum averaged over few pieces it is below the mean, as the
+    median of a chi-squared variable is.
 
     Args:
         x: shape (n,). dt: s between samples.
@@ -94,12 +94,12 @@ def density_above(x: Array, dt: float) -> float:
 
 
 def count_of(position: Array) -> float:
-    """Step of the encoder, rad: positions next to each other lie whole numbers of it apart.
+    """Step of the encoder, rad: neighbouring positions differ by multiples of it.
 
     Args:
         position: as measured, shape (n,).
     Returns:
-        0 where there is no such step.
+        0 if there is no such step.
     """
     apart = np.diff(np.unique(position))
     apart = apart[apart > _ROUNDING * np.ptp(position)]

@@ -1,8 +1,8 @@
-"""Effects that change what the load asks of the motor: they have no size of their own.
+"""Effects whose coefficient is tied to the load coefficient.
 
-The torque that a link asks for through a gap is that of the whole link, or there is no gap. Left
-free, the coefficient of its column says how well the link can be followed: where impacts scatter,
-least squares take less of the column, and a model with a part of a link would be no joint at all.
+A gap transmits the torque of the whole link. A free coefficient would measure how well the link can
+be
+followed: if impacts scatter, least squares reduce it, and a model with part of a link is no joint.
 """
 
 from frictionjoint.arrays import Array
@@ -11,12 +11,12 @@ from frictionjoint.identify.terms import EffectTerm
 
 
 def with_load(X: Array, layout: Layout) -> Array:
-    """Columns with those of such effects where the load is: in its column, if the gain is unknown.
+    """Columns of such effects added to the load's column, if the gain is unknown.
 
     Args:
         X: by the parameters of the layout, or its linear ones, shape (n, p).
     Returns:
-        `X` itself where there are none; else theirs are zero, shape (n, p).
+        `X` itself if there are none; else their own columns are zero, shape (n, p).
     """
     at = _own(layout)
     if not at:
@@ -29,13 +29,13 @@ def with_load(X: Array, layout: Layout) -> Array:
 
 
 def less_load(X: Array, y: Array, layout: Layout) -> Array:
-    """A target less what such effects make of a load that is known, shape (n,)."""
+    """A target minus such effects of a known load, shape (n,)."""
     at = _own(layout)
     return y - X[:, at].sum(axis=1) if at and "load" not in layout.base else y
 
 
 def with_sizes(beta: Array, layout: Layout) -> Array:
-    """Coefficients with those of such effects: as much as the load's, shape (k,)."""
+    """Coefficients with those of such effects set to the load's, shape (k,)."""
     at = _own(layout)
     if at:
         beta = beta.copy()

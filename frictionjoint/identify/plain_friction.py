@@ -1,4 +1,4 @@
-"""What friction may be like before any law is fitted: for what is asked of a log at once."""
+"""Rough friction regressors, used before a law is fitted."""
 
 from collections.abc import Sequence
 
@@ -16,12 +16,12 @@ _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
 
 def top_speed(segments: Sequence[Segment]) -> float:
-    """Of all logs, rad/s (m/s), without the fastest hundredth of each; 1 where nothing moves."""
+    """Top speed of all logs without the fastest 1% of each, rad/s (m/s); 1 if nothing moves."""
     return float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
 
 
 def plain_friction(s: Segment, top: float) -> Array:
-    """A side that friction changes with the motion, and elastic-plastic elements, shape (n, 7).
+    """A smooth sign of the velocity, and elastic-plastic elements, shape (n, 7).
 
     Args:
         top: speed, rad/s (m/s).

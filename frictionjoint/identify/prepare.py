@@ -1,4 +1,4 @@
-"""From logs to the arrays a fit works on: which band, whether the drive is held, what counts."""
+"""From logs to the arrays of a fit: band, hold of the drive, used samples."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -64,11 +64,11 @@ def prepare(
     """Prepare logs of one joint.
 
     Args:
-        body: of the joint; one a log where they are of different loads.
+        body: of the joint; one per log if they have different loads.
         controller: that drove it, for logs without torque, voltage or current.
-        band: of logs that these are compared with; None: what the logs themselves allow.
+        band: of logs to compare with; None: from the logs themselves.
     Raises:
-        LogError: not the same drive in all logs, or one that nothing tells.
+        LogError: different kinds of drive, or an unknown drive.
     """
     bodies = [body] * len(logs) if isinstance(body, RigidBody) else list(body)
     body = bodies[0]
@@ -113,13 +113,13 @@ def prepare(
 
 
 def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:
-    """Whether it matters that a drive is held between samples, where it is measured."""
+    """Whether a measured drive may be constant between samples and this matters."""
     samples = [s.sample for s in segments if s.commanded is None]
     return max(samples, default=0.0) * band.balance * _NO_MATTER >= 1.0
 
 
 def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> float:
-    """Corner of the balance: as wide as the noises allow, but wide enough for the motion."""
+    """Corner of the balance: as high as the noise allows, but high enough for the motion."""
     most = min(_MOST_HZ, motion / 2.0)
     least = min(max(_LEAST_HZ, main), most)
     slowest = max(s.sample for s in segments)
@@ -220,9 +220,10 @@ def _segment(
 
 
 def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
-    """Where a drive stands at its largest value, 1, or its least, -1; None: it stands at neither.
+    """Where a drive is at its largest value, 1, or its smallest, -1; None: nowhere.
 
-    Samples pile up there, within the noise. At the crest of a wave there are some more than below.
+    Samples accumulate there, within the noise. At the crest of a wave there are only a few more
+    than below.
     """
     found = np.zeros(len(values))
     steps = np.abs(np.diff(values))
@@ -241,7 +242,7 @@ def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
 
 
 def _per_torque(drive: Array, load: Array, velocity: Array) -> float:
-    """Drive per unit of torque, roughly: of the load, with viscous and Coulomb friction."""
+    """Drive per unit of torque, roughly: from load, viscous and Coulomb friction."""
     columns = np.column_stack([load, velocity, np.sign(velocity), np.ones_like(load)])
     return abs(float(np.linalg.lstsq(columns, drive, rcond=None)[0][0]))
 

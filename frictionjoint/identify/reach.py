@@ -1,4 +1,4 @@
-"""How near a fit has come to its minimum."""
+"""Remaining first-order reduction of a fit."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from frictionjoint.identify.fit import Fit
 
 
 def unreached(fitted: Fit) -> Array:
-    """What a fit leaves of each sample's square where to first order it need not, N m^2, (n,).
+    """Part of each squared residual that would vanish to first order, N m^2, (n,).
 
-    A search that stops short of a minimum has tried the step there, and it did not hold: the
-    squares are what the fit leaves, not what it promises.
+    A search that stops before a minimum has tried that step without success: the residual is what
+    the fit leaves, not what first order promises.
     """
     w = fitted.weight
     left = fitted.residual * w

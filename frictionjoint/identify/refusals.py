@@ -1,4 +1,4 @@
-"""What is said of logs that cannot be of the model: what is wrong, where, and the mend."""
+"""Error messages for logs inconsistent with the model: what is wrong, where, and the fix."""
 
 from typing import NamedTuple
 
@@ -24,14 +24,14 @@ class _Columns(NamedTuple):
 
 
 def driven(prepared: Prepared, name: str, errors: float) -> str:
-    """Friction would drive the joint, by so many standard errors."""
+    """Friction would drive the joint, by that many standard errors."""
     return _wrong_sign(
         prepared, name, f"friction would drive the joint ({errors:.0f} standard errors)"
     )
 
 
 def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float) -> str:
-    """Gravity and inertia of the model show in the drive with these factors, both negative."""
+    """Gravity and inertia of the model appear in the drive with these negative factors."""
     why = (
         f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
         f"{inertia:.3g})"
@@ -49,7 +49,7 @@ def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
 
 
 def too_large(prepared: Prepared, names: str, factor: float) -> str:
-    """The torque is so many times the load of the model, in gravity and inertia alike."""
+    """The torque is that many times the load of the model, in gravity and inertia alike."""
     c = _columns(prepared)
     torque, check = f"measured {c.what}", f"the unit of {c.drive} (N mm, mN m, N cm?)"
     if prepared.commanded:
@@ -61,7 +61,8 @@ def too_large(prepared: Prepared, names: str, factor: float) -> str:
 
 
 def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
-    """Of the drive's rms so much is left; `hint` is the torque over the model's load."""
+    """That fraction of the drive's rms is unexplained; `hint` is the torque over the model's
+    load."""
     c = _columns(prepared)
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (

@@ -1,4 +1,4 @@
-"""A fit as a user reads it: named parameters with standard errors and units."""
+"""A fit for the user: named parameters with standard errors and units."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ _DRIVE_UNITS = {"current": "A", "voltage": "V"}
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its standard error (None where the logs do not determine it) and unit."""
+    """A number with its standard error (None if the logs do not determine it) and unit."""
 
     value: float
     stderr: float | None
@@ -31,20 +31,20 @@ class Estimate:
 
 
 def units_of(fitted: Fit, slide: bool) -> tuple[str, str]:
-    """Units of torque and position that a fit is stated in."""
+    """Units of torque and position of a fit."""
     torque, position = ("N", "m") if slide else ("N m", "rad")
     return (_drive_unit(fitted, slide) if fitted.in_drive_units else torque), position
 
 
 def _drive_unit(fitted: Fit, slide: bool) -> str:
-    """Unit of a drive that is no torque; that of a position, where it is a torque over kp."""
+    """Unit of a drive that is no torque; that of a position for a torque over kp."""
     if fitted.over_kp:
         return "m" if slide else "rad"
     return _DRIVE_UNITS[fitted.drive]
 
 
 def scale_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """What a reader must know of friction that is stated in units of the drive."""
+    """A note on friction that is stated in units of the drive."""
     if not fitted.in_drive_units:
         return ()
     unit = _drive_unit(fitted, slide)

@@ -1,9 +1,9 @@
-"""Reversals between two samples: friction changes sign there, at a time that samples do not show.
+"""Reversals between two samples, where friction changes sign at an unknown time.
 
-Where a contact is stiff, friction goes from one level to the other within a fraction of a step. A
-sample of it just before or just after is wrong by up to both levels for that step. The path of a
-law so has further points around a reversal, and what a balance takes of the law is its mean over
-each step. Elsewhere point and mean are the same.
+With a stiff contact, friction changes from one level to the other within a fraction of a step. A
+sample just before or after is wrong by up to both levels for that step. So the path of a law has
+additional points around a reversal, and the balance uses the law's mean over each step. Elsewhere
+point and mean agree.
 """
 
 from dataclasses import dataclass
@@ -25,12 +25,12 @@ _RULE[[0, -1]] *= 0.5
 
 @dataclass(frozen=True)
 class Path:
-    """What a law is driven along.
+    """Path along which a law is driven.
 
     Attributes:
         time, position: shape (m,), m at least n.
-        samples: places among those points of the n samples of the grid.
-        averaged: shape (n,), where a sample is the mean over the step around it.
+        samples: indices among those points of the n samples of the grid.
+        averaged: shape (n,), whether a sample is the mean over the step around it.
     """
 
     time: Array
@@ -69,7 +69,7 @@ def path_of(signals: Array, resolution: float) -> Path:
 
 @compiled
 def fill_grid(x: Array, samples: Index, averaged: NDArray[np.bool_], out: Array) -> None:
-    """Take what belongs to the points of paths to the samples of their grids.
+    """Map values at the points of paths to the samples of their grids.
 
     Args:
         x: rows, shape (k, m). samples, averaged: see `Path`. out: shape (k, n).

@@ -1,8 +1,7 @@
 """Rigid-body torque at one joint along a measured motion, from the user's own MJCF.
 
-MuJoCo's inverse dynamics does the work. Contacts, limits and every friction or damping the MJCF
-declares at the joint are left out, because friction is what is to be identified; where the joint
-stands at a limit is told.
+It uses MuJoCo's inverse dynamics. Contacts, limits and all friction or damping of the joint in the
+MJCF are left out, because friction is identified; samples at a limit are reported.
 """
 
 from collections.abc import Mapping
@@ -28,15 +27,15 @@ _GIVES_WAY = 0.1
 
 @dataclass(frozen=True)
 class RigidBodyTorque:
-    """Along a motion, each of shape (n,).
+    """Rigid-body torque along a motion, each of shape (n,).
 
     Attributes:
-        load: torque the rigid body asks of the joint, N m (N for a slide).
-        gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint,
-            N m per kg m; zero for a slide joint.
-        sag: of the link without the joint's armature, torque that holds it against gravity over
-            its inertia, rad/s^2; zero for a slide joint.
-        sway: derivative of that by the position, 1/s^2.
+        load: torque that the rigid body needs at the joint, N m (N for a slide).
+        gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m
+            per kg m; zero for a slide joint.
+        sag: gravity torque of the link over its inertia, without the joint's armature, rad/s^2;
+            zero for a slide joint.
+        sway: derivative of `sag` by the position, 1/s^2.
         unknown: friction outside of the joint that the motion does not determine, N m; None: none.
     """
 
@@ -53,15 +52,15 @@ class RigidBody:
 
     Args:
         mjcf: path of the MJCF, or its text.
-        joint: name of the joint under study.
-        fixed: assumed poses of other joints by name, see `held.Pose`; a joint given by neither a
-            log nor this stays at its initial position, qpos0.
+        joint: name of the examined joint.
+        fixed: positions of other joints by name, see `held.Pose`; a joint in neither a log nor this
+            stays at its initial position, qpos0.
     Attributes:
-        mjcf: without friction that an earlier run put on the joint. carried: whether it had some.
-        native: friction that the MJCF itself declares at the joint, in words; empty for none.
-        joint_names: of the other hinges and slides. poses: of the fixed joints, by their number.
+        mjcf: without friction of an earlier run at the joint. carried: whether it had some.
+        native: friction of the joint in the MJCF, in words; empty for none.
+        joint_names: of the other hinges and slides. poses: of the fixed joints, by index.
     Raises:
-        ModelError: the file does not compile, or has no such hinge or slide joint; a pose is none.
+        ModelError: the file does not compile, or has no such hinge or slide joint; a bad position.
         TypeError: not a path or text, or not a name.
     """
 
@@ -113,9 +112,9 @@ class RigidBody:
         return np.maximum(low - position, position - high)
 
     def at_limit(self, position: Array) -> NDArray[np.bool_]:
-        """Where the joint stands at a limit, whose torque no motion determines, shape (n,).
+        """Where the joint is at a limit, whose torque no motion determines, shape (n,).
 
-        Nowhere if it moves far beyond: then it is not this joint's, or its zero is another.
+        Nowhere if it moves far beyond: then the limit is another joint's, or the zero is different.
         """
         low, high = self.limits
         beyond = self.beyond_limits(position)
@@ -124,16 +123,16 @@ class RigidBody:
         return np.asarray(beyond >= 0.0)
 
     def spec(self) -> mujoco.MjSpec:
-        """A fresh spec of the MJCF, to be changed."""
+        """A new spec of the MJCF, to be changed."""
         return read_spec(self.mjcf)
 
     def hold(self, model: mujoco.MjModel) -> None:
-        """Hold all joints but this one where they are, at the poses given or at qpos0.
+        """Hold all joints but this one, at the given positions or at qpos0.
 
-        A simulation that steps this joint alone needs it: what no log drives would fall.
+        A simulation of this joint alone needs it: joints without a drive would fall.
 
         Args:
-            model: compiled from `spec`, with whatever was added to it; changed in place.
+            model: compiled from `spec`, with additions; changed in place.
         """
         names = {self.model.joint(j).name: pose for j, pose in self.poses.items()}
         take_pose(model, {model.joint(name).id: pose for name, pose in names.items()})

@@ -1,4 +1,4 @@
-"""Shapes of the rival laws in a fit, and the forms of every law by its name."""
+"""Shapes of the other laws in a fit, and the forms of every law by its name."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -57,9 +57,9 @@ _START = {
 
 @dataclass(frozen=True)
 class RivalShape:
-    """Search variables of a rival law: Fs / Fc - 1, Vs, delta, then its own.
+    """Search variables of another law: Fs / Fc - 1, Vs, delta, then its own.
 
-    `length` is Fs (Dahl: Fc) over the stiffness, so that it means about the same in every law.
+    `length` is Fs (Dahl: Fc) over the stiffness, so that it has a similar meaning in every law.
 
     Attributes:
         law: the class of its parameters. numbers: in the order of `variables`.
@@ -137,7 +137,7 @@ class RivalShape:
         return replace(self, assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
-        """The law at a Coulomb level."""
+        """The law with a Coulomb level."""
         x = {
             name.removeprefix("log "): float(np.exp(n)) if name.startswith("log ") else n
             for name, n in zip(self.variables, self.numbers, strict=True)
@@ -202,16 +202,16 @@ class RivalShape:
 
 
 def prompt_maxwell_slip() -> tuple[Shape, ...]:
-    """Maxwell-slip whose sliding follows the Stribeck curve within milliseconds.
+    """Maxwell-slip that follows the Stribeck curve within milliseconds.
 
-    Its rate of attraction is a frictional lag. A law to look for effects with must not have one,
-    or that effect never shows.
+    Its rate of attraction is a frictional lag. A law for the search of effects must not have one,
+    because that effect could not be found.
     """
     return (replace(start_of(MaxwellSlipParameters), least_rate=_PROMPT),)
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:
-    """What a fit of a law tries.
+    """The forms of a law that a fit tries.
 
     Raises:
         ParameterError: no law has this name.
@@ -227,5 +227,5 @@ def forms_of(law: str) -> tuple[Shape, ...]:
 
 
 def start_of(rival: Any) -> RivalShape:
-    """Where the search for a rival's shape begins, by the class of its parameters."""
+    """Start of the search for another law's shape, by the class of its parameters."""
     return RivalShape(rival, tuple(_START[name] for name in _VARIABLES[rival.law]))

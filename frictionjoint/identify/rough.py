@@ -1,11 +1,4 @@
-"""Standard errors of numbers with which a torque leaps: as far as the squares tell them apart.
-
-Where a threshold lies between two samples nothing changes, and the squares over the width of a gap
-are rough: a jacobian knows neither. A number is distinguished from the fitted one where it leaves
-more, by more than a paired standard error over blocks of time, all else fitted again. Where squares
-are smooth that is two standard errors of the sandwich over these blocks away, so half of the
-farthest distance at which it is not is the standard error here.
-"""
+"""Standard errors of parameters with a non-smooth objective, from the objective itself."""
 
 import numpy as np
 from numpy.typing import NDArray

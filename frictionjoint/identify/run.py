@@ -41,9 +41,9 @@ class Identified:
     Attributes:
         joint: name. parameters: of the law, for `frictionjoint.install`.
         estimates: each parameter with its standard error and unit.
-        unit: of torques: N m (N), or A or V where the logs do not determine the torque's scale.
+        unit: of torques: N m (N), or A or V if the logs do not determine the torque scale.
         torque_rms: residual. drive_rms: of the measured drive, both in that unit.
-        notes: what a reader must know of the result.
+        notes: on the result.
     """
 
     joint: str
@@ -56,11 +56,11 @@ class Identified:
 
     @property
     def scaled(self) -> bool:
-        """Whether torques are in N m (N), so that a model can carry the friction."""
+        """Whether torques are in N m (N), so that a model can contain the friction."""
         return self.unit in ("N m", "N")
 
     def to_toml(self) -> str:
-        """The parameter file that `frictionjoint identify` writes."""
+        """Text of the parameter file that `frictionjoint identify` writes."""
         if self.scaled:
             return toml_text(self.parameters)
         return toml_text_without_scale(self.parameters, self.unit)
@@ -82,7 +82,7 @@ class Identified:
 
     @property
     def residual(self) -> str:
-        """What the law leaves of the drive, in a sentence."""
+        """The residual error of the law, in a sentence."""
         return (
             f"Residual {self.torque_rms:.4g} {self.unit} of {self.drive_rms:.4g} {self.unit} rms."
         )

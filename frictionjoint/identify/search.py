@@ -1,7 +1,7 @@
-"""Least squares of the torque balance: friction law plus terms, on one or several logs.
+"""Least squares of the torque balance: friction law and terms, on one or several logs.
 
-Everything is linear but the shapes, so the shapes are searched and the rest is solved for at each
-point (variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
+Everything but the shapes is linear, so the shapes are searched and the rest is solved at each point
+(variable projection, Golub and Pereyra 1973, with Kaufman's derivative, 1975).
 """
 
 import math
@@ -48,18 +48,19 @@ FEWEST_WAVES, _LINE = 1.5, 0.5
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
-    """Physical range of each shape number that a search may move."""
+    """Physical range of each searched shape number."""
     return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
 
 
 def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term, ...]:
-    """The terms, and the times within a sample that the logs leave open beside them.
+    """The terms, and the sub-sample time offsets that the logs leave open.
 
-    When a measured drive belongs to its position, or a command to its target, is one where no
-    effect says so: channels are read one after the other. Of a target with a delay of its own, it
-    is when the drive acts, in ticks. The age of a velocity, that a controller's damping has read
-    or that goes with a simulation's own, is taken as nothing where an inertia is searched for, or
-    a gain, which scales an inertia: to a log these are one.
+    They are: the time of a measured drive relative to its position, or of a command relative to its
+    target, unless an effect states it, because channels are read one after the other. For a target
+    with a delay of its own, the offset is that of the controller's tick. The age of a velocity, in
+    a controller's damping
+    or in a simulation, is assumed to be zero while an inertia or a gain is searched for: logs
+    cannot distinguish them.
     """
     if any(isinstance(t, Timing) for t in terms):
         return terms
@@ -104,8 +105,8 @@ def refit(
 
     Args:
         start: shape to start from; terms start from their own shapes.
-        closeness: fraction of the squares by which the last step may still lower them.
-        steps: at most.
+        closeness: stop when a step reduces the sum of squares by less than this fraction.
+        steps: largest number of steps.
     """
     search = Search(prepared, timed(prepared, terms, start), start)
     found = search.result(search.run(search.start, steps, closeness).x)
@@ -113,7 +114,8 @@ def refit(
 
 
 def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> Fit:
-    """A fit and the parts of an inertia that it puts behind springs, in turns, see `hanging`."""
+    """A fit and the shares of the inertia that it puts behind springs, fitted alternately, see
+    `hanging`."""
     for _ in range(_PARTS):
         terms = hanging(prepared, found)
         if terms == found.terms:
@@ -124,7 +126,7 @@ def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> 
 
 
 def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:
-    """Of some shapes of a law the one that leaves least beside some terms as they are."""
+    """The shape of a law with the smallest residual, with given terms."""
     if len(laws) == 1:
         return laws[0]
     searches = [Search(prepared, timed(prepared, terms, law), law) for law in laws]
@@ -136,8 +138,8 @@ class Solution(NamedTuple):
     """Columns, target and coefficients at a point of a search, in units of the drive.
 
     Attributes:
-        acting: what effects of the drive have left of it, see `Fit.acting`.
-        unit: by which an error is multiplied before it is made small.
+        acting: fraction of the drive that effects of the drive have left, see `Fit.acting`.
+        unit: factor on an error before it is minimised.
     """
 
     X: Array
@@ -148,7 +150,7 @@ class Solution(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a search has come to: half the sum of squares there, its search, the numbers."""
+    """State of a search: half the sum of squares, the search, the numbers."""
 
     cost: float
     search: "Search"
@@ -202,11 +204,11 @@ class Search:
 
     @property
     def start(self) -> Array:
-        """Where the law and the terms given lie."""
+        """Point of the given law and terms."""
         return self.vector(self.law)
 
     def vector(self, law: Shape) -> Array:
-        """Numbers of a law and of the terms given, inside their bounds."""
+        """Numbers of a law and of the given terms, within their bounds."""
         x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
         span = self.bounds[1] - self.bounds[0]
         # a number at zero may go as far up as physics lets it: its range may have no end
@@ -224,7 +226,8 @@ class Search:
         return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
-        """Where some steps from x lead; at the end what leaps is also sought in finite steps."""
+        """Result of some steps from x; finally, discontinuous numbers are also searched in
+        finite steps."""
         place = self._descended(x, steps, closeness)
         axes = self.leaping if closeness <= CLOSE else []
         for _ in range(_ROUNDS if axes else 0):
@@ -238,7 +241,7 @@ class Search:
 
     @property
     def leaping(self) -> list[int]:
-        """Places of the numbers with which a torque leaps."""
+        """Indices of the numbers in which a torque is discontinuous."""
         first = self.layout.linear.stop
         return [
             k - first
@@ -248,15 +251,17 @@ class Search:
         ]
 
     def squares(self, x: Array) -> float:
-        """Sum of them that is left at a point."""
+        """Residual sum of squares at a point."""
         return float(np.sum(self.residual(x) ** 2))
 
     def _descended(self, x: Array, steps: int, closeness: float) -> Place:
-        """Where steps along derivatives lead.
+        """Result of steps along derivatives.
 
-        To move a number by its scale costs what the last step may still gain. One that hardly shows
-        (a part of a curve that the motion does not reach) would else go where rounding says: steps
-        that a trust region shortens are as long as the region, whatever fills it.
+        A change of a number by its scale costs as much as the last step may gain. Otherwise a
+        number with hardly any influence (a part of a curve that the motion does not reach) would
+        follow rounding
+        errors: steps that
+        a trust region shortens are as long as the region, whatever they contain.
         """
         still, axes = np.zeros(len(x)), np.diag(1.0 / self.scale)
 
@@ -295,7 +300,8 @@ class Search:
         return found
 
     def _coefficients(self, X: Array, y: Array) -> Array:
-        """Those that leave least; a contact without a level has no damping of its own either."""
+        """Coefficients with the smallest residual; a law without a friction level has no damping
+        sigma1."""
         columns = with_load(X, self.layout) * self.weight[:, None]
         wanted = less_load(X, y, self.layout) * self.weight
         beta = solve(columns, wanted, self.low, self.high)
@@ -339,11 +345,11 @@ class Search:
         return float(np.exp(np.average(change, weights=self.weight**2)))
 
     def _drive(self, y: Array) -> Array:
-        """The drive of a target, from which the load has been taken where that is known."""
+        """The drive of a target, without the load if that is known."""
         return y if self.prepared.gain_unknown else y + self.prepared.balanced_load
 
     def residual(self, x: Array) -> Array:
-        """Target less model, weighted; of a drive that is nothing, all that the drive was."""
+        """Target minus model, weighted; for a drive of zero, the whole drive before."""
         X, y, beta, _, unit = self.solved(x)
         if unit != 1.0 and not np.any(y):
             return np.asarray(self.prepared.balanced_drive * self.weight)
@@ -351,7 +357,7 @@ class Search:
         return out
 
     def derivative(self, x: Array) -> Array:
-        """Of the residual by the numbers searched, the coefficients solved for all along."""
+        """Derivative of the residual by the searched numbers, with the coefficients refitted."""
         X, y, beta, _, unit = self.solved(x)
         w = self.weight[:, None]
         moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
@@ -402,7 +408,7 @@ class Search:
         )
 
     def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
-        """Columns of the swings that the logs may have begun with."""
+        """Columns of possible free oscillations at the start of the logs."""
         return [
             swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
             for i, term in enumerate(terms)

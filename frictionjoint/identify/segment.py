@@ -1,8 +1,8 @@
-"""A log as a fit works on it: smooth motion, rigid-body torque, signals, on one grid.
+"""A log prepared for a fit: smooth motion, rigid-body torque, signals, on one grid.
 
-Motion and drive pass one steep filter that is flat where torques are balanced; the balance, all of
-its columns and its target, passes a second one. So no side of it is filtered more than the other,
-and a law sees a motion sharper than the balance.
+Motion and drive pass a steep filter that is flat in the torque band; all columns and the target of
+the balance pass a second one. So both sides of the balance are filtered equally, and a law is
+driven along a motion sharper than the balance.
 """
 
 from collections.abc import Sequence
@@ -35,10 +35,10 @@ Drive = Literal["torque", "voltage", "current"]
 
 @dataclass(frozen=True)
 class Band:
-    """Corners of the two filters, Hz: of the balance, and of the motion that makes it.
+    """Corners of the two filters, Hz: of the torque balance, and of the motion.
 
-    zero_order_hold: whether a measured drive holds its torque from one sample to the next.
-    sensor_saturates: whether samples at the end of a drive's range do not count.
+    zero_order_hold: whether a measured drive is constant from one sample to the next.
+    sensor_saturates: whether samples at the end of a drive's range are not used.
     """
 
     balance: float
@@ -49,30 +49,31 @@ class Band:
 
 @dataclass(frozen=True)
 class Segment:
-    """One log, prepared.
+    """One prepared log.
 
     Attributes:
         name: of the log.
         dt: s between samples of the grid.
-        bandwidth_hz: corner of the filter that the balance passes.
+        bandwidth_hz: corner of the filter of the balance.
         step: one in `step` samples of the balance is kept for the fit.
         signals: shape (n, N_SIGNALS) on the grid; H and DTAU are filled by a fit.
-        drive: torque, voltage or current behind the filter of the motion, shape (n,).
-        driven: shape (n,), False where the joint was let go: the motor's leads are open, so that
-            neither a voltage nor the back-EMF acts.
-        mask: shape (n,), False where the torque is not known or a filter edge spoils the sample.
-        others: further measured quantities by name, for dependences that no effect explains.
-        noise: of the instruments. sample: s between the samples of the log itself.
+        drive: torque, voltage or current after the filter of the motion, shape (n,).
+        driven: shape (n,), False while the motor is off: its leads are open, so neither a voltage
+            nor the back-EMF acts.
+        mask: shape (n,), False where the torque is unknown or a filter edge spoils the sample.
+        others: further measured quantities by name, for unexplained dependences.
+        noise: of the instruments. sample: sampling interval of the log itself, s.
         corner_hz: of the filter of the motion.
-        commanded: where the drive is not measured, what its controller made it of.
-        weight: of each sample in a fit, shape (n,), see `weights`; None: all alike.
+        commanded: for an unmeasured drive, the commands of its controller.
+        weight: of each sample in a fit, shape (n,), see `weights`; None: all equal.
         held: friction at the first sample over Fc, see `start`.
         swing: deflection of an elastic joint at the first sample and its rate, see `start`.
-        driven_along: what a law is driven along, where it was made before; see `path`.
+        driven_along: cached path of a law; see `path`.
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
-        saturated: shape (n,), 1 while a measured drive stands at its largest value, -1 at its
-            least, 0 elsewhere; None: it stands at neither.
-        turned_by_another: start and end of each part that the mask leaves out since another drive
+        saturated: shape (n,), 1 while a measured drive is at its largest value, -1 at its smallest,
+            0
+            elsewhere; None: it is at neither.
+        turned_by_another: start and end of each part that the mask leaves out because another drive
             turns the joint there, s in the log's time.
     """
 
@@ -99,12 +100,12 @@ class Segment:
 
     @cached_property
     def path(self) -> Path:
-        """Time and position that a law is driven along."""
+        """Time and position along which a law is driven."""
         return self.driven_along or path_of(self.signals, self.noise.resolution)
 
     @cached_property
     def start(self) -> Start:
-        """How the log begins."""
+        """Initial state of the log."""
         position = self.signals[:, Q]
         return Start(self.held, float(position[0]), float(np.ptp(position)))
 
@@ -113,11 +114,11 @@ class Segment:
         return self.filter.spectrum(self.drive)
 
     def balanced_drive(self, delay: float = 0.0, derivative: int = 0) -> Array:
-        """The drive as it was `delay` seconds before each sample, behind the balance's filter."""
+        """The drive `delay` seconds before each sample, after the filter of the balance."""
         return self.filter.back(self._drive_spectrum, derivative, delay)
 
     def drive_before(self, delay: float) -> Array:
-        """The drive as it was `delay` seconds before each sample, shape (n,)."""
+        """The drive `delay` seconds before each sample, shape (n,)."""
         if delay == 0.0:
             return self.drive
         time = self.signals[:, TIME]
@@ -126,32 +127,33 @@ class Segment:
 
     @cached_property
     def balanced_load(self) -> Array:
-        """Torque of the rigid body on the kept samples, N m."""
+        """Rigid-body torque on the kept samples, N m."""
         return self.lowpass(self.signals[:, LOAD])[self.kept]
 
     @cached_property
     def gear(self) -> Array:
         """Torque that the gear transmits in the band of the balance, N m, shape (n,).
 
-        Its size counts where its sign does not: there noise of the acceleration is no longer noise.
+        Effects use its magnitude; of noise in the acceleration the magnitude does not average to
+        zero.
         """
         return self.smooth(self.signals[:, GEAR])
 
     def lowpass(self, x: Array) -> Array:
-        """What the balance has of a signal: filtered along axis 0 and decimated."""
+        """A signal filtered along axis 0 and decimated, as in the balance."""
         return self.filter(x)
 
     def smooth(self, x: Array) -> Array:
-        """A signal behind the balance's filter, all samples of it."""
+        """A signal after the filter of the balance, at all samples."""
         return self.undecimated(x)
 
     @property
     def undecimated(self) -> LowPass:
-        """The balance's filter, with all samples given back."""
+        """The filter of the balance, without decimation."""
         return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, 1)
 
     def at_kept(self, x: Array) -> Array:
-        """A quantity of all samples at the kept ones, not filtered."""
+        """A quantity at the kept samples, not filtered."""
         return np.asarray(x[:: self.step][self.kept])
 
     @property
@@ -163,7 +165,7 @@ class Segment:
 
     @property
     def filter(self) -> LowPass:
-        """That the balance passes."""
+        """The filter of the balance."""
         return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, self.step)
 
     @property
@@ -172,7 +174,7 @@ class Segment:
         return self.mask[:: self.step]
 
     def without_limits(self) -> Self:
-        """The log without what stands at the end of its drive's range, see `Band`."""
+        """The log without samples at the end of its drive's range, see `Band`."""
         if self.saturated is None:
             return self
         clear = clear_of(self.saturated != 0.0, self.bandwidth_hz, self.dt)
@@ -180,9 +182,9 @@ class Segment:
 
 
 def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
-    """Samples a period of a filter's corner away from those of unknown torque, shape (n,).
+    """Samples at least one period of a filter's corner away from unknown torque, shape (n,).
 
-    So far the filter brings it.
+    The filter spreads it that far.
     """
     reach = max(1, int(1.0 / (bandwidth_hz * dt)))
     return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))
@@ -193,15 +195,14 @@ class Prepared:
     """All logs of a fit.
 
     Attributes:
-        segments: one a log.
+        segments: one per log.
         joint: name; slide: True for a slide joint.
-        drive: what the logs hold of the motor. The torque that a voltage or a current makes is
-            known only up to a gain.
+        drive: kind of drive in the logs. The torque per voltage or current is an unknown gain.
         band: of the filters.
-        let_go: some samples are of a voltage-driven joint that was let go: there viscous friction
-            acts without back-EMF, so that the two can be distinguished.
-        nothing: names of times within a sample that are taken as nothing: see `starts.with_times`,
-            or the inertia is one that was found in these logs.
+        let_go: whether some samples are of a voltage-driven joint with its motor off: there viscous
+            friction acts without back-EMF, so that the two can be distinguished.
+        nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
+            because an inertia error was found in these logs.
     """
 
     segments: tuple[Segment, ...]
@@ -222,26 +223,26 @@ class Prepared:
 
     @property
     def gain_unknown(self) -> bool:
-        """Whether the drive is a torque up to a gain, which the load then determines."""
+        """Whether the drive is a torque of unknown gain, which the load then determines."""
         return self.drive != "torque"
 
     @property
     def voltage_driven(self) -> bool:
-        """Whether a back-EMF works against the drive."""
+        """Whether a back-EMF opposes the drive."""
         return self.drive == "voltage"
 
     @property
     def commanded(self) -> bool:
-        """Whether the drive is what a controller made of its commands, and not measured."""
+        """Whether the drive is computed by a controller from commands, and not measured."""
         return all(s.commanded is not None for s in self.segments)
 
     @property
     def damped(self) -> bool:
-        """Whether a controller made the drive that damps the joint."""
+        """Whether a controller with damping computed the drive."""
         return any(s.commanded is not None and s.commanded.damped for s in self.segments)
 
     def at_kept(self, column: int) -> Array:
-        """One of the signals at the kept samples of all logs in turn, shape (n,)."""
+        """One of the signals at the kept samples of all logs in order, shape (n,)."""
         return np.concatenate([s.at_kept(s.signals[:, column]) for s in self.segments])
 
     @cached_property
@@ -251,34 +252,35 @@ class Prepared:
 
     @cached_property
     def usual_travel(self) -> float:
-        """Of all logs without the outermost tenth of the samples, rad (m)."""
+        """Travel of all logs without the outermost 10% of the samples, rad (m)."""
         return float(np.subtract(*np.quantile(self.at_kept(Q), (0.95, 0.05)))) or self.span
 
     @cached_property
     def top_speed(self) -> float:
-        """Of all logs without the fastest hundredth of the samples, rad/s (m/s); 1 if none move."""
+        """Top speed of all logs without the fastest 1% of the samples, rad/s (m/s); 1 if none
+        move."""
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in self.segments])
         return float(np.quantile(speeds, 0.99)) or 1.0
 
     @cached_property
     def weight(self) -> Array:
-        """Of the kept samples of all logs in turn."""
+        """Weights of the kept samples of all logs in order."""
         return np.concatenate([s.kept_weight for s in self.segments])
 
     @property
     def balanced_drive(self) -> Array:
-        """Drive on the kept samples of all logs in turn."""
+        """Drive on the kept samples of all logs in order."""
         (whole,) = self.bundles(1)
         return whole.balanced(whole.driven)
 
     @property
     def balanced_load(self) -> Array:
-        """Torque of the rigid body on the kept samples of all logs in turn, N m."""
+        """Rigid-body torque on the kept samples of all logs in order, N m."""
         (whole,) = self.bundles(1)
         return whole.load_and_velocity[:, 0]
 
     def bundles(self, parts: int) -> tuple[Bundle[Segment], ...]:
-        """The logs in up to so many parts, of about as many samples."""
+        """The logs in at most so many parts with about equal numbers of samples."""
         parts = min(parts, len(self.segments))
         if parts not in self._bundles:
             lengths = np.array([len(s.drive) for s in self.segments])
@@ -295,7 +297,7 @@ class Prepared:
         return [found[:, own] for own in whole.places]
 
     def smooth(self, x: Sequence[Array]) -> list[Array]:
-        """A signal of each log behind the balance's filter, all samples of it."""
+        """A signal of each log after the filter of the balance, at all samples."""
         whole = LowPasses([s.undecimated for s in self.segments])(np.concatenate(x)[None])[0]
         return [whole[own] for own in places([len(one) for one in x])]
 
@@ -310,7 +312,7 @@ class Prepared:
     def weighed(self, weights: Sequence[Array]) -> "Prepared":
         """The logs with other weights of their samples, shape (n,) each.
 
-        What was made of them stays: no column of a balance knows a weight.
+        Cached results stay valid: no column of a balance depends on a weight.
         """
         logs = zip(self.segments, weights, strict=True)
         found = replace(self, segments=tuple(replace(s, weight=w) for s, w in logs))
@@ -318,9 +320,8 @@ class Prepared:
         return found
 
     def thinned(self, most: int) -> "Prepared":
-        """The logs for a coarse search, in a narrower band where there are more samples than
-        about `most`; finer motion is lost.
-        """
+        """The logs for a coarse search, in a narrower band if there are more samples than about
+        `most`."""
         if most not in self._thinned:
             factor = max(1.0, self.samples / most)
             segments = tuple(_thinned(s, factor) for s in self.segments)
@@ -328,7 +329,8 @@ class Prepared:
         return self._thinned[most]
 
     def without_limits(self) -> "Prepared":
-        """The logs without what stands at the end of the drive's range: its sensor saturates."""
+        """The logs without samples at the end of the drive's range, because its sensor
+        saturates."""
         return replace(
             self,
             segments=tuple(s.without_limits() for s in self.segments),
@@ -342,12 +344,12 @@ class Prepared:
 
 @lru_cache(maxsize=256)
 def _lowpass(n: int, dt: float, corner_hz: float, step: int) -> LowPass:
-    """A search filters with the same few many thousand times."""
+    """A cached filter: a search uses the same few many thousand times."""
     return LowPass(n, dt, corner_hz, gentle, step)
 
 
 def _thinned(s: Segment, factor: float) -> Segment:
-    """A log in a band narrower by a factor, on a grid to match."""
+    """A log in a narrower band, on a coarser grid."""
     bandwidth_hz = s.bandwidth_hz / factor
     step = max(1, int(1.0 / (s.dt * _A_COARSE * bandwidth_hz)))
     smooth = LowPass(len(s.drive), s.dt, min(4.0 * bandwidth_hz, HIGHEST / s.dt), steep, step)

@@ -12,7 +12,7 @@ from frictionjoint.identify.terms import delay_of
 
 
 def driven(prepared: Prepared, fitted: Fit) -> Prepared:
-    """Motions with the drive that they ask of a fitted law, without its other terms."""
+    """Motions with the drive that a fitted law needs, without its other terms."""
     segments = []
     signals = full_signals(prepared, fitted.shape, *fitted.levels)
     for s, x in zip(prepared.segments, signals, strict=True):
@@ -27,7 +27,7 @@ def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
     """Jacobian of a fit's torque on other motions than those it was fitted to.
 
     Args:
-        prepared: the motions; a delay, if the fit has one, moves their drive.
+        prepared: the motions; a delay in the fit shifts their drive.
     Returns:
         shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
     """

@@ -1,8 +1,8 @@
-"""The shape of a friction law in a fit: what stays nonlinear once Fc is factored out.
+"""The shape of a friction law in a fit: its nonlinear numbers, with Fc factored out.
 
 Every law is homogeneous: scaling its levels and stiffnesses scales its torque. So the torque is
 ``Fc * H(q; shape) + sigma1 dz/dt + sigma2 v`` with H computed at Fc = 1, and only the shape is
-searched. `Shape` is what a search needs of a law; here is that of the integrated law.
+searched. `Shape` is the interface that a search needs; here is that of the integrated law.
 """
 
 from dataclasses import dataclass, replace
@@ -21,11 +21,11 @@ from frictionjoint.parameters import Friction, FrictionParameters, Knots, Varian
 
 
 class Shape(Protocol):
-    """A law at Coulomb level 1, as a point of a search."""
+    """A law with Coulomb level 1, as a point of a search."""
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Names of the numbers in `vector`; of one named `log X` the logarithm is searched."""
+        """Names of the numbers in `vector`; `log X` means that the logarithm is searched."""
 
     @property
     def damped(self) -> bool:
@@ -33,17 +33,17 @@ class Shape(Protocol):
 
     @property
     def steps(self) -> bool:
-        """Whether it is a simulation's own, whose steps its logs show."""
+        """Whether it is a simulation's own law, whose time steps its logs show."""
 
     @property
     def assumed(self) -> bool:
         """Whether its stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
     def with_damping(self) -> Self | None:
-        """This shape damped, None where it is already or never is."""
+        """This shape with damping, None if it has it already or never has it."""
 
     def with_assumed_stiffness(self) -> Self:
-        """This shape marked as of an assumed stiffness."""
+        """This shape marked as having an assumed stiffness."""
 
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
