@@ -4,7 +4,6 @@ import pytest
 
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -31,8 +30,3 @@ def test_a_drive_that_hardly_acts_explains_nothing(heavier):
     assert none.acting < 1e-3
     assert none.rms < base.rms
     assert scored(none, blocks).gain(scored(base, blocks)) < 0.0
-
-
-def test_what_the_model_lacks_is_named_and_no_drive_that_does_not_act(heavier):
-    found = trace(heavier)
-    assert not {f.term.name for f in found.findings} & {effect.name for effect in DRIVE_EFFECTS}

@@ -2,12 +2,15 @@
 
 import os
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
 import mujoco
 import pytest
+
+import frictionjoint as fj
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 NUMBER = r"(-?[\d.]+(?:e[-+]?\d+)?)"
@@ -53,8 +56,12 @@ def test_a_log_becomes_a_model_that_replays_better(tmp_path):
     assert "frictionjoint:joint" in (tmp_path / "joint.xml").read_text()
 
 
-def test_the_hidden_effect_of_the_shipped_log_is_named(tmp_path):
-    text = run("what_is_hidden", tmp_path)
+def test_the_hidden_effect_of_the_shipped_log_is_named(demo_report, monkeypatch, capsys):
+    asked = []
+    monkeypatch.setattr(fj, "close_loop", lambda *given, **more: asked.append(more) or demo_report)
+    runpy.run_path(str(EXAMPLES / "what_is_hidden.py"), run_name="__main__")
+    text = capsys.readouterr().out
+    assert [path.stem for path in asked[0]["held_out"]] == ["multisine"]
     assert "hidden: position-periodic" in text
     before, after = numbers("torque error on the held-out log:", text)
     assert after < 0.4 * before

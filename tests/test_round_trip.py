@@ -11,14 +11,11 @@ from round_trip import round_trip
 # of each way in which an effect can act: torque, level, load, time of the instruments, motor, drive
 QUICK = (
     "spring",
-    "torque-gain",
     "load-dependent",
     "direction-asymmetry",
-    "position-periodic",
     "measurement-delay",
     "end-stop",
     "back-emf",
-    "motor-saturation",
     "command-delay",
     "drive-limit",
 )

@@ -7,7 +7,6 @@ import pytest
 from servo_plant import (
     COUNT,
     KNOWN,
-    KT,
     PLANT,
     PLANT_STEP,
     TICK,
@@ -20,10 +19,8 @@ from servo_plant import (
 
 from frictionjoint.control.kernel import KP, STATE, one_tick
 from frictionjoint.control.kernel import TICK as TICK_AT
-from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
@@ -166,26 +163,6 @@ def test_a_joint_that_moves_already_begins_so(velocity):
     t = 0.005 * np.arange(100)
     position = np.round((0.2 + velocity * t - 0.5 * t**2) / COUNT) * COUNT
     assert first_velocity(t, position, COUNT) == pytest.approx(velocity, abs=0.1)
-
-
-def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
-    """A delay hides the load from the law alone; the final model finds the gain all the same."""
-    friction = 'frictionloss="0.1417" damping="0.0948"'
-    hidden = {"delay": 0.032}
-    fit, kept = (
-        [
-            servo(f"{m.__name__} {kp}", kp, m, hidden, friction=friction)
-            for kp in kps
-            for m in motion
-        ]
-        for kps, motion in (((0.6, 1.7), (steps, swept)), ((1.0,), (sines,)))
-    )
-    bodies = Bodies(PLANT.format(""), "j", None)
-    report, found, _ = explain(fit, kept, bodies, controller=KNOWN, refine=False)
-    assert found.final.gain == pytest.approx(KT, rel=0.05)
-    assert report.closed_loops is not None
-    before, after = (loops.mae.held_out for loops in report.closed_loops)
-    assert after < 0.1 * before
 
 
 def test_a_target_that_acts_within_a_sample_does_so_by_the_controller_that_is_written():

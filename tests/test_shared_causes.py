@@ -10,7 +10,6 @@ from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
-    geared,
     hide_coupling,
     hide_load_dependence,
     hide_mass,
@@ -89,19 +88,6 @@ def test_a_rotor_has_its_size_beside_friction_that_depends_on_the_load():
     assert found["added"] == pytest.approx(arm.hidden["rotor-inertia"]["j1"], rel=0.05)
 
 
-def test_two_simple_causes_are_not_one_rich_one():
-    arm = random_arm(26, 2)
-    hide_mass(arm, "link2", 1.5)
-    hide_rotor(arm, "j1")
-    found = {name: (place, v) for name, place, v in values(found_in(arm))}
-    assert set(found) == {"body-inertia", "rotor-inertia"}
-    place, link = found["body-inertia"]
-    assert place == {"body": "link2"}
-    assert link["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.1)
-    rotor = arm.hidden["rotor-inertia"]["j1"]
-    assert found["rotor-inertia"][1]["added"] == pytest.approx(rotor, rel=0.1)
-
-
 def heavier_link_and_rotor(seed: int) -> tuple[Arm, dict[str, dict[str, float]]]:
     """An arm whose second link is heavier and whose first rotor is missing, and what is found."""
     arm = random_arm(seed, 2)
@@ -118,11 +104,6 @@ def test_two_causes_of_which_one_alone_is_beyond_its_bounds_are_found():
     """Without the rotor no possible mass of the link would do; a payload of five numbers did."""
     arm, found = heavier_link_and_rotor(79)
     assert found["body-inertia"]["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
-
-
-def test_a_cause_that_others_replace_beyond_their_bounds_alone_stays():
-    """To first order the link's ten numbers do for the rotor; a possible link does not."""
-    heavier_link_and_rotor(88)
 
 
 def test_friction_of_all_joints_that_falls_with_the_temperature_is_one_cause():
@@ -161,19 +142,6 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     for joint in found.settled.joints:
         assert joint.beside[0].name == "torque-gain"
         assert joint.left == pytest.approx(joint.rms, rel=0.1)
-
-
-def test_a_payload_has_its_mass_beside_a_gain_of_all_drives():
-    """Neither holds a part of the other once both are seen."""
-    arm = random_arm(415900170, 3)
-    hide_payload(arm, 1.2, [0.02, -0.02, 0.03])
-    hide_supply(arm, -0.12)
-    found = found_in(arm)
-    ((name, place, payload),) = values(found)
-    assert (name, place) == ("payload", {"body": "link3"})
-    assert payload["mass"] == pytest.approx(1.2, rel=0.02)
-    ((common, _),) = found.common
-    assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)
 
 
 def test_a_link_with_another_centre_is_not_wrong_in_all_its_ten_parameters():
@@ -222,22 +190,3 @@ def test_a_cause_that_laws_can_do_without_once_they_follow_is_none(monkeypatch, 
     choice = SimpleNamespace(candidate=SimpleNamespace(cause=cause))
     grown = shared._grown(now(), [choice], map, frozenset())
     assert (grown is not None) == kept
-
-
-def test_a_model_without_any_rotor_gets_all_of_them_and_links_stay_near_their_own_mass():
-    """As any URDF: one body of six times its mass stood in for two rotors."""
-    arm = random_arm(104, 3)
-    geared(arm, (1.0, 0.8, 0.6))
-    for joint in arm.joints:
-        hide_rotor(arm, joint)
-    hide_mass(arm, "link2", 1.5, (0.01, -0.01, 0.01))
-    shown = found_in(arm)
-    found = values(shown)
-    for cause, choice in zip(shown.settled.found.causes, shown.choices, strict=True):
-        if cause.name == "rotor-inertia":
-            assert choice.candidate.joints == (cause.place["joint"],)
-    rotors = {place["joint"]: v["added"] for name, place, v in found if name == "rotor-inertia"}
-    assert rotors == pytest.approx(arm.hidden["rotor-inertia"], rel=0.1)
-    ((body, mass),) = [(p["body"], v["mass"]) for name, p, v in found if name == "body-inertia"]
-    assert body == "link2"
-    assert mass == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
