@@ -13,15 +13,17 @@ import hashlib
 import json
 import math
 import re
+import statistics
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import mujoco
+from motor_sources import SOURCES, Presliding, Source
 
 from frictionjoint.motors.library import Motor, list_motors, motor_text
 from frictionjoint.parameters import FrictionParameters
@@ -56,7 +58,10 @@ For a robot the second number belongs to the MJCF with corrected bodies; see the
 `frictionjoint motors list --json` also prints the command, the commit, the digest of the logs, the
 standard errors, and the numbers of effects of the drive and the load. A number is not determined if
 its standard error is more than half of its value. Every motor holds a load at rest. A stiffness or
-a damping that had to be assumed for that is named below.
+a damping that had to be assumed for that is named below. The verdict is that of the report
+(`frictionjoint close-loop`); none stands where it was not kept. Where several units of one actuator
+were identified, the entry is the one whose torque is explained best, and a table below shows how
+much they differ: randomise by that.
 
 """
 TAIL = (
@@ -70,121 +75,6 @@ TAIL = (
 )
 
 
-@dataclass(frozen=True)
-class Presliding:
-    """What is assumed of a joint before it slides.
-
-    Attributes:
-        damping: over the critical one of the joint's own inertia in its model.
-        length: displacement to the breakaway torque at the first stiffness, rad, which the encoder
-            does not resolve; None: as fitted.
-    """
-
-    damping: float
-    length: float | None = None
-
-
-@dataclass(frozen=True)
-class Source:
-    """Logs of one motor, or of one robot.
-
-    Attributes:
-        title: of the machine. logs: fitted ones, patterns in the data folder.
-        held_out: such patterns, or the fraction of each log's end.
-        model: MJCF in models/, or PATTERN=MJCF by the names of the logs. joint: None for a robot.
-        address, licence: of the logs. controller: preset or file in models/. remark: of the author.
-        assumed: what is assumed before sliding, by joint, where the fitted numbers are not
-            determined and would not hold a load at rest.
-    """
-
-    title: str
-    logs: tuple[str, ...]
-    held_out: tuple[str, ...] | float
-    model: tuple[str, ...]
-    joint: str | None
-    address: str
-    licence: str
-    controller: str = ""
-    remark: str = ""
-    assumed: Mapping[str, Presliding] = field(default_factory=dict)
-
-
-NO_LICENCE = "none stated"
-NOT_SHIPPED = "The logs are not redistributed; these are numbers of a fit."
-SOURCES = {
-    "xl330": Source(
-        "Dynamixel XL330 servo",
-        (
-            "xl330/*_10h28m*.json",
-            "xl330/*_10h29m04.json",
-            "xl330/*_10h29m[45]*.json",
-            "xl330/*_10h30m*.json",
-        ),
-        ("xl330/*_10h29m[123]*.json",),
-        ("xl330_pendulum.xml",),
-        "pendulum",
-        "https://github.com/Rhoban/bam",
-        "Apache-2.0",
-        controller="xl330",
-        remark="Held out: firmware gain 400. Presliding is below the encoder's count.",
-        assumed={"pendulum": Presliding(0.3, 4.4e-4)},
-    ),
-    "sts3215": Source(
-        "Feetech STS3215 servo, 12 V",
-        ("sts3215/*_kp4_*.json", "sts3215/*_kp16_*.json", "sts3215/*_kp32_*.json"),
-        ("sts3215/*_kp8_*.json",),
-        ("m0.535*=sts3215_pendulum.xml", "m0.969*=sts3215_pendulum_heavy.xml"),
-        "pendulum",
-        "https://github.com/kscalelabs/sysid",
-        NO_LICENCE,
-        controller="sts3215",
-        remark=f"Held out: firmware gain 8. Presliding is below the encoder's count. {NOT_SHIPPED}",
-        assumed={"pendulum": Presliding(0.1)},
-    ),
-    "emps": Source(
-        "EMPS, electro-mechanical positioning system",
-        ("emps/DATA_EMPS.mat",),
-        0.3333,
-        ("emps.xml",),
-        "carriage",
-        "https://github.com/forgi86/sysid-neural-continuous",
-        NO_LICENCE,
-        controller="emps.controller.toml",
-        remark=NOT_SHIPPED,
-    ),
-    "panda": Source(
-        "Franka Emika Panda",
-        ("panda",),
-        0.3,
-        ("panda.xml",),
-        None,
-        "https://github.com/marcocognetti/FrankaEmikaPandaDynModel",
-        "GPL-3.0",
-        remark="Torque was measured behind the gear.",
-        assumed={"joint1": Presliding(0.1, 1.3e-4), "joint2": Presliding(0.1, 1.3e-4)},
-    ),
-    "tx40": Source(
-        "Staubli TX40",
-        ("staubli_tx40",),
-        0.3,
-        ("staubli_tx40.xml",),
-        None,
-        "https://github.com/thanhndv212/figaroh-examples",
-        "Apache-2.0",
-        assumed={"joint_1": Presliding(0.1, 1.5e-5)},
-    ),
-    "ur10": Source(
-        "Universal Robots UR10",
-        ("unisa_ur10/ur10.csv",),
-        0.3,
-        ("ur10.xml",),
-        None,
-        "https://github.com/unisa-acg/inverse-dynamics-solver",
-        "BSD-3-Clause",
-    ),
-}
-
-
 def arguments(source: Source, logs: Sequence[str], held_out: Sequence[str]) -> list[str]:
     """Of `frictionjoint close-loop`, without --out; paths from the root of the checkout."""
     made = [*logs]
@@ -196,8 +86,9 @@ def arguments(source: Source, logs: Sequence[str], held_out: Sequence[str]) -> l
     if source.controller:
         file = source.controller.endswith(".toml")
         made += ["--controller", f"models/{source.controller}" if file else source.controller]
-    for log in held_out:
-        made += ["--held-out", log]
+        made += [] if source.refine else ["--no-refine"]
+    made += [x for column in source.columns for x in ("--column", column)]
+    made += [x for log in held_out for x in ("--held-out", log)]
     return made
 
 
@@ -229,7 +120,9 @@ def digest(paths: Sequence[str]) -> str:
 
 
 def run(source: Source, data: Path, out: Path) -> None:
-    """The command, and next to its report the commit that ran it."""
+    """The command, and next to its report the commit that ran it; what has a report stays."""
+    if (out / "report.json").exists():
+        return
     asked = arguments(source, found(data, source.logs), found(data, source.held_out))
     start = [sys.executable, "-c", "from frictionjoint.cli import main; main()", "close-loop"]
     subprocess.run([*start, *asked, "--out", str(out)], check=True, cwd=ROOT)
@@ -248,6 +141,9 @@ def errors(report: dict[str, Any]) -> dict[str, float]:
                 value = report[when].get(key, {}).get(part)
                 if value is not None:
                     kept[f"{name}_{part}{end}"] = float(f"{value:.4g}")
+    for part, value in report.get("drive", {}).get("rms", {}).get("after", {}).items():
+        if value is not None:
+            kept[f"drive_{part}"] = float(f"{value:.4g}")
     return kept
 
 
@@ -318,6 +214,36 @@ def unsure(report: dict[str, Any]) -> dict[str, list[str]]:
     return found
 
 
+def by_unit(source: Source) -> dict[str, Source]:
+    """Each unit of a source as a source of its own; the source itself, without a name, if none."""
+    units = source.units.items()
+    return {j: replace(source, joint=j, logs=x or source.logs, units={}) for j, x in units} or {
+        "": source
+    }
+
+
+def typical(units: Sequence[Motor]) -> Motor:
+    """Of several units the one whose held-out torque is explained best, with the numbers of all.
+
+    A unit without Coulomb friction, all of it found to grow with the load, holds nothing at rest
+    and is listed only.
+    """
+
+    def number(motor: Motor, name: str) -> float:
+        law = motor.friction.parameters.to_dict()
+        return statistics.fmean(law[f"{name}_{side}"] for side in ("pos", "neg"))
+
+    if len(units) == 1:
+        return units[0]
+    holding = [x for x in units if number(x, "Fc") > 1e-6]
+    chosen = min(holding, key=lambda x: x.fit["torque_held_out"] / x.fit["drive_held_out"])
+    table = {
+        x.joint: {key: float(f"{number(x, key):.4g}") for key in ("Fs", "Fc", "sigma2")}
+        for x in units
+    }
+    return replace(chosen, units=table)
+
+
 def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Motor]:
     """Of a finished report."""
     whole = json.loads((folder / "report.json").read_text())
@@ -338,6 +264,8 @@ def motors(name: str, source: Source, data: Path, folder: Path) -> Iterator[Moto
             licence=source.licence,
             command=f"frictionjoint close-loop {command} --out {name}",
             version=(folder / "version.txt").read_text().strip(),
+            conditions=source.conditions,
+            verdict=report.get("verdict", ""),
             logs=digest([*logs, *other]),
             remark=remarks(source, whole, report, carried[joint]),
             unit=report.get("units", whole.get("units", {})).get("torque", "N m"),
@@ -358,6 +286,12 @@ def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
     if known is None or "Assumed before sliding" in motor.remark:
         return motor
     assert isinstance(law, FrictionParameters)
+    level = ""
+    if known.flat:
+        ratio = law.Fc_pos / law.Fs_pos
+        knots = tuple((z * ratio, force * ratio) for z, force in law.knots)
+        law = replace(law, Fs_pos=law.Fc_pos, Fs_neg=law.Fc_neg, knots=knots)
+        level = "breakaway at the Coulomb level, "
     fitted = law.Fs_pos / law.stiffness
     length = known.length or fitted
     law = replace(law, knots=tuple((z * length / fitted, force) for z, force in law.knots))
@@ -366,11 +300,12 @@ def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
     sigma1 = 2.0 * known.damping * math.sqrt(law.stiffness * inertia)
     stiffness = f"a stiffness of {law.stiffness:.3g} N m/rad and " if known.length else ""
     said = (
-        f"Assumed before sliding: {stiffness}a damping sigma1 of {sigma1:.3g} N m s/rad. These "
-        "logs do not determine them, and as fitted the joint would ring under a load; the errors "
-        "are those of the fit."
+        f"Assumed before sliding: {level}{stiffness}a damping sigma1 of {sigma1:.3g} N m s/rad. "
+        "These logs do not determine them, and as fitted the joint would ring under a load; the "
+        "errors are those of the fit."
     )
-    kept = {k: x for k, x in motor.stderr.items() if k not in ("stiffness", "sigma1")}
+    assumed = ("stiffness", "sigma1", *(("Fs_pos", "Fs_neg") if known.flat else ()))
+    kept = {key: x for key, x in motor.stderr.items() if key not in assumed}
     friction = replace(motor.friction, parameters=replace(law, sigma1=sigma1))
     return replace(motor, friction=friction, stderr=kept, remark=f"{motor.remark} {said}")
 
@@ -378,13 +313,14 @@ def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
 def page(library: Sequence[Motor]) -> str:
     """The table of all motors, and what to know of each."""
     lines = [
-        "| motor | law | effects | torque | replay | loop | licence of the logs |",
-        "|---|---|---|---|---|---|---|",
+        "| motor | law | effects | verdict | torque | replay | loop | licence of the logs |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for motor in library:
         effects = ", ".join(x.effect.name for x in motor.friction.effects) or "none"
         metre = "m" if motor.unit == "N" else "rad"
-        cells = [f"`{motor.name}`", motor.friction.parameters.law, effects]
+        verdict = motor.verdict.replace("-", " ")
+        cells = [f"`{motor.name}`", motor.friction.parameters.law, effects, verdict]
         for kind, unit in (("torque", motor.unit), ("replay", metre), ("closed_loop", metre)):
             ends = [motor.fit.get(f"{kind}_held_out{when}") for when in ("_before", "")]
             shown = " to ".join(f"{x:.3g}" for x in ends if x is not None)
@@ -399,12 +335,27 @@ def _remarks(library: Sequence[Motor]) -> list[str]:
     for title, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
         joints = {motor.name: _sentences(motor.remark) for motor in group}
         of_all = [x for x in next(iter(joints.values())) if all(x in y for y in joints.values())]
-        source = next(motor.source for motor in library if motor.name in joints)
-        lines += [f"### {title}", "", f"{' '.join([f'[Logs]({source}).', *of_all])}", ""]
+        first = next(motor for motor in library if motor.name in joints)
+        about = [f"[Logs]({first.source}).", first.conditions, *of_all]
+        lines += [f"### {title}", "", " ".join(filter(None, about)), ""]
         own = {name: [x for x in said if x not in of_all] for name, said in joints.items()}
         told = [f"* `{name}`: {' '.join(said)}" for name, said in own.items() if said]
         lines += [*told, ""] if told else []
+        lines += _units(first)
     return lines
+
+
+def _units(motor: Motor) -> list[str]:
+    """A table of the numbers of several units."""
+    if not motor.units:
+        return []
+    symbols = list(next(iter(motor.units.values())))
+    rows = [[unit, *(f"{x[key]:.3g}" for key in symbols)] for unit, x in motor.units.items()]
+    spread = [[x[key] for x in motor.units.values()] for key in symbols]
+    ends = [f"{statistics.fmean(x):.3g} ± {statistics.stdev(x):.2g}" for x in spread]
+    rows.append(["mean ± deviation", *ends])
+    head = f"| unit of `{motor.name}` | {' | '.join(symbols)} |"
+    return [head, "|---" * (1 + len(symbols)) + "|", *(f"| {' | '.join(x)} |" for x in rows), ""]
 
 
 def _sentences(remark: str) -> list[str]:
@@ -426,15 +377,18 @@ def main() -> None:
         folder = asked.out.resolve() / name
         source = SOURCES[name]
         if name in asked.keep:
-            made = [motor for motor in list_motors() if motor.name.partition("_")[0] == name]
-        else:
-            if not (folder / "report.json").exists():
-                run(source, asked.data, folder)
             made = [
-                motor
-                for motor in motors(name, source, asked.data, folder)
-                if motor.name not in asked.keep
+                replace(motor, source=source.address, conditions=source.conditions)
+                for motor in list_motors()
+                if motor.name == name or motor.name.rpartition("_")[0] == name
             ]
+        else:
+            made = []
+            for unit, own in by_unit(source).items():
+                run(own, asked.data, folder / unit)
+                made += motors(name, own, asked.data, folder / unit)
+            made = [typical(made)] if source.units else made
+            made = [motor for motor in made if motor.name not in asked.keep]
         for motor in made:
             out = LIBRARY / f"{motor.name}.toml"
             out.write_text(motor_text(with_presliding(motor, source.assumed.get(motor.joint))))

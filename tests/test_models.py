@@ -25,8 +25,26 @@ JOINTS = {
     "staubli_tx40": [f"joint_{i}" for i in range(1, 7)],
     "kuka_kr300": [f"axis{i}" for i in range(1, 7)],
     "bldc_motor": ["rotor"],
+    "ri50_motor": ["rotor"],
+    "kinova_gen3_joint7": ["joint_7"],
+    "ak80_double_pendulum": ["joint1", "joint2"],
+    "fr3": [f"joint{i}" for i in range(1, 8)],
+    "so101": ["Rotation", "Pitch", "Elbow", "Wrist_Pitch", "Wrist_Roll", "Jaw"],
+    "ur10e": [f"j{i}" for i in range(1, 7)],
+    "am_d02": ["second", "third", "fourth", "fifth", "sixth", "sixthoutput", "seventh"],
+    "go2": [
+        f"{leg}_{x}_joint" for leg in ("FL", "FR", "RL", "RR") for x in ("hip", "thigh", "calf")
+    ],
 }
 MASS = {"panda": 16.062132, "ur10": 28.435, "staubli_tx40": 23.01, "kuka_kr300": 1074.77}
+MASS |= {
+    "ur10e": 28.7,
+    "am_d02": 3.810741,
+    "go2": 8.285408,
+    "so101": 0.497006,
+    "fr3": 16.254813,
+    "ak80_double_pendulum": 1.163726,
+}
 
 
 def model_of(name: str) -> mujoco.MjModel:

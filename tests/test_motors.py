@@ -160,6 +160,7 @@ def test_the_command_goes_both_ways(tmp_path):
 def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor):
     assert motor.source.startswith("https://")
     assert motor.licence
+    assert motor.conditions
     assert motor.command.startswith("frictionjoint close-loop ")
     assert re.fullmatch("[0-9a-f]{64}", motor.logs)
     assert re.fullmatch("[0-9a-f]{12}", motor.version)
@@ -191,11 +192,28 @@ def test_what_is_left_before_and_after_is_stated_and_a_worse_end_is_said(motor):
         assert effect in motor.remark
 
 
-def test_the_library_holds_every_machine_with_all_its_joints():
+def test_the_library_holds_what_users_ask_for():
     names = {motor.name for motor in list_motors()}
-    joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6}
+    joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6, "kr300_axis": 6}
     wanted = {f"{stem}{i}" for stem, n in joints.items() for i in range(1, n + 1)}
-    assert names == wanted | {"xl330", "sts3215", "emps"}
+    wanted |= {"xl330", "sts3215", "sts3250", "so101", "emps", "odrive_bldc", "ri50", "ak80_6"}
+    wanted |= {"dm4310", "dm4340", "dm8009", "go2", "go2_calf", "kinova_gen3_small"}
+    wanted |= {f"ur10e_size{i}" for i in (2, 3, 4)}
+    assert names == wanted
+    assert len(names) >= 40
+
+
+def test_units_of_one_actuator_are_listed_with_their_spread():
+    several = [motor for motor in list_motors() if motor.units]
+    assert {"ur10e_size2", "go2", "dm4310"} <= {motor.name for motor in several}
+    for motor in several:
+        assert motor.joint in motor.units
+        law = motor.friction.parameters
+        own = motor.units[motor.joint]
+        assert own["Fc"] == pytest.approx((law.Fc_pos + law.Fc_neg) / 2.0, rel=1e-3)
+    text = call("show", several[0].name).stdout
+    assert all(unit in text for unit in several[0].units)
+    assert "mean ± deviation" in text
 
 
 def test_the_list_names_them():
@@ -218,7 +236,7 @@ def test_a_list_of_one_robot_and_a_motor_with_its_curve():
     names = [row["name"] for row in json.loads(listed.stdout)]
     assert names == [f"panda_joint{i}" for i in range(1, 8)]
     with pytest.raises(
-        ParameterError, match="--robot spot: none, there are Dynamixel XL330 servo, EMPS"
+        ParameterError, match=r"--robot spot: none, there are .*Dynamixel XL330 servo, EMPS"
     ):
         CliRunner().invoke(app, ["motors", "list", "--robot", "spot"], catch_exceptions=False)
     shown = CliRunner().invoke(app, ["motors", "show", "ur10_j1", "--json"])

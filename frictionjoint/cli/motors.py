@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from statistics import mean, stdev
 from typing import Annotated
 
 import typer
@@ -47,7 +48,7 @@ def list_command(
     Examples: `frictionjoint motors list`, `frictionjoint motors list --robot panda`
     """
     from frictionjoint.errors import ParameterError
-    from frictionjoint.motors.library import list_motors
+    from frictionjoint.motors.library import TEXTS, list_motors
 
     found = list_motors()
     if robot is not None:
@@ -61,19 +62,10 @@ def list_command(
         rows = [
             {
                 "name": x.name,
-                "title": x.title,
                 "law": x.friction.parameters.law,
                 "effects": [e.effect.name for e in x.friction.effects],
-                "unit": x.unit,
-                "fit": x.fit,
-                "stderr": x.stderr,
-                "found": x.found,
-                "source": x.source,
-                "licence": x.licence,
-                "command": x.command,
-                "version": x.version,
-                "logs": x.logs,
-                "remark": x.remark,
+                **{key: getattr(x, key) for key in TEXTS},
+                **{key: getattr(x, key) for key in ("unit", "fit", "stderr", "found", "units")},
             }
             for x in found
         ]
@@ -114,7 +106,8 @@ def show_command(
             "numbers": numbers,
             "stderr": motor.stderr,
             "friction_speed": curve,
-            "remark": motor.remark,
+            "units": motor.units,
+            **{key: getattr(motor, key) for key in ("conditions", "verdict", "remark")},
         }
         typer.echo(json.dumps(content, indent=2))
         return
@@ -132,7 +125,17 @@ def show_command(
     for speed, up, down in zip(speeds, curves["pos"], curves["neg"], strict=True):
         table.add_row(f"{speed:.3g}", f"{up:.3g}", f"{-down:.3g}")
     console().print(table)
-    typer.echo(f"source: {motor.source}\nlicence: {motor.licence}\ncommand: {motor.command}")
+    if motor.units:
+        symbols = list(next(iter(motor.units.values())))
+        table = Table("unit", *symbols)
+        for unit, values in motor.units.items():
+            table.add_row(unit, *(f"{values[key]:.3g}" for key in symbols))
+        spreads = [[values[key] for values in motor.units.values()] for key in symbols]
+        table.add_row("mean ± deviation", *(f"{mean(x):.3g} ± {stdev(x):.2g}" for x in spreads))
+        console().print(table)
+    for key in ("source", "licence", "conditions", "command", "verdict"):
+        if text := getattr(motor, key):
+            typer.echo(f"{key}: {text.replace('-', ' ') if key == 'verdict' else text}")
     if motor.remark:
         typer.echo(motor.remark)
 

@@ -7,7 +7,7 @@ writes them all.
 """
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
@@ -23,7 +23,10 @@ from frictionjoint.simulate.carrier import JointFriction
 # rad/s (m/s): a Stribeck velocity beyond it is none
 _FASTEST = 10.0
 # what a file says of a motor, all of it text but the numbers of the fit
-TEXTS = ("title", "joint", "model", "source", "licence", "command", "version", "logs", "remark")
+TEXTS = (
+    *("title", "joint", "model", "source", "licence", "conditions", "command", "version", "logs"),
+    *("verdict", "remark"),
+)
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,9 @@ class Motor:
         name: as the command takes it. title: what it is.
         joint, model: of the MJCF it was identified with, which holds its inertia.
         source, licence: of the logs. logs: SHA-256 of them all, in order.
+        conditions: of the recordings: machine, load, rate, temperature as far as known.
         command: that identified it. version: commit of the package that ran it.
+        verdict: of the report, as its key of that name; empty where it was not kept.
         remark: what to know before using it; may be empty.
         unit: of torques.
         fit: what was left before and after effects were added, by name: `torque` rms of the drive
@@ -44,6 +49,8 @@ class Motor:
         found: numbers of all effects that were added, by effect, also of those that are no part of
             `friction`: the drive's, the load's, the log's.
         friction: law and effects.
+        units: Fs, Fc and sigma2 of every unit that was identified, by its joint, mean of both
+            directions; empty if there is one. `friction` is that of one of them.
     """
 
     name: str
@@ -52,15 +59,18 @@ class Motor:
     model: str
     source: str
     licence: str
+    conditions: str
     command: str
     version: str
     logs: str
+    verdict: str
     remark: str
     unit: str
     fit: dict[str, float]
     stderr: dict[str, float]
     found: dict[str, dict[str, float]]
     friction: JointFriction
+    units: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 def list_motors(folder: Traversable | None = None) -> list[Motor]:
@@ -105,6 +115,8 @@ def motor_text(motor: Motor) -> str:
     table.add("fit", motor.fit)
     table.add("stderr", motor.stderr)
     table.add("found", motor.found)
+    if motor.units:
+        table.add("units", motor.units)
     document.add("motor", table)
     friction = toml_document(motor.friction.parameters, motor.friction.effects)
     document.add("friction", tomlkit.item(friction.unwrap()))
@@ -126,6 +138,7 @@ def _read(file: Traversable) -> Motor:
                 for effect, numbers in about["found"].items()
             },
             friction=joint_friction(content["friction"]),
+            units={unit: dict(numbers) for unit, numbers in about.get("units", {}).items()},
             **{key: str(about[key]) for key in TEXTS},
         )
     except (tomllib.TOMLDecodeError, KeyError, ValueError, ParameterError) as error:
