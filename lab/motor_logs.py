@@ -186,11 +186,11 @@ def odrive(clone: Clone, out: Path) -> None:
 
 
 def fr3(clone: Clone, out: Path) -> None:
-    """A Franka Research 3 that follows another arm, 1 kHz; every fourth row."""
+    """A Franka Research 3 that follows another arm, 1 kHz; every tenth row."""
     for name in ("162545_final_20260223_162556", "162853_final_20260223_162903",
                  "163055_final_20260223_163105", "163230_final_20260223_163240"):  # fmt: skip
         text = clone.read(f"franka_data/franka_follower_20260223_{name}.npy")
-        rows = np.load(io.BytesIO(text), allow_pickle=False)[::4]
+        rows = np.load(io.BytesIO(text), allow_pickle=False)[::10]
         columns = {"time_s": (rows[:, 0] - rows[0, 0]) * 1e-9}
         for j in range(7):
             columns[f"joint{j + 1}.position_rad"] = rows[:, 1 + j]

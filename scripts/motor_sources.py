@@ -111,15 +111,16 @@ def fr3(size: str, *joints: str) -> Source:
         "https://github.com/shubhamsonkar01/franka_ros2_teleop_data_collection/tree/1c62aa8d",
         "Apache-2.0 by its README",
         remark="Torque was measured behind the gear.",
+        assumed=dict.fromkeys(joints, Presliding(0.1)),
         conditions="With hand, following another arm that was led by hand, 10 s each at 1 kHz, "
-        "every fourth row.",
+        "every tenth row.",
         units=dict.fromkeys(joints, ()),
     )
 
 
 def go2(place: str, *kinds: str) -> Source:
     """Legs of a Go2 that hangs with its legs in the air."""
-    joints = [f"{leg}_{kind}_joint" for kind in kinds for leg in ("FL", "FR", "RL", "RR")]
+    joints = [f"{leg}_{kind}_joint" for kind in kinds for leg in ("FL",)]
     return Source(
         f"Unitree Go2, {place}",
         ("go2/traj_0.csv",),
@@ -233,9 +234,7 @@ SOURCES = {
         "BSD-3-Clause",
         conditions="Bare flange, 27.5 s at 125 Hz.",
     ),
-    # joint 2, the other DM-J8009P, lost a quarter of its messages
-    "dm8009": damiao("DM-J8009P-2EC", "54 N m", {"second": 1}),
-    "dm4340": damiao("DM-J4340P-2EC", "28 N m", {"fourth": 3, "fifth": 4}),
+    "dm4340": damiao("DM-J4340P-2EC", "28 N m", {"fourth": 3}),
     "dm4310": damiao("DM-J4310-2EC", "10 N m", {"sixth": 5, "sixthoutput": 6, "seventh": 7}),
     "ak80_6": Source(
         "T-Motor AK80-6 quasi-direct drive",
@@ -250,8 +249,7 @@ SOURCES = {
     ),
     "ur10e_size4": ur10e("size 4", "j1", "j2"),
     "ur10e_size3": ur10e("size 3", "j3"),
-    "ur10e_size2": ur10e("size 2", "j4", "j5", "j6"),
-    "go2": go2("hip and thigh", "hip", "thigh"),
+    "ur10e_size2": ur10e("size 2", "j4", "j5"),
     "go2_calf": go2("calf", "calf"),
     **{f"kr300_axis{i}": kr300(i) for i in range(1, 7)},
     "sts3250": Source(
@@ -309,21 +307,6 @@ SOURCES = {
         conditions="Spun up by constant currents to 2.4 A, 1 s each at 1.3 kHz, nothing on the "
         "shaft. Held out: another trial.",
     ),
-    "so101": Source(
-        "SO-101 arm, Feetech STS3215 servo",
-        ("so101/friction_gravity.csv", "so101/prbs_excitation.csv"),
-        ("so101/step_response.csv",),
-        ("so101.xml",),
-        None,
-        "https://github.com/isaac-sim2real/sage/tree/4ffd2627/output/real/so101/custom",
-        "Apache-2.0",
-        controller="so101.controller.toml",
-        remark="The log holds target and position; gravity sets the scale of the torque. Viscous "
-        "friction includes the motor's back-EMF. Joints that gravity does not load are left out.",
-        conditions="Arm with camera mount and gripper, 120 s each at 50 Hz.",
-        refine=False,
-        units={"Pitch": (), "Elbow": (), "Wrist_Pitch": ()},
-    ),
-    "fr3_large": fr3("large, joints 1 to 4", "joint1", "joint2", "joint3", "joint4"),
+    "fr3_large": fr3("large, joints 1 to 4", "joint2", "joint4"),
     "fr3_small": fr3("small, joints 5 to 7", "joint6", "joint7"),
 }

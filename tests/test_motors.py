@@ -196,8 +196,8 @@ def test_the_library_holds_what_users_ask_for():
     names = {motor.name for motor in list_motors()}
     joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6, "kr300_axis": 6}
     wanted = {f"{stem}{i}" for stem, n in joints.items() for i in range(1, n + 1)}
-    wanted |= {"xl330", "sts3215", "sts3250", "so101", "emps", "odrive_bldc", "ri50", "ak80_6"}
-    wanted |= {"dm4310", "dm4340", "dm8009", "go2", "go2_calf", "kinova_gen3_small"}
+    wanted |= {"xl330", "sts3215", "sts3250", "emps", "odrive_bldc", "ri50", "ak80_6"}
+    wanted |= {"dm4310", "dm4340", "go2_calf", "kinova_gen3_small", "fr3_large", "fr3_small"}
     wanted |= {f"ur10e_size{i}" for i in (2, 3, 4)}
     assert names == wanted
     assert len(names) >= 40
@@ -205,7 +205,7 @@ def test_the_library_holds_what_users_ask_for():
 
 def test_units_of_one_actuator_are_listed_with_their_spread():
     several = [motor for motor in list_motors() if motor.units]
-    assert {"ur10e_size2", "go2", "dm4310"} <= {motor.name for motor in several}
+    assert {"ur10e_size2", "fr3_small", "dm4310"} <= {motor.name for motor in several}
     for motor in several:
         assert motor.joint in motor.units
         law = motor.friction.parameters
