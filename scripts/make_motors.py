@@ -204,8 +204,8 @@ def unsure(report: dict[str, Any]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {"Not determined by these logs": [], "Assumed": []}
     rows = [(row.name, row.status) for row in law_numbers(result_estimates(report))]
     for added in report["added"]:
-        sizes = effect_estimates(report, added).items()
-        rows += [(f"{added['effect']} {name}", status_of(name, x)) for name, x in sizes]
+        sizes = effect_estimates(report, added)
+        rows += [(f"{added['effect']} {name}", status_of(name, sizes)) for name in sizes]
     for name, status in rows:
         if status == "not determined":
             found["Not determined by these logs"].append(name)
