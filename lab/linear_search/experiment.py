@@ -87,7 +87,7 @@ class Experiment:
         weight: of each sample, relative to sliding, shape (n,).
         level: friction in motion, in units of the drive; viscous: the same per rad/s (m/s).
         gain: of the drive per N m of the load.
-        torque: of the motor, all that the balance adds up to, N m, shape (n,).
+        torque: of the motor, load and friction, N m, shape (n,).
         law: torque of the law without viscous friction along each log over `level`, shape (m,).
         coefficients: of the law's columns, see `LawBasis.columns`.
         offset_is_of_sampling: whether the time between drive and position is within a sample.
@@ -182,7 +182,7 @@ def experiment(
         b, sizes = _fitted(X, E, target, weight, rows)
         left = target - X @ b - E @ sizes
         law = b[: basis.size].copy()
-        law[-1] = 0.0
+        law[basis.size - basis.viscous :] = 0.0
         torque = [x @ law for x in basis.along]
         least = _LEAST_LEVEL * float(np.sqrt(np.mean(target**2)))
         level = max(float(np.median(np.abs(np.concatenate(torque)))), least)
@@ -196,10 +196,8 @@ def experiment(
             within = np.abs(b[at:]) < _OF_SAMPLING * sample
             within[0] &= not delayed
     gain = max(float(b[count]), _NONE) if free else 1.0
-    own = b[:count].copy()
-    if prepared.voltage_driven:  # what may be back-EMF is no friction
-        own[basis.size - 1] = 0.0
-    size = float(np.linalg.norm((X[:, :count] @ own) * weight))
+    friction = X[:, :count] @ b[:count]
+    size = float(np.linalg.norm(friction * weight))
     if prepared.commanded:  # what a controller made is not known better than to a part of itself
         taken = X @ b if free else X @ b + load
         size = max(size, _AS_FRICTION * float(np.linalg.norm(taken * weight)))
@@ -212,9 +210,9 @@ def experiment(
         target=target,
         weight=weight,
         level=level,
-        viscous=float(b[basis.size - 1]),
+        viscous=float(b[basis.size - 1]) if basis.viscous else 0.0,
         gain=gain,
-        torque=(target + (0.0 if free else load)) / gain,
+        torque=load + friction / gain,
         law=tuple(x / level for x in torque),
         coefficients=b,
         offset_is_of_sampling=bool(within[0]),

@@ -56,8 +56,8 @@ def parametric(
 
 
 def squares_of(fitted: Fit) -> float:
-    """Weighted squares that a fit leaves, (N m)^2."""
-    return float(np.sum((fitted.residual * fitted.weight) ** 2))
+    """Weighted squares that a fit leaves, in a unit that no smaller drive makes less."""
+    return len(fitted.residual) * fitted.drive_rms**2
 
 
 def started(own: Experiment, form: IntegratedShape) -> IntegratedShape:

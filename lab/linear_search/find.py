@@ -15,7 +15,7 @@ from frictionjoint.identify.segment import Prepared
 from linear_search.columns import Models, WiderFall, causes, is_cause, moves_drive
 from linear_search.decisions import APART, AS_GOOD, NEEDED_PART
 from linear_search.experiment import Experiment, experiment
-from linear_search.sets import MOST, Set, Sets
+from linear_search.sets import Set, Sets
 from linear_search.shapes import free_numbers
 
 # looks under weights that the last one settled, and sets that the next one begins with
@@ -73,7 +73,7 @@ def _look(first: Experiment, own: Experiment, begun: Sequence[Models]) -> Found:
 def _decided(first: Experiment, sets: Sets, found: list[Set]) -> Found:
     """The simplest of the sets that the logs do not distinguish from the best."""
     best = sets.nothing
-    for size in range(1, MOST + 1):
+    for size in range(1, sets.most + 1):
         same = [s for s in found if len(causes(s.models)) == size]
         if same and _takes_place(sets, best, same[0]):
             best = same[0]

@@ -45,6 +45,11 @@ class LawBasis:
 
     prepared: Prepared
 
+    @property
+    def viscous(self) -> bool:
+        """Whether viscous friction is one of them: a back-EMF is an effect, and looks the same."""
+        return self.prepared.let_go or not self.prepared.voltage_driven
+
     @cached_property
     def reaches(self) -> Array:
         """Of the elements, rad (m), shape (k,)."""
@@ -57,13 +62,14 @@ class LawBasis:
     def along(self) -> list[Array]:
         """The law's columns along each log: elements, times falls with speed, and the velocity.
 
-        Shape (n, k (1 + falls) + 1) each.
+        Shape (n, `size`) each.
         """
         found = []
         for s in self.prepared.segments:
             z = elements(s.signals[:, Q], self.reaches, 0.0)
             falls = [z * fall for fall in self._falls(s)]
-            found.append(np.hstack([z, *falls, s.signals[:, [V]]]))
+            velocity = [s.signals[:, [V]]] if self.viscous else []
+            found.append(np.hstack([z, *falls, *velocity]))
         return found
 
     @cached_property
@@ -77,7 +83,9 @@ class LawBasis:
         groups = [
             (
                 self.kept(self.along),
-                [_OF_ELEMENTS] * k + [_OF_SPEED] * (k * len(_FALLS)) + [_VISCOUS / top],
+                [_OF_ELEMENTS] * k
+                + [_OF_SPEED] * (k * len(_FALLS))
+                + [_VISCOUS / top] * self.viscous,
             ),
             self._each(self._turning, _OF_SPEED),
             self._each(self._turning_by_direction, _BY_DIRECTION),
@@ -95,7 +103,7 @@ class LawBasis:
     @property
     def size(self) -> int:
         """How many columns of `along` there are."""
-        return len(self.reaches) * (1 + len(_FALLS)) + 1
+        return len(self.reaches) * (1 + len(_FALLS)) + self.viscous
 
     def kept(self, along: list[Array]) -> Array:
         """What the balance keeps of columns along each log, shape (n, m)."""

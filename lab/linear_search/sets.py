@@ -26,8 +26,9 @@ from linear_search.experiment import Experiment
 from linear_search.score import Gain, Score, gain
 from linear_search.shapes import refined
 
-# effects of a set at most; sets that go on to the next size; sets of a size that are refined
-MOST, _BEAM, _REFINED = 3, 4, 8
+# effects of a set at most, besides a back-EMF; sets that go on to the next size; sets of a size
+# that are refined
+_MOST, _BEAM, _REFINED = 3, 4, 8
 # additions to a set that are tried: to the empty one, and to any other
 _FIRST, _MORE = 6, 4
 # shapes of an effect, best alone, that are tried in larger sets; pairs that are looked at
@@ -67,6 +68,7 @@ class Sets:
         self.columns = Columns(experiment)
         self.score = Score(self.columns)
         self.nothing = Set((), self.score.nothing)
+        self.most = _MOST + (not experiment.basis.viscous)
         self.known: dict[tuple[tuple[str, int], ...], Set] = {}
         self.by_name: dict[str, list[Candidate]] = {}
         alone = [(float(self.score.held_out((c,)).sum()), c) for c in self.columns.candidates()]
@@ -181,7 +183,7 @@ class Sets:
                     todo.setdefault(len(more), []).append(more)
         for size in sorted(todo):
             beam = self._level(todo[size], found)
-        for larger in range(size + 1, MOST + 2):
+        for larger in range(size + 1, self.most + 2):
             grown = [
                 m for s in beam for m in self._extended(s.models, _MORE if s.models else _FIRST)
             ]
@@ -216,7 +218,7 @@ class Sets:
             for s in top
             if (len(s.models) == 1 or s.total < _FOUND * top[0].total) and self.holds(s)
         ]
-        return [s for s in top[:_BEAM] if len(causes(s.models)) < MOST]
+        return [s for s in top[:_BEAM] if len(causes(s.models)) < self.most]
 
     def _rough(self, models: Models) -> float:
         return float(self.score.held_out(models).sum())

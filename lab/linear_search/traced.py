@@ -117,7 +117,7 @@ def _alone(prepared: Prepared, own: Experiment, forms: Sequence[Shape]) -> Fit:
 
 def _eliminated(prepared: Prepared, final: Fit) -> Fit:
     """The fit without effects that the parametric law makes up for, or that are not determined."""
-    friction = float(np.sum((final.friction * final.weight) ** 2))
+    friction = float(np.sum((final.friction * final.weight) ** 2)) / final.error_unit**2
     while final.effects:
         rows = []
         for k, term in enumerate(final.effects):
