@@ -232,3 +232,42 @@ def test_a_deleted_joint_whose_friction_stayed_is_named_with_the_fix():
     spec.delete(next(n for n in spec.numerics if n.name.endswith("knee")))
     with fj.attach(spec.compile()) as m:
         assert list(fj.torque(m, mujoco.MjData(m))) == ["elbow"]
+
+
+def two_joints() -> str:
+    """An MJCF of joints a and b."""
+    spec = mujoco.MjSpec.from_string(
+        "<mujoco><worldbody><body><joint name='a'/><geom size='.1'/><body><joint name='b'/>"
+        "<geom size='.1'/></body></body></worldbody></mujoco>"
+    )
+    fj.install(spec, {"a": friction(Vs=0.1 / 3.0), "b": friction(Vs=0.2 / 3.0)})
+    return spec.to_xml()
+
+
+def test_blocks_of_a_model_lie_together_once_it_is_attached():
+    model = mujoco.MjModel.from_xml_string(two_joints())
+    with fj.attach(model):
+        sizes = model.numeric_size.copy()
+    assert model.numeric_adr[1] == model.numeric_adr[0] + sizes[0]
+    for one in (model, copy.copy(model)):
+        found = read_friction(one)
+        assert found["a"].parameters == friction(Vs=0.1 / 3.0)
+        assert found["b"].parameters == friction(Vs=0.2 / 3.0)
+
+
+def test_numbers_changed_by_hand_or_in_a_compiled_model_count(tmp_path):
+    text = two_joints()
+    assert text.count("0.0333333") == 2  # both directions
+    model = mujoco.MjModel.from_xml_string(text.replace("0.0333333", "0.03"))
+    assert read_friction(model)["a"].parameters == friction(Vs=0.03)
+    assert read_friction(model)["b"].parameters == friction(Vs=0.2 / 3.0)
+    fj.attach(mujoco.MjModel.from_xml_string(text)).detach()
+    model = mujoco.MjModel.from_xml_string(text)
+    with fj.attach(model):
+        fj.set_parameters(model, "b", friction(Vs=0.7 / 3.0))
+        mujoco.mj_saveLastXML(str(tmp_path / "saved.xml"), model)
+    saved = read_friction(fj.load_model(tmp_path / "saved.xml"))
+    assert saved["a"].parameters == friction(Vs=0.1 / 3.0)
+    np.testing.assert_allclose(
+        saved["b"].parameters.pack(), friction(Vs=0.7 / 3.0).pack(), rtol=1e-5
+    )

@@ -9,12 +9,16 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
-    NO_OPTIONS,
+    Columns,
+    DropNan,
     Fixed,
-    LogOptions,
+    Gain,
+    Join,
+    Reading,
+    Units,
+    Wrap,
     log_paths,
     poses,
-    reads_logs,
 )
 from frictionjoint.cli.output import Json
 from frictionjoint.cli.terminal import console, progress
@@ -22,7 +26,6 @@ from frictionjoint.cli.terminal import console, progress
 DRIFTED = 1
 
 
-@reads_logs("gain")
 def drift(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
@@ -33,7 +36,12 @@ def drift(
         typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot."),
     ] = None,
     fixed: Fixed = None,
-    options: LogOptions = NO_OPTIONS,
+    gain: Gain = None,
+    column: Columns = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    drop_nan: DropNan = False,
     as_json: Json = False,
 ) -> None:
     """State which friction numbers of a report new logs confirm, and which have changed.
@@ -49,9 +57,9 @@ def drift(
     from frictionjoint.recordings.drift import known_of
 
     with progress() as say:
-        paths = log_paths(logs, [], options.join)
+        paths = log_paths(logs, [], join)
         known = replace(known_of(report, joint), fixed=poses(fixed))
-        reading = options.reading(known.joint, paths)
+        reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined, drop_nan)
         say("comparing")
         rows = compared(known, [reading.read(path) for path in paths.logs])
     changed = [x.name for x in rows if x.state == "changed"]

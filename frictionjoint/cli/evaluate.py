@@ -10,13 +10,17 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
-    NO_OPTIONS,
+    Columns,
     ControllerFile,
+    DropNan,
     Fixed,
-    LogOptions,
+    Gain,
+    Join,
+    Reading,
+    Units,
+    Wrap,
     log_paths,
     poses,
-    reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress
@@ -24,7 +28,6 @@ from frictionjoint.cli.terminal import console, progress
 FILES = ("evaluation.html", "evaluation.json")
 
 
-@reads_logs("gain")
 def evaluate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
@@ -45,7 +48,12 @@ def evaluate(
         typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots."),
     ] = None,
     fixed: Fixed = None,
-    options: LogOptions = NO_OPTIONS,
+    gain: Gain = None,
+    column: Columns = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    drop_nan: DropNan = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -64,10 +72,10 @@ def evaluate(
     from frictionjoint.report.write import write_files
 
     with progress() as say:
-        paths = log_paths(logs, [], options.join)
+        paths = log_paths(logs, [], join)
         if out is not None:
             require_writable(out, [*paths.logs, model], force, FILES)
-        reading = options.reading("", paths)
+        reading = Reading.of("", column, None, wrap, gain, unit, paths.joined, drop_nan)
         say("evaluating")
         found = run(
             model,

@@ -9,16 +9,21 @@ import typer
 from frictionjoint.cli.logs import (
     LAW_TO_FIT,
     LOG_FORMATS,
-    NO_OPTIONS,
+    Columns,
     ControllerFile,
+    DropNan,
     Fixed,
-    LogOptions,
+    Gain,
+    Join,
     Model,
+    Reading,
+    Signals,
+    Units,
+    Wrap,
     log_paths,
     models_of,
     paths_of,
     poses,
-    reads_logs,
     the_joint,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
@@ -40,7 +45,6 @@ Joint = Annotated[
 Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
 
 
-@reads_logs("gain", "signal")
 def identify(
     logs: Logs,
     model: Model,
@@ -49,7 +53,13 @@ def identify(
     law: Law = LAWS[0],
     fixed: Fixed = None,
     controller: ControllerFile = None,
-    options: LogOptions = NO_OPTIONS,
+    gain: Gain = None,
+    column: Columns = None,
+    signal: Signals = None,
+    wrap: Wrap = None,
+    unit: Units = None,
+    join: Join = False,
+    drop_nan: DropNan = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -63,10 +73,10 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as say:
-        paths = log_paths(logs, [], options.join)
+        paths = log_paths(logs, [], join)
         require_writable(out, [*paths.logs, *paths_of(model)], force)
         joint = the_joint(joint, model)
-        reading = options.reading(joint, paths)
+        reading = Reading.of(joint, column, signal, wrap, gain, unit, paths.joined, drop_nan)
         read = [reading.read(path) for path in paths.logs]
         found = identify_law(read, models_of(model), joint, law, poses(fixed), controller, say)
         write_files(out.parent, {out.name: found.to_toml()})

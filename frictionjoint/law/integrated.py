@@ -52,6 +52,8 @@ from frictionjoint.law.transition import knot_torque, segment_of_torque, slope
 RESET_MARGIN = 1e-3
 # far more than `advance` and `distance` differ by
 SHORT = 1e-6
+# of the span of torques: lost in rounding
+LOST = 1e-13
 
 # Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
 LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = 0, 1, 2, 3, 4
@@ -72,40 +74,6 @@ def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
     X[h + RATE] = 1.0
     X[s] = -P[p + NEGATIVE + FS]
     X[s + CAPACITY] = P[p + POSITIVE + FS]
-
-
-@compiled
-def set_limits(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
-    """Fit header `h` and its stacks at `s` to parameters that were changed.
-
-    Extrema beyond the new limits leave with their partners, as does torque; the curve goes on.
-    """
-    lowest, highest = -P[p + NEGATIVE + FS], P[p + POSITIVE + FS]
-    m, M = s, s + CAPACITY
-    X[m] = lowest
-    X[M] = highest
-    n_min, n_max = int(X[h + N_MIN]), int(X[h + N_MAX])
-    k = 1
-    while k < max(n_min, n_max):
-        inside = (k >= n_min or lowest < X[m + k] < highest) and (
-            k >= n_max or lowest < X[M + k] < highest
-        )
-        if inside:
-            k += 1
-            continue
-        for i in range(k, n_min - 1):
-            X[m + i] = X[m + i + 1]
-        for i in range(k, n_max - 1):
-            X[M + i] = X[M + i + 1]
-        n_min -= 1 if k < n_min else 0
-        n_max -= 1 if k < n_max else 0
-    X[h + N_MIN] = n_min
-    X[h + N_MAX] = n_max
-    X[h + FH] = min(max(X[h + FH], lowest), highest)
-    if X[h + DIRECTION] != 0.0 and not _on_virgin(X, h):
-        X[h + FB] = X[m + n_min - 1] if X[h + DIRECTION] > 0.0 else X[M + n_max - 1]
-    elif _on_virgin(X, h):
-        X[h + FB] = 0.0
 
 
 @in_line
@@ -271,37 +239,54 @@ def step(
 
 
 @in_line
-def _undisturbed(
-    P: Vector, p: int, X: Vector, a: int, s: int, direction: float, S: float, dx: float
-) -> float:
-    """r after a motion by dx > 0 from the header `a` that meets no event; NaN where it may.
+def undisturbed(
+    P: Vector,
+    p: int,
+    f: float,
+    b: float,
+    wiped: bool,
+    scale: float,
+    top: float,
+    S: float,
+    dx: float,
+) -> tuple[float, float, float]:
+    """A motion by dx > 0 at the level S that meets no event; NaN where it may meet one.
 
     It asks what `_slide` asks first, and writes nothing.
+
+    Args:
+        f, b: Fh and Fb, mirrored. wiped: nothing is remembered. scale: of the knots' torques.
+        top: where the innermost open loop closes, see `_closing_torque`.
+    Returns:
+        Fh, mirrored, dz/dx and the slope of Fd, N m/rad, at its end.
     """
-    f, b = direction * X[a + FH], direction * X[a + FB]
-    wiped = X[a + VIRGIN] == 0.0 and X[a + N_MIN] == 1.0 and X[a + N_MAX] == 1.0
     reset_torque = (1.0 - RESET_MARGIN) * S
-    if X[a + DIRECTION] == -direction or (f >= reset_torque and not wiped):
-        return math.nan
-    lampaert = P[p + LAMPAERT] == 1.0
-    span = S if lampaert else S - b
-    origin = 0.0 if lampaert else b
-    r = (f - origin) / span
-    if r >= 1.0:
-        return 1.0 if r == 1.0 else math.nan
+    origin = 0.0 if P[p + LAMPAERT] == 1.0 else b
+    span = S - origin
+    if not span > 0.0:
+        return math.nan, 0.0, 0.0
     k = p + KNOTS
-    scale = 0.5 if P[p + MASING] == 1.0 and _on_virgin(X, a) else 1.0
     j = segment_of_torque(P, k, max(0.0, (f - b) / scale))
-    target = _closing_torque(X, a, s, direction)
-    if j < int(P[k]) - 1:
-        target = min(target, b + scale * knot_torque(P, k, j))
-    if not wiped:
-        target = min(target, reset_torque)
-    left = abs((target - origin) / span - r)
-    if left <= SHORT:
-        return math.nan
-    end = advance(r, dx * slope(P, k, j) / span, P[p + EXPONENT])
-    return end if abs(end - r) + SHORT < left else math.nan
+    K = slope(P, k, j)
+    r = (f - origin) / span
+    # without rounding: where the torque is the level it stays so
+    if r == 1.0:
+        return S, 0.0, K
+    n = P[p + EXPONENT]
+    end = advance(r, dx * K / span, n)
+    reached = S if end == 1.0 else origin + end * span
+    if r < 1.0:
+        target = top
+        if j < int(P[k]) - 1:
+            target = min(target, b + scale * knot_torque(P, k, j))
+        if not wiped:
+            target = min(target, reset_torque)
+        # the torque stays below the level, and rises at most by K; nearer to an event only exactly
+        below = S - LOST * span <= target or (r >= 0.0 and f + (1.0 + SHORT) * K * dx < target)
+        usual = below or reached + SHORT * span < target
+    else:
+        usual = wiped and (j == 0 or reached - SHORT * span > b + scale * knot_torque(P, k, j - 1))
+    return reached if usual else math.nan, rate(end, n), K
 
 
 @compiled
@@ -318,20 +303,29 @@ def usual_step(
         side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
         dx = abs(dq)
         S = stribeck_level(P, side, dx / dt if dt > 0.0 else 0.0)
-        r = _undisturbed(P, p, X, a, s, direction, S, dx)
-        if r == r:
-            if h != a:
-                for i in range(HEADER):
-                    X[h + i] = X[a + i]
-            origin = 0.0 if P[p + LAMPAERT] == 1.0 else direction * X[a + FB]
-            # without rounding: where the torque is the level it stays so
-            Fh = direction * (origin + r * (S - origin) if r != 1.0 else S)
-            slip = rate(r, P[p + EXPONENT])
-            X[h + DIRECTION] = direction
-            X[h + FH] = Fh
-            X[h + RATE] = slip
-            sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
-            return Fh + (P[p + SIGMA1] * slip + sigma2) * v
+        if X[a + DIRECTION] != -direction:
+            wiped = X[a + VIRGIN] == 0.0 and X[a + N_MIN] == 1.0 and X[a + N_MAX] == 1.0
+            end = undisturbed(
+                P,
+                p,
+                direction * X[a + FH],
+                direction * X[a + FB],
+                wiped,
+                0.5 if P[p + MASING] == 1.0 and _on_virgin(X, a) else 1.0,
+                _closing_torque(X, a, s, direction),
+                S,
+                dx,
+            )
+            Fh, slip = end[0], end[1]
+            if Fh == Fh:
+                if h != a:
+                    for i in range(HEADER):
+                        X[h + i] = X[a + i]
+                X[h + DIRECTION] = direction
+                X[h + FH] = direction * Fh
+                X[h + RATE] = slip
+                sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
+                return direction * Fh + (P[p + SIGMA1] * slip + sigma2) * v
     _move(P, p, X, a, h, s, dq, S)
     sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
     return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v

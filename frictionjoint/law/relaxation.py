@@ -379,6 +379,6 @@ def advance(r: float, a: float, n: float) -> float:
             above = a * (135135.0 + b * (17325.0 + b * (378.0 + b)))
             below = 135135.0 + b * (62370.0 + b * (3150.0 + b * 28.0))
             return (r * below + above) / (below + r * above)
-        t = math.tanh(a)
-        return (r + t) / (1.0 + r * t)
+        left = (1.0 - r) * math.exp(-2.0 * a)
+        return (1.0 + r - left) / (1.0 + r + left)
     return any_advance(r, a, n)

@@ -13,6 +13,8 @@ from frictionjoint.compiled import in_line
 FS, FC, VS, DELTA, SIGMA2 = range(5)
 # exp(-x) is zero to the last bit from here on, which takes the library long to find out
 ZERO = 746.0
+# and below this it is three terms of its series
+SLOW = 1e-5
 
 
 @in_line
@@ -29,6 +31,8 @@ def stribeck_level(P: Vector, d: int, speed: float) -> float:
         x = x * x
     elif delta != 1.0:
         x = x**delta
+    if x < SLOW:
+        return Fs - (Fs - Fc) * (x - 0.5 * x * x)
     if x > ZERO:
         return Fc
     return Fc + (Fs - Fc) * math.exp(-x)

@@ -20,11 +20,12 @@ from frictionjoint.simulate.carrier import (
 )
 from frictionjoint.simulate.first_sight import make_ready
 from frictionjoint.simulate.mass import put_in, take_back
-from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
+from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.native import PGS, RK4
-from frictionjoint.simulate.row import BASE, T_EVALUATED, over_the_step, torque_now
+from frictionjoint.simulate.row import BASE, T_EVALUATED
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
+from frictionjoint.simulate.usual import joint_torque
 from frictionjoint.simulate.with_effects import (
     asks_for_load,
     coupled_load,
@@ -49,6 +50,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
             continue
         if P[block + RESOLVED] == 0.0:
             make_ready(model)
+            block = int(model.numeric_adr[i])
         if P[block + RESOLVED] != 1.0:
             continue
         if P[block] == SHAFT:
@@ -61,10 +63,8 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         later = X[x + T_EVALUATED] != t
         take_back(X, x, data.M, entry)
         own = float(X[x + BASE])
-        F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
-        if F == F and h > 0.0:
-            weight = float(model.dof_invweight0[dof])
-            F = over_the_step(P, block + HEAD, X, x, h, v, own, weight)
+        weight = float(model.dof_invweight0[dof])
+        F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weight)
         if P[effects] > 0.0:
             asked = 0.0
             if gives_less(P, effects):
@@ -72,7 +72,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     joint,
                     q,
                     v,
-                    *controls(model),
+                    model.nu,
                     model.opt.disableflags,
                     model.opt.disableactuator,
                     model.actuator_trntype,
@@ -81,7 +81,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     model.actuator_gear.reshape(-1),
                     model.actuator_gainprm.reshape(-1),
                     model.actuator_biasprm.reshape(-1),
-                    model.actuator_ctrllimited.view(np.bool_),
+                    model.actuator_ctrllimited,
                     model.actuator_ctrlrange.reshape(-1),
                     data.ctrl,
                 )

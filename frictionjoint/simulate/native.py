@@ -33,8 +33,9 @@ from frictionjoint.simulate.pointers import (
     shorts_in,
     wholes_in,
 )
-from frictionjoint.simulate.row import BASE, T_EVALUATED, over_the_step, torque_now
+from frictionjoint.simulate.row import BASE, T_EVALUATED
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
+from frictionjoint.simulate.usual import joint_torque
 from frictionjoint.simulate.with_effects import asks_for_load, coupled_load, joint_effects
 
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
@@ -57,10 +58,6 @@ _OF_MODEL = (
     "M_rownnz",
     "nuserdata",
     "nu",
-    "nactuator",
-    "actuator_ctrladr",
-    "actuator_ctrlnum",
-    "actuator_outadr",
     "disableflags",
     "disableactuator",
     "actuator_trntype",
@@ -121,10 +118,6 @@ _OF_DATA = (
     M_MASS_ROWNNZ,
     M_NUSERDATA,
     M_NU,
-    M_NACTUATOR,
-    M_ACTUATOR_CTRLADR,
-    M_ACTUATOR_CTRLNUM,
-    M_ACTUATOR_OUTADR,
     M_DISABLEFLAGS,
     M_DISABLEACTUATOR,
     M_ACTUATOR_TRNTYPE,
@@ -206,6 +199,7 @@ def native(m: Address, d: Address) -> None:
         if P[block + RESOLVED] != 1.0:
             if P[block + RESOLVED] == 0.0:
                 make_ready_in_c(m)
+                block = int(address[i])
             if P[block + RESOLVED] != 1.0:
                 continue
         if P[block] == SHAFT:
@@ -220,24 +214,16 @@ def native(m: Address, d: Address) -> None:
         entry = int(first_of[dof] + count_of[dof]) - 1
         take_back(X, x, M, entry)
         own = X[x + BASE]
-        F = torque_now(P, block + HEAD, effects, X, x, t, q, v, step)
-        if F == F and h > 0.0:
-            F = over_the_step(P, block + HEAD, X, x, h, v, own, weights[dof])
+        F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weights[dof])
         if P[effects] > 0.0:
             joint = int(P[block + JOINT])
             asked = 0.0
             if gives_less(P, effects):
-                # until MuJoCo 3.12 each actuator has one control and one output, of its number
-                apart = AT[M_NACTUATOR] != 0
                 asked = asked_torque(
                     joint,
                     q,
                     v,
-                    int(wholes_in(m, AT[M_NACTUATOR] if apart else AT[M_NU])[0]),
-                    apart,
-                    shorts(m, AT[M_ACTUATOR_CTRLADR]),
-                    shorts(m, AT[M_ACTUATOR_CTRLNUM]),
-                    shorts(m, AT[M_ACTUATOR_OUTADR]),
+                    int(wholes_in(m, AT[M_NU])[0]),
                     int(shorts_in(m, AT[M_DISABLEFLAGS])[0]),
                     int(shorts_in(m, AT[M_DISABLEACTUATOR])[0]),
                     shorts(m, AT[M_ACTUATOR_TRNTYPE]),

@@ -17,10 +17,10 @@ that was longer, so that shortening the time step during a run is no leap.
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
 GAIN times the step is added to the joint's entry of MuJoCo's mass matrix (``simulate.mass``).
 
-Row ``X[x:]``: STARTED; committed time and position; evaluated time, position, velocity, and torque
-over the step without its GAIN; committed velocity and torque; GAIN evaluated and committed, the
-joint's entry of the mass matrix (BASE) and what stands in its place (WRITTEN); then the law's row,
-then the effects' memory, committed and evaluated, then the evaluated torque of each effect.
+Row ``X[x:]``: STARTED; time, position, velocity, torque over the step without its GAIN, and GAIN,
+all five committed, then evaluated; the joint's entry of the mass matrix (BASE) and what stands in
+its place (WRITTEN); then the law's row, then the effects' memory, committed and evaluated, then the
+evaluated torque of each effect.
 """
 
 import numpy as np
@@ -28,14 +28,12 @@ import numpy as np
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.effects.kernel import MEMORY
-from frictionjoint.law.kernel import commit, fit_row, hold_row, hysteresis_torque, start_row
+from frictionjoint.law.kernel import commit, hold_row, hysteresis_torque, start_row
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.secant import implicit_step
 
-STARTED, T_COMMITTED, Q_COMMITTED, T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, V_COMMITTED = (
-    range(8)
-)
-TORQUE_COMMITTED, GAIN, GAIN_COMMITTED, BASE, WRITTEN = range(8, 13)
+STARTED, T_COMMITTED, Q_COMMITTED, V_COMMITTED, TORQUE_COMMITTED, GAIN_COMMITTED = range(6)
+T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, GAIN, BASE, WRITTEN = range(6, 13)
 # time steps
 LEAP = 3.0
 FRONT = 13
@@ -114,7 +112,6 @@ def torque_now(
         X[x + GAIN_COMMITTED] = X[x + GAIN]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]
         X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
-    fit_row(P, p, X, law)
     dt = t - X[x + T_COMMITTED]
     if dt == 0.0:
         # still at the start: no motion has led here, wherever "here" is put
@@ -126,6 +123,31 @@ def torque_now(
     X[x + TORQUE] = F
     X[x + GAIN] = 0.0
     return F
+
+
+@in_line
+def shared_out(
+    constant: float,
+    K: float,
+    D: float,
+    elastic: float,
+    h: float,
+    v: float,
+    inertia: float,
+    weight: float,
+) -> tuple[float, float]:
+    """TORQUE, N m, and GAIN, N m s/rad, of a step of h s: what of spring and damper is implicit.
+
+    Args:
+        constant, K, D, elastic: see `law.secant.implicit_step`. inertia, weight: see
+            `over_the_step`.
+    """
+    stiff = h * h * K * weight
+    implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
+    # half of a damper that is weak for the step acts at the velocity before it, so that its torque
+    # is that of the step's middle; a strong one must be implicit, and then stops the joint
+    explicit = 0.5 * inertia / (inertia + h * D) if inertia > 0.0 else 0.0
+    return constant + explicit * D * v, implicit * h * K + (1.0 - explicit) * D
 
 
 @in_line
@@ -150,13 +172,7 @@ def over_the_step(
         others += X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v
         impulse += h * (others - hysteresis_torque(P, p, X, x + FRONT))
     constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, inertia, impulse)
-    stiff = h * h * K * weight
-    implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
-    # half of a damper that is weak for the step acts at the velocity before it, so that its torque
-    # is that of the step's middle; a strong one must be implicit, and then stops the joint
-    explicit = 0.5 * inertia / (inertia + h * D) if inertia > 0.0 else 0.0
-    X[x + TORQUE] = constant + explicit * D * v
-    X[x + GAIN] = implicit * h * K + (1.0 - explicit) * D
+    X[x + TORQUE], X[x + GAIN] = shared_out(constant, K, D, elastic, h, v, inertia, weight)
     return X[x + TORQUE] + X[x + GAIN] * v
 
 

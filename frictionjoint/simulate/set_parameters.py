@@ -19,11 +19,11 @@ from frictionjoint.simulate.carrier import (
     COUNT,
     EFFECTS,
     HEAD,
+    MAGIC,
     ROW,
     JointFriction,
     SimulatedEffect,
     heating_first,
-    pieces,
     read_effects,
     resolve,
     rows_of_block,
@@ -34,9 +34,10 @@ from frictionjoint.simulate.row import BASE, FRONT
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
     """Change the friction parameters of a joint in a compiled model.
 
-    Torque and memory of existing data come within the new breakaway torques at the next evaluation.
-    Effects that act through the model itself (elasticity, backlash, delays of sensors) stay as they
-    were compiled.
+    The friction state of existing data stays as it is, and a joint at rest may keep a torque above
+    its
+    new breakaway torque: call `forget` or reset the data. Effects that act through the model itself
+    (elasticity, backlash, delays of sensors) stay as they were compiled.
 
     Args:
         model: with friction at the joint; changed in place.
@@ -71,6 +72,10 @@ def write_parameters(
     Raises:
         ModelError: another law, another number of knots or other effects, which need compiling.
     """
+    if numeric_data[block] != MAGIC:
+        raise ModelError(
+            f"joint {joint!r} has no friction at {block}: attach the model before you make a batch"
+        )
     friction = parameters if isinstance(parameters, JointFriction) else JointFriction(parameters)
     numbers = friction.parameters.pack()
     first, count = block + HEAD, int(numeric_data[block + COUNT])
@@ -93,8 +98,6 @@ def write_parameters(
         numbers = np.concatenate([numbers, [len(given)], *(e.pack() for e in given)])
     end = first + len(numbers)
     numeric_data[first:end] = numbers
-    integers = first + count
-    numeric_data[integers : integers + 4 * len(numbers)] = pieces(numbers)
     return end
 
 

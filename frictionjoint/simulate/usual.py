@@ -1,0 +1,238 @@
+"""The usual step of a simulated joint: the integrated law, and no event on the way.
+
+What most joints do in most steps: follow one curve of the hysteresis, turn round, slide, rest. It
+is `row.torque_now` and `row.over_the_step` in one, which reads each number of the row once and
+writes each once. Anything else is left to these two: rivals of the law, starts, leaps of time,
+loops that close, resets of the memory, knots of the transition curve, full stacks.
+
+A joint at rest never stands quite still: rounding moves it to and fro. To the law each would be a
+reversal, and fill its memory. So a displacement that changes the torque by next to nothing is an
+elastic one, and the law stays where it is, with its position, until the displacement has grown.
+"""
+
+import math
+
+import numpy as np
+
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled, in_line
+from frictionjoint.law.integrated import (
+    KNOTS,
+    MASING,
+    NEGATIVE,
+    POSITIVE,
+    SIGMA1,
+    undisturbed,
+)
+from frictionjoint.law.kernel import INTEGRATED
+from frictionjoint.law.memory import (
+    BOUND,
+    CAPACITY,
+    DIRECTION,
+    FB,
+    FH,
+    FORGOTTEN,
+    HEADER,
+    N_MAX,
+    N_MIN,
+    RATE,
+    VIRGIN,
+)
+from frictionjoint.law.secant import REST, SMALL, implicit_step
+from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
+from frictionjoint.simulate.row import (
+    ASTRAY,
+    FRONT,
+    GAIN,
+    GAIN_COMMITTED,
+    LEAP,
+    Q_COMMITTED,
+    Q_EVALUATED,
+    STARTED,
+    T_COMMITTED,
+    T_EVALUATED,
+    TORQUE,
+    TORQUE_COMMITTED,
+    V_COMMITTED,
+    V_EVALUATED,
+    commit_effects,
+    over_the_step,
+    shared_out,
+    torque_now,
+)
+
+# of the breakaway torque: some hundred times its rounding
+NOTHING = 2.0**-44
+
+
+@in_line
+def usual_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    h: float,
+    J: float,
+    weight: float,
+) -> float:
+    """Friction torque at v of the step of h s that begins, N m; NaN where the step is not usual.
+
+    Then the row is as before. Arguments: see `row.torque_now` and `row.over_the_step`.
+    """
+    evaluated = X[x + T_EVALUATED]
+    since = evaluated - X[x + T_COMMITTED]
+    gap = t - evaluated
+    later = gap > 0.0
+    front, a, dt = x + T_EVALUATED, x + FRONT + HEADER, gap
+    if not later:
+        front, a, dt = x + T_COMMITTED, x + FRONT, since
+    if (
+        P[p] != INTEGRATED
+        or X[x + STARTED] == 0.0
+        or not (gap >= 0.0 and gap <= LEAP * max(h, since) and dt > 0.0)
+        or not (math.fabs(q) <= ASTRAY and math.fabs(v) <= ASTRAY)
+    ):
+        return np.nan
+    at, was, constant, gain = X[front + 1], X[front + 2], X[front + 3], X[front + 4]
+    Fh, Fb, turned = X[a + FH], X[a + FB], X[a + DIRECTION]
+    n_min, n_max, virgin, rate = X[a + N_MIN], X[a + N_MAX], X[a + VIRGIN], X[a + RATE]
+    first = p + 1
+    stiffest, sigma1 = P[first + KNOTS + 3], P[first + SIGMA1]
+    if n_min >= CAPACITY or n_max >= CAPACITY or (virgin == 1.0 and P[first + MASING] == 1.0):
+        return np.nan
+    f, b, way, lows, highs, slip = Fh, Fb, turned, n_min, n_max, rate
+    known, tangent = False, 0.0
+    dq = q - at
+    place, bent = at, stiffest * dq
+    side = first + POSITIVE if dq > 0.0 else first + NEGATIVE
+    dx = math.fabs(dq)
+    if dx * stiffest > NOTHING * P[side + FS]:
+        place, bent = q, 0.0
+        way = math.copysign(1.0, dq)
+        stack = x + FRONT + 2 * HEADER
+        top = np.inf
+        if turned == -way:
+            b = f
+            if way > 0.0:
+                X[stack + int(n_min)] = f
+                lows = n_min + 1.0
+                top = X[stack + CAPACITY + int(n_max) - 1] if n_max > 1.0 else np.inf
+            else:
+                X[stack + CAPACITY + int(n_max)] = f
+                highs = n_max + 1.0
+                top = -X[stack + int(n_min) - 1] if n_min > 1.0 else np.inf
+        elif way > 0.0:
+            if n_max > 1.0:
+                top = X[stack + CAPACITY + int(n_max) - 1]
+        elif n_min > 1.0:
+            top = -X[stack + int(n_min) - 1]
+        wiped = virgin == 0.0 and lows == 1.0 and highs == 1.0
+        S = stribeck_level(P, side, dx / dt)
+        f, slip, K = undisturbed(P, first, way * f, way * b, wiped, 1.0, top, S, dx)
+        if f != f:
+            return np.nan
+        f = way * f
+        known, tangent = True, K * slip
+    # it is a usual step: from here on the row is written
+    if later:
+        commit_effects(P, p, effects, X, x)
+        X[x + T_COMMITTED] = evaluated
+        X[x + Q_COMMITTED] = at
+        X[x + V_COMMITTED] = was
+        X[x + TORQUE_COMMITTED] = constant
+        X[x + GAIN_COMMITTED] = gain
+        c = x + FRONT
+        X[c + FH] = Fh
+        X[c + FB] = Fb
+        X[c + DIRECTION] = turned
+        X[c + N_MIN] = n_min
+        X[c + N_MAX] = n_max
+        X[c + VIRGIN] = virgin
+        X[c + RATE] = rate
+        X[c + FORGOTTEN] = X[a + FORGOTTEN]
+        X[c + BOUND] = X[a + BOUND]
+    e = x + FRONT + HEADER
+    X[x + T_EVALUATED] = t
+    X[x + Q_EVALUATED] = place
+    X[x + V_EVALUATED] = v
+    X[e + FH] = f
+    X[e + FB] = b
+    X[e + DIRECTION] = way
+    X[e + N_MIN] = lows
+    X[e + N_MAX] = highs
+    X[e + VIRGIN] = virgin
+    X[e + RATE] = slip
+    if not later:
+        X[e + FORGOTTEN] = X[a + FORGOTTEN]
+        X[e + BOUND] = X[a + BOUND]
+    # as `over_the_step` and `secant.implicit_step` do
+    inertia = 1.0 / weight if weight > 0.0 and J * weight > 1.0 else J
+    impulse = inertia * v + h * (inertia * (v - was) / dt + (constant + gain * v) - f - bent)
+    ahead, r = math.copysign(1.0, impulse), math.fabs(impulse)
+    side = first + POSITIVE if impulse > 0.0 else first + NEGATIVE
+    Fs, sigma2 = P[side + FS], P[side + SIGMA2]
+    constant, K, D, elastic = f + bent, stiffest, sigma1 + sigma2, 1.0
+    if h * r * stiffest > REST * Fs * inertia:
+        if way == -ahead:
+            known, tangent, slip = True, stiffest, 1.0
+        if known:
+            damping = sigma1 * max(0.0, slip) + sigma2
+            w = r / (inertia + h * (damping + h * max(0.0, tangent)))
+            if h * w * stiffest > REST * Fs:
+                known = h * w * math.fabs(tangent) <= SMALL * Fs
+                K, D = max(0.0, tangent), damping
+                constant += sigma1 * min(0.0, slip) * ahead * w
+        if not known:
+            constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, inertia, impulse)
+    constant, gain = shared_out(constant, K, D, elastic, h, v, inertia, weight)
+    X[x + TORQUE] = constant
+    X[x + GAIN] = gain
+    return constant + gain * v
+
+
+@compiled
+def rare_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    step: float,
+    h: float,
+    J: float,
+    weight: float,
+) -> float:
+    """`usual_torque` of any step; explicit where h is 0. `step` is the model's, s."""
+    F = torque_now(P, p, effects, X, x, t, q, v, step)
+    if F == F and h > 0.0:
+        return over_the_step(P, p, X, x, h, v, J, weight)
+    return F
+
+
+@in_line
+def joint_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    step: float,
+    h: float,
+    J: float,
+    weight: float,
+) -> float:
+    """Friction torque at v of the step that begins, N m; NaN of a state gone astray."""
+    F = usual_torque(P, p, effects, X, x, t, q, v, h, J, weight) if h > 0.0 else np.nan
+    if F == F:
+        return F
+    return rare_torque(P, p, effects, X, x, t, q, v, step, h, J, weight)
