@@ -207,3 +207,32 @@ def test_a_log_that_was_not_fitted_is_predicted_and_replayed(traced):
     assert left(found.final) < 0.4 * left(found.base)
     after, before = (replay(kept, body, fit).rms for fit in (found.final, found.base))
     assert after < 0.5 * before
+
+
+@pytest.mark.skipif(not hasattr(mujoco.MjModel, "nactuator"), reason="every actuator has a control")
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_an_actuator_without_a_control_leaves_the_others_theirs(backend):
+    """A `dcmotor` with input "none", as MuJoCo's own LuGre friction, comes before the motor."""
+    paths = []
+    for passive in (False, True):
+        spec = mujoco.MjSpec.from_string(XML)
+        if passive:
+            wheel = '<body pos="1 0 0"><joint name="wheel"/><geom size=".1"/></body>'
+            friction = '<dcmotor joint="wheel" input="none" motorconst="1e-6" resistance="1"/>'
+            spec = mujoco.MjSpec.from_string(
+                XML.replace("</worldbody>", f"{wheel}</worldbody><actuator>{friction}</actuator>")
+            )
+        add_motor(spec, "arm", Motor(GAIN, EMF))
+        spec.actuators[-1].ctrlrange = (-5.0, 5.0)
+        install(spec, {"arm": LAW}, {"arm": [EFFECT]})
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        path = []
+        with attach(model, backend=backend):
+            for u in np.repeat(voltages(100, 1), 4):
+                data.ctrl[0] = u
+                mujoco.mj_step(model, data)
+                path.append(data.qpos[0])
+        paths.append(np.array(path))
+    np.testing.assert_allclose(*paths, rtol=0.0, atol=1e-9)
+    assert np.ptp(paths[0]) > 0.1

@@ -1,16 +1,25 @@
 """Friction of a compiled model is changed in place, and states start afresh when asked to."""
 
+import dataclasses
 import json
 
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.files import read_samples, toml_document
-from frictionjoint.rivals import LuGreParameters
+from frictionjoint.rivals import (
+    ArmstrongParameters,
+    ElastoplasticParameters,
+    LuGreParameters,
+    MaxwellSlipParameters,
+    StaticParameters,
+)
 from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, read_friction
 from frictionjoint.simulate.samples import FrictionSamples
 
@@ -85,18 +94,64 @@ def test_what_does_not_fit_is_refused_and_changes_nothing(joint, parameters, wor
         fj.set_parameters(m, "a", {"Fs_pos": 1.0})
 
 
-def test_a_loaded_joint_with_less_friction_slides_once_it_forgets():
-    m = model(torque=0.0)
+RIVALS = [
+    kind.symmetric(Fs=1.0, Fc=0.7, Vs=0.05, **numbers)
+    for kind, numbers in (
+        (LuGreParameters, {"sigma0": 300.0}),
+        (ElastoplasticParameters, {"sigma0": 300.0}),
+        (ArmstrongParameters, {"sigma0": 300.0}),
+        (StaticParameters, {"V0": 1e-3}),
+        (MaxwellSlipParameters, {"C": 10.0, "elements": ((600.0, 0.6), (100.0, 0.4))}),
+    )
+]
+
+
+@pytest.mark.parametrize("first", [law(1.0), *RIVALS], ids=lambda p: p.law)
+def test_a_loaded_joint_with_less_friction_slides(first):
+    spec = mujoco.MjSpec.from_string(TWO)
+    fj.install(spec, {"a": first})
+    m = spec.compile()
     data = mujoco.MjData(m)
+    less = dataclasses.replace(first, Fs_pos=0.2, Fs_neg=0.2, Fc_pos=0.15, Fc_neg=0.15)
     with fj.attach(m):
         data.qfrc_applied[0] = 0.6
         mujoco.mj_step(m, data, 500)
-        assert fj.torque(m, data)["a"].sticks
-        fj.set_parameters(m, "a", law(0.2))
-        fj.forget(m, data)
+        before = fj.torque(m, data)["a"]
+        assert before.sticks
+        assert before.hysteresis > 0.25
+        fj.set_parameters(m, "a", less)
+        mujoco.mj_forward(m, data)
+        assert 0.15 <= fj.torque(m, data)["a"].hysteresis <= 0.2
         mujoco.mj_step(m, data, 500)
         assert data.qvel[0] > 0.1
         assert not fj.torque(m, data)["a"].sticks
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_a_joint_whose_friction_changes_while_it_moves_obeys_the_new_one(seed):
+    """And as soon as it slides, nothing of the old one is left."""
+    random = np.random.default_rng(seed)
+    m, fresh = model(1.0, 0.0), model(1.0, 0.0)
+    data, other = mujoco.MjData(m), mujoco.MjData(fresh)
+    data.qpos[0] = random.normal()
+    with fj.attach(m):
+        for _ in range(int(random.integers(1, 5))):
+            level = float(10.0 ** random.uniform(-1.0, 0.2))
+            fj.set_parameters(m, "a", law(level))
+            for x in np.cumsum(random.normal(size=20)) * 10.0 ** random.uniform(-5.0, -2.0):
+                data.qpos[0], data.time = x, data.time + 1e-3
+                mujoco.mj_forward(m, data)
+                assert abs(fj.torque(m, data)["a"].hysteresis) <= level * (1.0 + 1e-12)
+        fj.set_parameters(fresh, "a", law(level))
+        way = random.choice([-1.0, 1.0])
+        for x in np.linspace(data.qpos[0], data.qpos[0] + 0.5 * way, 1000):
+            for each, of in ((m, data), (fresh, other)):
+                of.qpos[0], of.time = x, of.time + 1e-3
+                mujoco.mj_forward(each, of)
+        last = [fj.torque(each, of)["a"] for each, of in ((m, data), (fresh, other))]
+    assert last[0].hysteresis == pytest.approx(last[1].hysteresis, rel=1e-9)
+    assert abs(last[0].hysteresis) > 0.6 * level
 
 
 def test_a_teleported_joint_that_forgets_feels_no_torque():

@@ -11,22 +11,17 @@ import typer
 from frictionjoint.cli.logs import (
     LAW_TO_FIT,
     LOG_FORMATS,
-    Columns,
+    NO_OPTIONS,
     ControllerFile,
-    DropNan,
     Fixed,
-    Gain,
-    Join,
+    LogOptions,
     Model,
-    Reading,
-    Signals,
-    Units,
-    Wrap,
     joints_of,
     log_paths,
     models_of,
     paths_of,
     poses,
+    reads_logs,
     split,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
@@ -69,6 +64,7 @@ Seed = Annotated[
 ]
 
 
+@reads_logs("gain", "signal")
 def close_loop_command(
     model: Model,
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the report.")],
@@ -95,13 +91,7 @@ def close_loop_command(
             "that are left out.",
         ),
     ] = True,
-    gain: Gain = None,
-    column: Columns = None,
-    signal: Signals = None,
-    wrap: Wrap = None,
-    unit: Units = None,
-    join: Join = False,
-    drop_nan: DropNan = False,
+    options: LogOptions = NO_OPTIONS,
     robot: Annotated[
         list[str] | None,
         typer.Option(
@@ -147,12 +137,12 @@ def close_loop_command(
 
     if not (logs or robot):
         raise LogError("no log: give one or more, or robots with --robot NAME=LOG")
-    paths = log_paths(logs or [], held_out or ["0.25"], join)
+    paths = log_paths(logs or [], held_out or ["0.25"], options.join)
     logs, held_out = paths.logs, paths.held_out
     if not (robot or joint) and len(only := joints_of(model)) == 1:
         joint = only
     if robot or joint is None or len(joint) != 1:
-        reading = Reading.of("", column, signal, wrap, gain, unit, paths.joined, drop_nan)
+        reading = options.reading("", paths)
         mjcf = models_of(model)
         if isinstance(mjcf, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
@@ -170,7 +160,7 @@ def close_loop_command(
     with progress() as say:
         read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
         require_writable(out, read, force, FILES)
-        reading = Reading.of(joint[0], column, signal, wrap, gain, unit, paths.joined, drop_nan)
+        reading = options.reading(joint[0], paths)
         fitted, kept = split(logs, held_out, reading)
         report = close_loop(
             fitted,

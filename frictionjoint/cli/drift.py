@@ -9,16 +9,12 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
-    Columns,
-    DropNan,
+    NO_OPTIONS,
     Fixed,
-    Gain,
-    Join,
-    Reading,
-    Units,
-    Wrap,
+    LogOptions,
     log_paths,
     poses,
+    reads_logs,
 )
 from frictionjoint.cli.output import Json
 from frictionjoint.cli.terminal import console, progress
@@ -26,6 +22,7 @@ from frictionjoint.cli.terminal import console, progress
 DRIFTED = 1
 
 
+@reads_logs("gain")
 def drift(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
@@ -36,12 +33,7 @@ def drift(
         typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot."),
     ] = None,
     fixed: Fixed = None,
-    gain: Gain = None,
-    column: Columns = None,
-    wrap: Wrap = None,
-    unit: Units = None,
-    join: Join = False,
-    drop_nan: DropNan = False,
+    options: LogOptions = NO_OPTIONS,
     as_json: Json = False,
 ) -> None:
     """State which friction numbers of a report new logs confirm, and which have changed.
@@ -57,9 +49,9 @@ def drift(
     from frictionjoint.recordings.drift import known_of
 
     with progress() as say:
-        paths = log_paths(logs, [], join)
+        paths = log_paths(logs, [], options.join)
         known = replace(known_of(report, joint), fixed=poses(fixed))
-        reading = Reading.of(known.joint, column, None, wrap, gain, unit, paths.joined, drop_nan)
+        reading = options.reading(known.joint, paths)
         say("comparing")
         rows = compared(known, [reading.read(path) for path in paths.logs])
     changed = [x.name for x in rows if x.state == "changed"]

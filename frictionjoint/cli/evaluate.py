@@ -10,17 +10,13 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
-    Columns,
+    NO_OPTIONS,
     ControllerFile,
-    DropNan,
     Fixed,
-    Gain,
-    Join,
-    Reading,
-    Units,
-    Wrap,
+    LogOptions,
     log_paths,
     poses,
+    reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress
@@ -28,6 +24,7 @@ from frictionjoint.cli.terminal import console, progress
 FILES = ("evaluation.html", "evaluation.json")
 
 
+@reads_logs("gain")
 def evaluate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
@@ -48,12 +45,7 @@ def evaluate(
         typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots."),
     ] = None,
     fixed: Fixed = None,
-    gain: Gain = None,
-    column: Columns = None,
-    wrap: Wrap = None,
-    unit: Units = None,
-    join: Join = False,
-    drop_nan: DropNan = False,
+    options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -72,10 +64,10 @@ def evaluate(
     from frictionjoint.report.write import write_files
 
     with progress() as say:
-        paths = log_paths(logs, [], join)
+        paths = log_paths(logs, [], options.join)
         if out is not None:
             require_writable(out, [*paths.logs, model], force, FILES)
-        reading = Reading.of("", column, None, wrap, gain, unit, paths.joined, drop_nan)
+        reading = options.reading("", paths)
         say("evaluating")
         found = run(
             model,

@@ -9,21 +9,16 @@ import typer
 from frictionjoint.cli.logs import (
     LAW_TO_FIT,
     LOG_FORMATS,
-    Columns,
+    NO_OPTIONS,
     ControllerFile,
-    DropNan,
     Fixed,
-    Gain,
-    Join,
+    LogOptions,
     Model,
-    Reading,
-    Signals,
-    Units,
-    Wrap,
     log_paths,
     models_of,
     paths_of,
     poses,
+    reads_logs,
     the_joint,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
@@ -45,6 +40,7 @@ Joint = Annotated[
 Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
 
 
+@reads_logs("gain", "signal")
 def identify(
     logs: Logs,
     model: Model,
@@ -53,13 +49,7 @@ def identify(
     law: Law = LAWS[0],
     fixed: Fixed = None,
     controller: ControllerFile = None,
-    gain: Gain = None,
-    column: Columns = None,
-    signal: Signals = None,
-    wrap: Wrap = None,
-    unit: Units = None,
-    join: Join = False,
-    drop_nan: DropNan = False,
+    options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -73,10 +63,10 @@ def identify(
     from frictionjoint.report.write import write_files
 
     with progress() as say:
-        paths = log_paths(logs, [], join)
+        paths = log_paths(logs, [], options.join)
         require_writable(out, [*paths.logs, *paths_of(model)], force)
         joint = the_joint(joint, model)
-        reading = Reading.of(joint, column, signal, wrap, gain, unit, paths.joined, drop_nan)
+        reading = options.reading(joint, paths)
         read = [reading.read(path) for path in paths.logs]
         found = identify_law(read, models_of(model), joint, law, poses(fixed), controller, say)
         write_files(out.parent, {out.name: found.to_toml()})

@@ -1,8 +1,11 @@
 """Options of commands that read logs: which logs, and how to read them."""
 
+import functools
+import inspect
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -175,30 +178,6 @@ class Reading:
     joined: dict[Path, list[Path]] = field(default_factory=dict)
     drop_nan: bool = False
 
-    @classmethod
-    def of(
-        cls,
-        joint: str,
-        column: list[str] | None,
-        signal: list[str] | None,
-        wrap: float | None,
-        gain: float | None,
-        unit: list[str] | None = None,
-        joined: dict[Path, list[Path]] | None = None,
-        drop_nan: bool = False,
-    ) -> "Reading":
-        """From the texts of options.
-
-        Raises:
-            LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
-        """
-        from frictionjoint.measured.units import check_units, units_of
-
-        units = units_of(unit or [])
-        check_units(units)
-        names, signals = columns_of(column), tuple(signal or ())
-        return cls(joint, names, signals, wrap, gain, units, joined or {}, drop_nan)
-
     def read(self, path: str | Path) -> "JointLog":
         """Read one log."""
         from frictionjoint.measured.joined import read_joined
@@ -208,6 +187,79 @@ class Reading:
         files = self.joined.get(Path(path))
         log = read_joined(files, *how) if files else read_log(path, *how, self.drop_nan)
         return log if self.gain is None else log.with_gain(self.gain)
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """Options of every command that reads logs, as given; see `reads_logs`."""
+
+    column: list[str] | None = None
+    wrap: float | None = None
+    unit: list[str] | None = None
+    join: bool = False
+    drop_nan: bool = False
+    gain: float | None = None
+    signal: list[str] | None = None
+
+    def reading(self, joint: str, paths: "LogPaths") -> Reading:
+        """How to read a joint from these logs; "" for the only joint of a log.
+
+        Raises:
+            LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
+        """
+        from frictionjoint.measured.units import check_units, units_of
+
+        units = units_of(self.unit or [])
+        check_units(units)
+        names, signals = columns_of(self.column), tuple(self.signal or ())
+        wrap, gain, joined = self.wrap, self.gain, paths.joined
+        return Reading(joint, names, signals, wrap, gain, units, joined, self.drop_nan)
+
+
+NO_OPTIONS = LogOptions()
+_TYPES = {
+    "gain": Gain,
+    "column": Columns,
+    "signal": Signals,
+    "wrap": Wrap,
+    "unit": Units,
+    "join": Join,
+    "drop_nan": DropNan,
+}
+_OPTIONAL = ("gain", "signal")
+
+
+def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options of `LogOptions` in place of its parameter ``options``.
+
+    Args:
+        also: "gain" and "signal", which not every command has.
+    """
+    names = [name for name in _TYPES if name not in _OPTIONAL or name in also]
+    own = [
+        inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=getattr(NO_OPTIONS, name),
+            annotation=_TYPES[name],
+        )
+        for name in names
+    ]
+
+    def with_options(command: Callable[..., None]) -> Callable[..., None]:
+        @functools.wraps(command)
+        def run(**given: Any) -> None:
+            command(**given | {"options": LogOptions(**{name: given.pop(name) for name in names})})
+
+        shown: list[inspect.Parameter] = []
+        for parameter in inspect.signature(command).parameters.values():
+            keyword = parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)
+            shown += own if parameter.name == "options" else [keyword]
+        run.__signature__ = inspect.Signature(shown)  # type: ignore[attr-defined]
+        run.__annotations__ = {x.name: x.annotation for x in shown}
+        return run
+
+    return with_options
 
 
 @dataclass(frozen=True)

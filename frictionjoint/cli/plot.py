@@ -7,13 +7,10 @@ import typer
 
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
-    Columns,
-    DropNan,
-    Join,
-    Reading,
-    Units,
-    Wrap,
+    NO_OPTIONS,
+    LogOptions,
     log_paths,
+    reads_logs,
 )
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
 from frictionjoint.cli.terminal import progress, warnings_afterwards
@@ -22,6 +19,7 @@ from frictionjoint.errors import LogError
 _KINDS = (".html", ".png", ".svg")
 
 
+@reads_logs()
 def plot(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
     joint: Annotated[
@@ -36,11 +34,7 @@ def plot(
             help="Page or picture to write: .html, .png or .svg. Default: LOG.html here.",
         ),
     ] = None,
-    column: Columns = None,
-    wrap: Wrap = None,
-    unit: Units = None,
-    join: Join = False,
-    drop_nan: DropNan = False,
+    options: LogOptions = NO_OPTIONS,
     open_it: Open = False,
     force: Force = False,
 ) -> None:
@@ -58,12 +52,12 @@ def plot(
     from frictionjoint.report.log_plot import described, unit_doubt
     from frictionjoint.report.write import write_files
 
-    found = log_paths(logs, [], join)
+    found = log_paths(logs, [], options.join)
     target = out or Path(f"{found.logs[0].stem}.html")
     if target.suffix.lower() not in _KINDS:
         raise LogError(f"--out {target}: end it in {', '.join(_KINDS)}")
     require_writable(target, found.logs, force)
-    reading = Reading.of(joint or "", column, None, wrap, None, unit, found.joined, drop_nan)
+    reading = options.reading(joint or "", found)
     with progress() as say, warnings_afterwards():
         read = []
         for i, path in enumerate(found.logs):

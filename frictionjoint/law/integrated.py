@@ -76,6 +76,40 @@ def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
     X[s + CAPACITY] = P[p + POSITIVE + FS]
 
 
+@compiled
+def set_limits(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
+    """Fit header `h` and its stacks at `s` to parameters that were changed.
+
+    Extrema beyond the new limits leave with their partners, as does torque; the curve goes on.
+    """
+    lowest, highest = -P[p + NEGATIVE + FS], P[p + POSITIVE + FS]
+    m, M = s, s + CAPACITY
+    X[m] = lowest
+    X[M] = highest
+    n_min, n_max = int(X[h + N_MIN]), int(X[h + N_MAX])
+    k = 1
+    while k < max(n_min, n_max):
+        inside = (k >= n_min or lowest < X[m + k] < highest) and (
+            k >= n_max or lowest < X[M + k] < highest
+        )
+        if inside:
+            k += 1
+            continue
+        for i in range(k, n_min - 1):
+            X[m + i] = X[m + i + 1]
+        for i in range(k, n_max - 1):
+            X[M + i] = X[M + i + 1]
+        n_min -= 1 if k < n_min else 0
+        n_max -= 1 if k < n_max else 0
+    X[h + N_MIN] = n_min
+    X[h + N_MAX] = n_max
+    X[h + FH] = min(max(X[h + FH], lowest), highest)
+    if X[h + DIRECTION] != 0.0 and not _on_virgin(X, h):
+        X[h + FB] = X[m + n_min - 1] if X[h + DIRECTION] > 0.0 else X[M + n_max - 1]
+    elif _on_virgin(X, h):
+        X[h + FB] = 0.0
+
+
 @in_line
 def _on_virgin(X: Vector, h: int) -> bool:
     return X[h + VIRGIN] == 1.0 and X[h + N_MIN] == 1.0 and X[h + N_MAX] == 1.0

@@ -25,12 +25,13 @@ from frictionjoint.law import (
     static,
 )
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, N_MAX, N_MIN, RATE, make_room
-from frictionjoint.law.stribeck import FC
+from frictionjoint.law.stribeck import FC, FS
 
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_STRIBECK = range(1, 9)
 
 _start_integrated = integrated.start
 _step_integrated = integrated.usual_step
+_set_limits = integrated.set_limits
 _step_static = static.step
 _hold_static = static.elastic_step
 _stiffness_of_static = static.stiffness
@@ -194,6 +195,34 @@ def commit(P: Vector, p: int, X: Vector, x: int) -> None:
         make_room(X, x, x + 2 * HEADER)
         return
     commit_rival(P, p, X, x)
+
+
+@compiled
+def _fit_rival(P: Vector, p: int, X: Vector, x: int) -> None:
+    """`fit_row` for any law but the integrated one."""
+    Fh = X[x + bristle.FH]
+    way = 1.0 if Fh > 0.0 else -1.0
+    most = P[bristle.side(p + 1, way) + FS]
+    if abs(Fh) <= most:
+        return
+    X[x + bristle.FH] = way * most
+    if P[p] == MAXWELL_SLIP:
+        for i in range(int(P[p + 1 + maxwell_slip.N_ELEMENTS])):
+            X[x + bristle.HEADER + i] *= most / abs(Fh)
+
+
+@in_line
+def fit_row(P: Vector, p: int, X: Vector, x: int) -> None:
+    """The committed point holds no more than the breakaway torque, which may have been changed."""
+    if P[p] == INTEGRATED:
+        s, first = x + 2 * HEADER, p + 1
+        if (
+            X[s] != -P[first + integrated.NEGATIVE + FS]
+            or X[s + CAPACITY] != P[first + integrated.POSITIVE + FS]
+        ):
+            _set_limits(P, first, X, x, s)
+        return
+    _fit_rival(P, p, X, x)
 
 
 @compiled

@@ -217,7 +217,7 @@ def carried(content: Content) -> tuple[Number, ...]:
         name = title(added["effect"])
         where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
         rows += [
-            Number(name, text + where, text, "determined")
+            Number(name, "added effect" + where, text, "determined")
             for text in size_of(added["effect"], own, content.get("slide", False))
         ]
     return tuple(rows)

@@ -20,7 +20,7 @@ from frictionjoint.simulate.carrier import (
 )
 from frictionjoint.simulate.first_sight import make_ready
 from frictionjoint.simulate.mass import put_in, take_back
-from frictionjoint.simulate.motor_demand import asked_torque, gives_less
+from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
 from frictionjoint.simulate.native import PGS, RK4
 from frictionjoint.simulate.row import BASE, T_EVALUATED
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
@@ -72,7 +72,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     joint,
                     q,
                     v,
-                    model.nu,
+                    *controls(model),
                     model.opt.disableflags,
                     model.opt.disableactuator,
                     model.actuator_trntype,
@@ -81,7 +81,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                     model.actuator_gear.reshape(-1),
                     model.actuator_gainprm.reshape(-1),
                     model.actuator_biasprm.reshape(-1),
-                    model.actuator_ctrllimited,
+                    model.actuator_ctrllimited.view(np.bool_),
                     model.actuator_ctrlrange.reshape(-1),
                     data.ctrl,
                 )

@@ -68,6 +68,8 @@ DATA_FIELDS = (
     "efc_AR",
     "efc_AR_rownnz",
 )
+# where an actuator need not have a control, and may have several outputs
+NEW_MODEL_FIELDS = ("nactuator", "actuator_ctrladr", "actuator_ctrlnum", "actuator_outadr")
 # from MuJoCo 3.11 on
 NEW_DATA_FIELDS = ("efc_Y", "efc_Y_rownnz")
 # until then: the mass matrix in a second format too, copies of it and of its factors by island
@@ -147,7 +149,7 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     data_type = data_structure()
     model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
     data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
-    model |= _where(model_type, OLD_MODEL_FIELDS)
+    model |= _where(model_type, (*NEW_MODEL_FIELDS, *OLD_MODEL_FIELDS))
     data |= _where(data_type, (*NEW_DATA_FIELDS, *OLD_DATA_FIELDS))
     option = _structure(structs.STRUCTS["mjOption"].fields)
     model["gravity"] = model["opt"] + option.gravity.offset
@@ -196,6 +198,8 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
         (data._address + data_at["nefc"], np.int32, data.nefc),
         (data._address + data_at["parena"], np.int64, data.parena),
     ]
+    if "nactuator" in model_at:
+        expected.append((model._address + model_at["nactuator"], np.int64, model.nactuator))
     if "nidof" in data_at:
         expected.append((data._address + data_at["nidof"], np.int32, data.nidof))
     for owner, at in ((model, model_at), (data, data_at)):

@@ -4,6 +4,8 @@ MuJoCo computes actuator forces after the passive ones, so the callback reads ``
 supports actuators with a gain and an affine bias, without dynamics and without a force limit.
 """
 
+from typing import Any
+
 import mujoco
 import numpy as np
 
@@ -44,6 +46,10 @@ def asked_torque(
     q: float,
     v: float,
     actuators: int,
+    apart: bool,
+    first: Shorts,
+    count: Shorts,
+    outputs: Shorts,
     flags: int,
     off: int,
     kinds: Shorts,
@@ -59,6 +65,8 @@ def asked_torque(
     """Commanded torque of the actuators on a joint, N m, from MuJoCo's own arrays.
 
     Args:
+        apart: whether an actuator's controls and outputs are where the three arrays after it say,
+            not in the place of its own number.
         flags: ``opt.disableflags``; off: ``opt.disableactuator``, one bit per group.
     """
     total = 0.0
@@ -70,23 +78,35 @@ def asked_torque(
         group = int(groups[i])
         if 0 <= group <= 30 and (off >> group) & 1:
             continue
-        u = ctrl[i]
-        if limited[i] and not flags & _NO_CLAMP:
-            u = min(max(u, ranges[2 * i]), ranges[2 * i + 1])
-        if u != u:
-            u = 0.0  # MuJoCo takes a control that is no number for zero
-        gear = gears[_GEAR * i]
+        k = int(first[i]) if apart else i
+        u = 0.0
+        if not apart or count[i] > 0:
+            u = ctrl[k]
+            if limited[k] and not flags & _NO_CLAMP:
+                u = min(max(u, ranges[2 * k]), ranges[2 * k + 1])
+            if u != u:
+                u = 0.0  # MuJoCo takes a control that is no number for zero
+        gear = gears[_GEAR * (int(outputs[i]) if apart else i)]
         g, b = _GAIN * i, _BIAS * i
         force = gains[g] * u + biases[b] + gear * (biases[b + 1] * q + biases[b + 2] * v)
         total += gear * force
     return total
 
 
+def controls(model: mujoco.MjModel | ModelView) -> tuple[Any, ...]:
+    """Number of actuators, whether they differ from the controls, and the three arrays of that."""
+    if not hasattr(model, "nactuator"):
+        none = np.zeros(0, dtype=np.int32)
+        return model.nu, False, none, none, none
+    where = model.actuator_ctrladr, model.actuator_ctrlnum, model.actuator_outadr
+    return model.nactuator, True, *where
+
+
 def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
     """The actuators on a joint."""
     return [
         i
-        for i in range(model.nu)
+        for i in range(controls(model)[0])
         if model.actuator_trntype[i] == _JOINT and model.actuator_trnid[i, 0] == joint
     ]
 

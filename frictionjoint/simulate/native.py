@@ -58,6 +58,10 @@ _OF_MODEL = (
     "M_rownnz",
     "nuserdata",
     "nu",
+    "nactuator",
+    "actuator_ctrladr",
+    "actuator_ctrlnum",
+    "actuator_outadr",
     "disableflags",
     "disableactuator",
     "actuator_trntype",
@@ -118,6 +122,10 @@ _OF_DATA = (
     M_MASS_ROWNNZ,
     M_NUSERDATA,
     M_NU,
+    M_NACTUATOR,
+    M_ACTUATOR_CTRLADR,
+    M_ACTUATOR_CTRLNUM,
+    M_ACTUATOR_OUTADR,
     M_DISABLEFLAGS,
     M_DISABLEACTUATOR,
     M_ACTUATOR_TRNTYPE,
@@ -219,11 +227,17 @@ def native(m: Address, d: Address) -> None:
             joint = int(P[block + JOINT])
             asked = 0.0
             if gives_less(P, effects):
+                # until MuJoCo 3.12 each actuator has one control and one output, of its number
+                apart = AT[M_NACTUATOR] != 0
                 asked = asked_torque(
                     joint,
                     q,
                     v,
-                    int(wholes_in(m, AT[M_NU])[0]),
+                    int(wholes_in(m, AT[M_NACTUATOR] if apart else AT[M_NU])[0]),
+                    apart,
+                    shorts(m, AT[M_ACTUATOR_CTRLADR]),
+                    shorts(m, AT[M_ACTUATOR_CTRLNUM]),
+                    shorts(m, AT[M_ACTUATOR_OUTADR]),
                     int(shorts_in(m, AT[M_DISABLEFLAGS])[0]),
                     int(shorts_in(m, AT[M_DISABLEACTUATOR])[0]),
                     shorts(m, AT[M_ACTUATOR_TRNTYPE]),

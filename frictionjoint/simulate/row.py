@@ -28,7 +28,7 @@ import numpy as np
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.effects.kernel import MEMORY
-from frictionjoint.law.kernel import commit, hold_row, hysteresis_torque, start_row
+from frictionjoint.law.kernel import commit, fit_row, hold_row, hysteresis_torque, start_row
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.secant import implicit_step
 
@@ -112,6 +112,7 @@ def torque_now(
         X[x + GAIN_COMMITTED] = X[x + GAIN]
         X[x + T_COMMITTED] = X[x + T_EVALUATED]
         X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
+    fit_row(P, p, X, law)
     dt = t - X[x + T_COMMITTED]
     if dt == 0.0:
         # still at the start: no motion has led here, wherever "here" is put

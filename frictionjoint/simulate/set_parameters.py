@@ -34,10 +34,9 @@ from frictionjoint.simulate.row import BASE, FRONT
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
     """Change the friction parameters of a joint in a compiled model.
 
-    The friction state of existing data stays as it is, and a joint at rest may keep a torque above
-    its
-    new breakaway torque: call `forget` or reset the data. Effects that act through the model itself
-    (elasticity, backlash, delays of sensors) stay as they were compiled.
+    Torque and memory of existing data come within the new breakaway torques at the next evaluation.
+    Effects that act through the model itself (elasticity, backlash, delays of sensors) stay as they
+    were compiled.
 
     Args:
         model: with friction at the joint; changed in place.
