@@ -16,8 +16,8 @@ from frictionjoint.diagnose.replay import friction_spec, motor_of, replay, repla
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
@@ -129,7 +129,7 @@ def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[F
     nearest = min(fits, key=lambda f: f.drive_rms)
     # the law without the effect was bent by it, and leads to no better one from there
     again = (fit(prepared, nearest.effects), refit(prepared, nearest.effects, nearest.shape))
-    return base, with_damping(prepared, min(again, key=lambda f: f.drive_rms))
+    return base, with_last_freedoms(prepared, min(again, key=lambda f: f.drive_rms))
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import BLOCK
@@ -38,7 +39,7 @@ def named(friction, armature="0.01", motions=(steps, sines, swept)):
         for m in motions
     ]
     prepared = prepare(logs, body, controller=KNOWN)
-    fitted = refit(prepared, MOTOR, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    fitted = refit(prepared, MOTOR, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
     look = Look((), np.zeros(0), 0.0)
     row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
     own = Finding(MOTOR[0], look, row, 1.0, (), (), fitted)
@@ -77,7 +78,7 @@ def test_a_motor_is_screened_where_the_balance_has_named_none():
     """With it comes the law's damping, which has a number of its own."""
     logs = [servo("sines 3", 3.0, sines, {}, 3.0)]
     prepared = prepare(logs, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    law = replace(INTEGRATED[0].grid(5.0, 2.0)[2], damped=True)
+    law = replace(law_at(INTEGRATED[0], 0.1, 0.002), damped=True)
     fitted = refit(prepared, (), law, ROUGH)
     assert "sigma1" not in fitted.names
     found = with_term(prepared, fitted, MOTOR[0], np.array([0.2]))

@@ -1,5 +1,6 @@
 """Damping of a contact: decided last, and where a fit finds no level there is none."""
 
+import itertools
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.identify import damping
+from frictionjoint.identify import last_freedoms
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.shape import INTEGRATED
@@ -46,21 +47,25 @@ def test_without_a_level_there_is_no_damping(search, monkeypatch):
     assert beta["sigma2"] >= 0.0
 
 
-@pytest.mark.parametrize(("left", "taken"), [(0.9, True), (0.97, False)])
-def test_a_law_is_damped_where_that_leaves_clearly_less(monkeypatch, left, taken):
-    undamped = SimpleNamespace(shape=INTEGRATED[0], effects=("spring",), drive_rms=1.0)
-    found = SimpleNamespace(drive_rms=left)
+@pytest.mark.parametrize("left", list(itertools.product((0.9, 0.97), repeat=2)))
+def test_a_law_is_freed_where_that_leaves_clearly_less(monkeypatch, left):
+    """Each freedom by itself: of those that do not, none stays."""
+    bare = SimpleNamespace(shape=INTEGRATED[0], effects=("spring",), drive_rms=1.0)
 
     def refitted(prepared, effects, law):
         assert (prepared, effects) == ("logs", ("spring",))
-        assert law == replace(INTEGRATED[0], damped=True)
-        return found
+        rms = (left[0] if law.damped else 1.0) * (left[1] if law.negative else 1.0)
+        return SimpleNamespace(shape=law, effects=effects, drive_rms=rms)
 
-    monkeypatch.setattr(damping, "refit", refitted)
-    assert damping.with_damping("logs", undamped) is (found if taken else undamped)
+    monkeypatch.setattr(last_freedoms, "refit", refitted)
+    shape = last_freedoms.with_last_freedoms("logs", bare).shape
+    assert shape.damped == (left[0] < 0.95)
+    assert (shape.negative is not None) == (left[1] < 0.95)
 
 
-@pytest.mark.parametrize("law", [forms_of("lugre")[0], replace(INTEGRATED[0], damped=True)])
-def test_a_law_that_is_damped_or_never_is_stays_as_it_is(law):
+@pytest.mark.parametrize(
+    "law", [forms_of("lugre")[0], replace(INTEGRATED[0], damped=True).by_direction()]
+)
+def test_a_law_that_is_free_or_never_is_stays_as_it_is(law):
     fitted = SimpleNamespace(shape=law)
-    assert damping.with_damping("logs", fitted) is fitted
+    assert last_freedoms.with_last_freedoms("logs", fitted) is fitted

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.blocks import make_blocks
@@ -48,7 +49,7 @@ def test_a_number_that_hardly_shows_stays_where_it_is(logs, monkeypatch, closene
 
 
 def test_a_fit_that_stops_short_is_not_scored_by_where_it_might_have_come_to(logs):
-    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    law = law_at(INTEGRATED[0], 0.02 * logs.top_speed, 1e-2 * logs.span)
     short, long = (refit(logs, (), law, ROUGH, steps) for steps in (1, 20))
     assert long.drive_rms < 0.9 * short.drive_rms
     for fitted in (short, long):
@@ -59,7 +60,7 @@ def test_a_fit_that_stops_short_is_not_scored_by_where_it_might_have_come_to(log
 def test_a_wave_in_position_stays_one(logs):
     """From search to search it could else grow longer, until it is an offset and a spring."""
     fewest = 2.0 * np.pi / logs.usual_travel
-    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    law = law_at(INTEGRATED[0], 0.02 * logs.top_speed, 1e-2 * logs.span)
     for waves in (1.05 * fewest, fewest):
         search = Search(logs, (EffectTerm(position_periodic.EFFECT, (waves,)),), law)
         place = list(search.start).index(pytest.approx(waves, rel=1e-5))
@@ -72,7 +73,7 @@ def test_a_wave_in_position_stays_one(logs):
 
 def test_a_law_that_hardly_moves_the_torque_moves_nothing_that_follows_it(logs, monkeypatch):
     """A direction of 1e-320 asks for a step without end, and no torque is that times nothing."""
-    law = INTEGRATED[0].grid(logs.top_speed, logs.span)[3]
+    law = law_at(INTEGRATED[0], 0.02 * logs.top_speed, 1e-2 * logs.span)
     terms = (EffectTerm(direction_asymmetry.EFFECT, (0.003,)),)
     fitted = refit(logs, terms, law, ROUGH)
 

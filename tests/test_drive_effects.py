@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
 from frictionjoint.control import Controller
@@ -41,7 +42,7 @@ def looked_at(made):
     body = RigidBody(PLANT.format(""), "j")
     prepared = prepare(made, body, controller=KNOWN)
     speed = max(float(np.abs(np.gradient(log.position, log.time)).max()) for log in made)
-    law = INTEGRATED[0].grid(speed, 2.0)[2]
+    law = law_at(INTEGRATED[0], 0.02 * speed, 1e-3 * 2.0)
     base = refit(prepared, (EMF_TERM,), law, ROUGH)
     return made, body, prepared, base, look_at_drive(prepared, base, np.random.default_rng(0))
 
@@ -133,7 +134,7 @@ def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
     assert driven is not None
     spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
     output = DriveTerm(duty_drop.OF_OUTPUT, (0.5, 0.4))
-    law = INTEGRATED[0].grid(5.0, 2.0)[2]
+    law = law_at(INTEGRATED[0], 0.1, 0.002)
     wrong = refit(prepared, (EMF_TERM, output, spring), law, ROUGH)
     laws = OtherLaws(prepared, wrong)
     row = next(r for r in driven.look.rows if r.name == output.name)
@@ -162,7 +163,7 @@ def test_a_number_that_ended_at_zero_is_fitted_on():
     made = logs({"deadband": 0.07})[:2]
     prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
     band = DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "deadband"), (0.0,))
-    found = refit(prepared, (EMF_TERM, band), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 1)
+    found = refit(prepared, (EMF_TERM, band), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 1)
     assert np.isfinite(found.terms[1].shape[0])
 
 
@@ -170,7 +171,7 @@ def test_a_drive_of_nothing_is_left_again():
     """A protection that leaves nothing of the output, from which a search must still go on."""
     prepared = prepare(logs({})[:2], RigidBody(PLANT.format(""), "j"), controller=KNOWN)
     silent = DriveTerm(duty_drop.EFFECT, (0.0, 0.0))
-    found = refit(prepared, (EMF_TERM, silent), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 3)
+    found = refit(prepared, (EMF_TERM, silent), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 3)
     assert np.isfinite(found.drive_rms)
 
 
@@ -179,7 +180,7 @@ def test_a_measured_drive_is_not_looked_at():
     body = RigidBody(PLANT.format(""), "j")
     made = [JointLog(**{**vars(x), "torque": np.sin(3 * x.time)}) for x in made]
     prepared = prepare(made, body, controller=KNOWN)
-    base = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 1)
+    base = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 1)
     assert look_at_drive(prepared, base, np.random.default_rng(0)) is None
 
 
@@ -216,7 +217,7 @@ def test_a_gain_that_is_not_known_is_found_by_the_load_or_friction_is_over_it():
     body = RigidBody(PLANT.format(""), "j")
     unknown = Controller(output="torque_nm", kp="unknown")
     prepared = prepare([log], body, controller=unknown)
-    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    fitted = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
     found = found_controller(unknown, fitted, scaled=True)
     assert found.kp == pytest.approx(3.0, rel=0.03)
     assert units_of(fitted, slide=False) == ("N m", "rad")

@@ -5,12 +5,14 @@ import json
 import numpy as np
 import pytest
 from command_line import run
+from law_shapes import law_at
 from test_cli import LOG, MODEL
 from test_plants import quiet
 
 from frictionjoint import friction_torque
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -25,6 +27,7 @@ from tests.plants.plant import Friction, Motion, simulate, write
 FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
 # the plants' names of laws that the package has too
 PLANTS = {"lugre": "lugre", "elasto-plastic": "elastoplastic", "gms": "maxwell_slip"}
+START = LawStart(excess=0.3, Vs=0.1, delta=1.2, length=1e-3, bend=(0.4, 0.4))
 MOTIONS = (
     Motion("ramps", 3, 0.3, 1.0, 12.0),
     Motion("sines", 4, 0.3, 1.0, 8.0),
@@ -72,7 +75,8 @@ def test_a_search_keeps_every_law_within_its_range(law):
     """At the bounds of the search the parameters still pass validation, and come back whole."""
     for shape in forms_of(law):
         low, high = shape.bounds(2.0, 1.5)
-        for x in (low, high, 0.5 * (low + high), *(s.vector() for s in shape.grid(2.0, 1.5))):
+        started = (s.vector() for s in shape.started(START))
+        for x in (low, high, 0.5 * (low + high), *started):
             moved = shape.moved(x)
             np.testing.assert_allclose(moved.vector(), x, atol=1e-12)
             p = moved.parameters(0.7, 0.1, 0.2)
@@ -95,7 +99,7 @@ def test_scaling_the_levels_scales_the_torque():
     q = np.cumsum(rng.normal(0.0, 1e-3, t.size))
     for law in LAWS:
         for shape in forms_of(law):
-            shape = shape.grid(1.0, 1.0)[2]
+            shape = law_at(shape, 0.02, 0.001)
             one = friction_torque(shape.parameters(1.0, 0.0), t, q)
             np.testing.assert_allclose(
                 friction_torque(shape.parameters(3.7, 0.0), t, q), 3.7 * one, atol=1e-9

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.intervals import stated_covariance
@@ -47,7 +48,7 @@ def test_every_parameter_has_one_place(logs):
 
 
 def test_a_fit_has_its_parameters_in_these_places(logs):
-    found = refit(logs, (SPRING, LOAD), INTEGRATED[0].grid(1.0, 1.0)[0], steps=2)
+    found = refit(logs, (SPRING, LOAD), law_at(INTEGRATED[0], 0.02, 1e-05), steps=2)
     assert found.jacobian.shape == (len(found.residual), len(found.layout.names))
     assert found.bound.shape == (len(found.layout.names),)
     assert found.beta.shape == (found.layout.linear.stop,)
@@ -64,7 +65,7 @@ def test_the_jacobian_is_the_slope_of_the_model(logs):
     from frictionjoint.identify.design import Balance
 
     # where a search begins, away from all bounds
-    found = refit(logs, (SPRING, LOAD), forms_of("lugre")[0].grid(1.0, 1.0)[0], steps=1)
+    found = refit(logs, (SPRING, LOAD), law_at(forms_of("lugre")[0], 0.02, 1e-05), steps=1)
     balance = Balance(logs, found.shape, found.terms)
     first = found.layout.shape.start
     x = found.shape.vector()

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from scipy.stats import norm
 from scipy.stats import t as student
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
@@ -38,7 +39,7 @@ def case():
     seen = fitted_logs()
     unseen = [servo("swept 1", 1.0, swept, HIDDEN, 3.0)]
     prepared = prepare(seen, body, controller=KNOWN)
-    fitted = refit(prepared, TERMS, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    fitted = refit(prepared, TERMS, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
     cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
     courses = courses_of(seen, [body] * 3, KNOWN)
     other = courses_of(unseen, [body], KNOWN)
@@ -96,7 +97,7 @@ def test_a_covariance_knows_that_gain_and_torques_move_together(case):
 def test_a_delay_that_the_balance_has_at_nothing_is_searched_too():
     body = RigidBody(PLANT.format(""), "j")
     prepared = prepare([servo("swept 3", 3.0, swept, {}, 2.0)], body, controller=KNOWN)
-    fitted = refit(prepared, (), INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH, 2)
+    fitted = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 2)
     cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
     vector = Vector(prepared, fitted, cov, body.armature)
     at = vector.names.index("timing of the target 0.shape0")
@@ -115,7 +116,7 @@ def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(monkeypat
         for m in (steps, sines, swept)
     ]
     prepared = prepare(logs, body, controller=KNOWN)
-    fitted = refit(prepared, TERMS, INTEGRATED[0].grid(5.0, 2.0)[2], ROUGH)
+    fitted = refit(prepared, TERMS, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
     names, numbers = fitted.shape.variables, fitted.shape.vector()
     levels = dict(zip(names, numbers, strict=True)) | {"excess": 2.9, "log Vs": 0.9}
     shape = fitted.shape.moved(np.array(list(levels.values())))

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 
 from frictionjoint.identify.reach import unreached
 from frictionjoint.identify.search import ROUGH, refit
@@ -53,7 +54,7 @@ def test_no_cause_of_all_joints_turns_their_torques_round():
 
 def test_a_joint_whose_fit_stops_short_counts_by_what_it_leaves():
     (joint,) = fitted_joints(random_arm(22, 1), (1,), 8.0)
-    law = INTEGRATED[0].grid(joint.prepared.top_speed, joint.prepared.span)[3]
+    law = law_at(INTEGRATED[0], 0.02 * joint.prepared.top_speed, 1e-2 * joint.prepared.span)
     found = Found(Corrections.none(joint.alongs[0].model))
     beyond = []
     for steps in (1, 20):

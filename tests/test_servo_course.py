@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_shapes import law_at
 from servo_plant import (
     COUNT,
     KNOWN,
@@ -168,7 +169,7 @@ def test_a_joint_that_moves_already_begins_so(velocity):
 def test_a_target_that_acts_within_a_sample_does_so_by_the_controller_that_is_written():
     body = RigidBody(PLANT.format(""), "j")
     logs = [servo(f"{m.__name__} 3", 3.0, m, {"delay": 0.006}, 3.0) for m in (steps, sines, swept)]
-    fitted = refit(prepare(logs, body, controller=KNOWN), MOTOR, INTEGRATED[0].grid(5.0, 2.0)[2])
+    fitted = refit(prepare(logs, body, controller=KNOWN), MOTOR, law_at(INTEGRATED[0], 0.1, 0.002))
     found = found_controller(KNOWN, fitted, scaled=True)
     assert found.delay_s == pytest.approx(0.006, abs=0.002)
     bodies = [body] * len(logs)

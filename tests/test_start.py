@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from law_shapes import law_at
 
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects import joint_elasticity
@@ -108,13 +109,13 @@ def alone(segment):
     law=st.sampled_from(("integrated", "lugre", "elastoplastic", "maxwell_slip", "dahl")),
 )
 def test_every_law_begins_at_what_was_held_and_keeps_it_at_rest(held, law):
-    form = forms_of(law)[0].grid(1.0, 1.0)[2]
+    form = law_at(forms_of(law)[0], 0.02, 0.001)
     (own,) = full_signals(alone(still(held)), form, 1.0, 0.0)
     np.testing.assert_allclose(own[:, H], held, atol=0.03)
 
 
 def test_a_law_that_never_holds_as_much_begins_at_its_most():
-    form = forms_of("dahl")[0].grid(1.0, 1.0)[2]
+    form = law_at(forms_of("dahl")[0], 0.02, 0.001)
     (own,) = full_signals(alone(still(1.4)), form, 1.0, 0.0)
     assert own[0, H] == pytest.approx(1.0, abs=1e-6)
 

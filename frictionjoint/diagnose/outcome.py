@@ -18,9 +18,9 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.identify.base_fit import with_assumed_stiffness
-from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
+from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import refit
@@ -64,7 +64,7 @@ def finish_search(
         hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
         drop_idle(state)
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    found = with_damping(state.prepared, state.fit)
+    found = with_last_freedoms(state.prepared, state.fit)
     if found is not state.fit:
         state.fit = found
         drop_idle(state)
@@ -102,7 +102,7 @@ def _alike_hint(one: str, other: str) -> str:
 
 def _finished(prepared: Prepared, fitted: Fit) -> Fit:
     """The law alone, with assumed stiffness and damping decided."""
-    return with_assumed_stiffness(prepared, with_damping(prepared, fitted), stated_covariance)
+    return with_assumed_stiffness(prepared, with_last_freedoms(prepared, fitted), stated_covariance)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

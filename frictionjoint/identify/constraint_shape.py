@@ -14,6 +14,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import FrictionParameters
@@ -56,17 +57,13 @@ class ConstraintShape:
         low, high = self.static.bounds(vmax, span)
         return np.append(low, np.log(_LEADS[0])), np.append(high, np.log(_LEADS[1]))
 
-    def grid(self, vmax: float, span: float) -> list[Self]:
+    def started(self, start: LawStart) -> list[Self]:
         """See `Shape`."""
-        return [replace(self, static=shape) for shape in self.static.grid(vmax, span)]
+        return [replace(self, static=shape) for shape in self.static.started(start)]
 
     def last_choices(self) -> list[Self]:
         """See `Shape`."""
         return [self]
-
-    def with_damping(self) -> Self | None:
-        """See `Shape`."""
-        return None
 
     def with_assumed_stiffness(self) -> Self:
         """See `Shape`."""

@@ -114,7 +114,8 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
                 gradients[name][i] = (value - values[name]) / h
     # Fs and Vs mean little where friction hardly rises above the Coulomb level
     variables = fitted.shape.variables
-    flat = "excess" in variables and x[variables.index("excess")] <= _FLAT
+    rises = [value for name, value in zip(variables, x, strict=True) if name.startswith("excess")]
+    flat = bool(rises) and max(rises) <= _FLAT
     units = units_of(fitted, slide)
     found = {}
     for name, value in values.items():

@@ -7,10 +7,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.errors import ParameterError
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.shape import (
-    GRID_LENGTHS,
-    GRID_SPEEDS,
     INTEGRATED,
+    STIFFER,
     Shape,
     length_bounds,
     level_bounds,
@@ -42,6 +42,8 @@ _ELEMENTS = 8
 _PROMPT = 300.0
 # of Vs: a static law has risen to its level before that falls, or its Fs would be nobody's torque
 _RISEN = 0.5
+# starts of the speed at which a static law has risen to its level, over that in `_START`
+_PARTS = (0.1, 1.0, 3.0)
 _START = {
     "excess": 0.2,
     "log Vs": 0.0,
@@ -107,30 +109,26 @@ class RivalShape:
         least, most = zip(*(reach[name] for name in self.variables), strict=True)
         return np.array(least), np.array(most)
 
-    def grid(self, vmax: float, span: float) -> list[Self]:
+    def started(self, start: LawStart) -> list[Self]:
         """See `Shape`."""
-        found = []
-        for Vs in GRID_SPEEDS:
-            for length in GRID_LENGTHS:
-                # a static law has a speed where the others have a length
-                trial = {
-                    "log Vs": np.log(Vs * vmax),
-                    "log length": np.log(length * span),
-                    "log V0 over Vs": np.log(length / Vs),
-                }
-                numbers = (
-                    trial.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)
-                )
-                found.append(self.moved(np.array(list(numbers))))
-        return found
+        common = {
+            "excess": start.excess,
+            "log Vs": np.log(start.Vs),
+            "delta": start.delta,
+            "log length": np.log(start.length),
+        }
+        numbers = np.array(
+            [common.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)]
+        )
+        # a static law has a speed where the others have a length, which no length tells
+        own = "log length" if "log length" in self.variables else "log V0 over Vs"
+        steps = np.log(STIFFER if own == "log length" else _PARTS)
+        moves = self.variables.index(own) == np.arange(len(numbers))
+        return [self.moved(numbers + step * moves) for step in steps]
 
     def last_choices(self) -> list[Self]:
         """See `Shape`."""
         return [self]
-
-    def with_damping(self) -> Self | None:
-        """See `Shape`."""
-        return None
 
     def with_assumed_stiffness(self) -> Self:
         """See `Shape`."""

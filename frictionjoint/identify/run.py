@@ -14,11 +14,11 @@ from frictionjoint.diagnose.notes import inertia_note, other_drive_note, stiffne
 from frictionjoint.files import toml_text, toml_text_without_scale
 from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.gate import check as check_balance
 from frictionjoint.identify.gate import check_fit, scale_is_determined
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,
@@ -111,7 +111,7 @@ def identify_law(
     prepared = prepare(read, bodies.of(read), controller=driven_by)
     check_balance(prepared)
     prepared, fitted = base_fit(prepared, law, progress)
-    fitted = with_damping(prepared, fitted)
+    fitted = with_last_freedoms(prepared, fitted)
     fitted = with_assumed_stiffness(prepared, fitted, stated_covariance)
     check_fit(prepared, fitted)
     if not scale_is_determined(prepared, fitted):

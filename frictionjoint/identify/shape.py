@@ -12,6 +12,7 @@ from typing import Protocol, Self, get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, Index
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.law import integrated
 from frictionjoint.law.motion import drive_integrated, edges_of
 from frictionjoint.law.stribeck import DELTA, FS, VS
@@ -39,9 +40,6 @@ class Shape(Protocol):
     def assumed(self) -> bool:
         """Whether its stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
-    def with_damping(self) -> Self | None:
-        """This shape with damping, None if it has it already or never has it."""
-
     def with_assumed_stiffness(self) -> Self:
         """This shape marked as having an assumed stiffness."""
 
@@ -54,8 +52,8 @@ class Shape(Protocol):
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """Least and largest numbers where the joint goes up to vmax (rad/s) over span (rad)."""
 
-    def grid(self, vmax: float, span: float) -> list[Self]:
-        """Coarse trial points."""
+    def started(self, start: LawStart) -> list[Self]:
+        """This kind of shape where a search may begin."""
 
     def last_choices(self) -> list[Self]:
         """This shape in every variant that matters at the start of a log only."""
@@ -82,20 +80,26 @@ def unit_block(shape: Shape) -> Array:
     return shape.parameters(1.0, 0.0).pack()
 
 
+_VARIABLES = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
+_NEGATIVE = ("excess of negative motion", "log Vs of negative motion")
 _LEAST_BEND = 0.02
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.
 _TORQUES = (0.5, 0.8, 1.0)
 
 
-# trial points of a search, over the top speed and over the travel
-GRID_SPEEDS = (0.02, 0.1)
-GRID_LENGTHS = (1e-5, 1e-4, 1e-3, 1e-2)
+# of a presliding length at the start of a search: what seems soft may be the filter's or the law's
+# own lag
+STIFFER = (0.3, 1.0)
+
+
+# Fs / Fc - 1: well oiled, a joint may rest with many times what it slides with
+_MOST_EXCESS = 15.0
 
 
 def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
     """Of excess, log Vs and delta: the Stribeck curve common to the laws."""
-    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [3.0, float(np.log(0.3 * vmax)), 3.0]
+    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [_MOST_EXCESS, float(np.log(0.3 * vmax)), 3.0]
 
 
 def length_bounds(span: float) -> tuple[float, float]:
@@ -133,6 +137,7 @@ class IntegratedShape:
         bend: slope of the second segment over the first, and of the third over the second, each
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
+        negative: excess and Vs of negative motion; None: as of positive motion.
         damped, assumed: see `Shape`.
     """
 
@@ -142,16 +147,22 @@ class IntegratedShape:
     length: float
     bend: tuple[float, float]
     form: Form
+    negative: tuple[float, float] | None = None
     damped: bool = False
     assumed: bool = False
 
-    variables = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
     steps = False
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """See `Shape`."""
+        return _VARIABLES if self.negative is None else (*_VARIABLES, *_NEGATIVE)
 
     def vector(self) -> Array:
         """See `Shape`."""
         logs = np.log([self.Vs, self.length, *self.bend])
-        return np.array([self.excess, logs[0], self.delta, *logs[1:]])
+        own = () if self.negative is None else (self.negative[0], np.log(self.negative[1]))
+        return np.array([self.excess, logs[0], self.delta, *logs[1:], *own])
 
     def moved(self, x: Array) -> Self:
         """See `Shape`."""
@@ -163,6 +174,7 @@ class IntegratedShape:
             delta=float(x[2]),
             length=length,
             bend=(bend[0], bend[1]),
+            negative=None if self.negative is None else (float(x[6]), float(np.exp(x[7]))),
         )
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
@@ -170,23 +182,40 @@ class IntegratedShape:
         low, high = level_bounds(vmax)
         bend = np.log(_LEAST_BEND)
         least, most = length_bounds(span)
-        return np.array([*low, least, bend, bend]), np.array([*high, most, 0.0, 0.0])
+        own = slice(0, 0 if self.negative is None else len(_NEGATIVE))
+        return (
+            np.array([*low, least, bend, bend, *low[own]]),
+            np.array([*high, most, 0.0, 0.0, *high[own]]),
+        )
 
-    def grid(self, vmax: float, span: float) -> list[Self]:
-        """See `Shape`."""
+    def started(self, start: LawStart) -> list[Self]:
+        """With the curve as it seems, and straight: where n is small that is curved enough."""
+        first, second = np.clip(start.bend, *_BENDS)
+        straight = _BENDS[1]
         return [
-            replace(self, Vs=Vs * vmax, length=length * span)
-            for Vs in GRID_SPEEDS
-            for length in GRID_LENGTHS
+            replace(
+                self,
+                excess=start.excess,
+                Vs=start.Vs,
+                delta=start.delta,
+                length=start.length * stiffer,
+                bend=bend,
+            )
+            for stiffer in STIFFER
+            for bend in ((float(first), float(second)), (straight, straight))
         ]
 
     def last_choices(self) -> list[Self]:
         """How a joint that never moved loads for the first time."""
         return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
 
-    def with_damping(self) -> Self | None:
-        """See `Shape`."""
-        return None if self.damped else replace(self, damped=True)
+    def with_damping(self) -> Self:
+        """This shape with the presliding damping sigma1."""
+        return replace(self, damped=True)
+
+    def by_direction(self) -> Self:
+        """This shape with a Stribeck curve for each direction."""
+        return replace(self, negative=self.negative or (self.excess, self.Vs))
 
     def with_assumed_stiffness(self) -> Self:
         """See `Shape`."""
@@ -194,29 +223,35 @@ class IntegratedShape:
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
-        Fs = Fc * (1.0 + self.excess)
-        return FrictionParameters.symmetric(
-            Fs=Fs,
-            Fc=Fc,
-            Vs=self.Vs,
-            delta=self.delta,
-            sigma2=sigma2,
+        excess, Vs = self.negative or (self.excess, self.Vs)
+        Fs_pos, Fs_neg = Fc * (1.0 + self.excess), Fc * (1.0 + excess)
+        return FrictionParameters(
+            Fs_pos=Fs_pos,
+            Fs_neg=Fs_neg,
+            Fc_pos=Fc,
+            Fc_neg=Fc,
+            Vs_pos=self.Vs,
+            Vs_neg=Vs,
+            delta_pos=self.delta,
+            delta_neg=self.delta,
+            sigma2_pos=sigma2,
+            sigma2_neg=sigma2,
             sigma1=sigma1,
             n=self.form.n,
             variant=self.form.variant,
             virgin=self.form.virgin,
-            knots=self.knots(Fs),
+            knots=self._knots(Fs_pos + Fs_neg),
         )
 
-    def knots(self, Fs: float) -> Knots:
-        """Transition curve that reaches Fs_pos + Fs_neg."""
+    def _knots(self, both: float) -> Knots:
+        """Transition curve that reaches Fs of both directions."""
         z, F, slope = 0.0, 0.0, _TORQUES[0] / self.length
         found = []
         for torque, bend in zip(_TORQUES, (1.0, *self.bend), strict=True):
             slope *= bend
             z += (torque - F) / slope
             F = torque
-            found.append((z, 2.0 * Fs * F))
+            found.append((z, both * F))
         return tuple(found)
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
@@ -235,15 +270,18 @@ class IntegratedShape:
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
         P_t = np.zeros((len(self.variables), len(P)))
-        excess, Vs, delta, length, *bends = P_t
+        delta, length, *bends = P_t[2 : len(_VARIABLES)]
+        sides = (integrated.POSITIVE, integrated.NEGATIVE)
+        by_side = (P_t[:2], P_t[:2] if self.negative is None else P_t[len(_VARIABLES) :])
         own = slice(1 + integrated.KNOTS + 1, None)
-        for side in (integrated.POSITIVE, integrated.NEGATIVE):
-            excess[1 + side + FS] = 1.0
-            Vs[1 + side + VS] = P[1 + side + VS]
-            delta[1 + side + DELTA] = 1.0
-        # knots are z, F, slope; torques and slopes go with Fs
+        # knots are z, F, slope; torques and slopes go with Fs of both directions
         z, F, K = P[own].reshape(-1, KNOT_STRIDE).T
-        excess[own] = np.column_stack([0.0 * z, F, K]).ravel() / (1.0 + self.excess)
+        both = P[1 + sides[0] + FS] + P[1 + sides[1] + FS]
+        for side, (its_excess, its_Vs) in zip(sides, by_side, strict=True):
+            its_excess[1 + side + FS] = 1.0
+            its_excess[own] += np.column_stack([0.0 * z, F, K]).ravel() / both
+            its_Vs[1 + side + VS] = P[1 + side + VS]
+            delta[1 + side + DELTA] = 1.0
         length[own] = np.column_stack([z, 0.0 * F, -K]).ravel()
         # a bend stretches what lies beyond its knot
         for i, bend in enumerate(bends):
@@ -252,12 +290,11 @@ class IntegratedShape:
         return P_t
 
 
-# Where a search starts: bends of a rounded transition curve, and of a nearly straight one.
-_BENDS = ((0.4, 0.4), (0.95, 0.95))
+# least and largest bend that a search begins with: beyond, none can move
+_BENDS = (0.03, 0.95)
 
 INTEGRATED = tuple(
-    IntegratedShape(0.2, 1.0, 1.0, 1.0, bends, Form(n, variant, "literal"))
+    IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), Form(n, variant, "literal"))
     for variant in get_args(Variant)
     for n in _EXPONENTS
-    for bends in _BENDS
 )

@@ -1,34 +1,35 @@
-"""The only search among many starts: forms of the law, speeds and lengths it may have.
+"""The only search among several starts: every form of a law, from where a linear fit shows it.
 
-A coarse look at the logs tries all; the best few of each law ripen there, and the best of those are
-refined on all samples.
+A form of a law is a valley of its own, whose depth no start shows. So every form is followed for
+some steps, and the best of them to the end.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.law_basis import LawBasis
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, timed, with_parts
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing, VelocityAge
-from frictionjoint.identify.weights import reweighed
+from frictionjoint.identify.weights import reweighed, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 
-# samples that the coarse look is at
+# samples that a coarse look is at
 _COARSE = 1500
-# starts of a law that ripen, for each of its forms and at most: the best two of a form come to the
-# same minimum as all others, but for a few thousandths of the squares
-_OF_A_FORM, _RIPENING = 2, 4
-# steps for which they do, and for which the best do on all samples
-_STEPS, _FEW = 10, 4
-# cost over the best one's up to which a start is tried on all samples
+# steps that every form is followed for, and the best of them to the end
+_STEPS, _LAST_STEPS = 5, 15
+# cost over the best one's up to which a form is followed further
 _NEAR_BEST, _FINALISTS = 1.3, 2
+# part of an error that damping must leave at most to be known before any law
+_DAMPED = 0.5
+# linear fits of which each weighs the logs for the next
+_WEIGHINGS = 2
 
 
 @one_thread
@@ -38,22 +39,22 @@ def fit(
     forms: Sequence[Shape] = INTEGRATED,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fit:
-    """Fit a law and terms from many starts.
+    """Fit a law and terms from several starts.
 
     Args:
-        forms: of the law, each tried from its own grid.
+        forms: of the law.
     """
-    ripe = ripened(prepared, terms, forms, progress)
-    finalists = [p for p in ripe if p.cost <= _NEAR_BEST * ripe[0].cost][:_FINALISTS]
+    progress(f"fitting the friction law in {len(forms)} forms")
+    followed = _followed(unripe(prepared, terms, forms))
+    finalists = [p for p in followed if p.cost <= _NEAR_BEST * followed[0].cost][:_FINALISTS]
     final = []
-    for i, place in enumerate(finalists):
-        progress(f"fitting the friction law to all samples, {i + 1} of {len(finalists)}")
+    for place in finalists:
         shape, moved = place.search.split(place.x)
         search = Search(prepared, moved, nearer(prepared, moved, shape.last_choices()))
-        final.append(search.run(search.start, _FEW, ROUGH))
+        final.append(search.run(search.start, _LAST_STEPS, ROUGH))
     best = best_of(final, lambda place: place.cost)
-    found = best.search.run(best.x, _STEPS, CLOSE)
-    return with_parts(prepared, found.search.result(found.x), _STEPS, CLOSE)
+    found = best.search.run(best.x, _LAST_STEPS, CLOSE)
+    return with_parts(prepared, found.search.result(found.x), _LAST_STEPS, CLOSE)
 
 
 def law_alone(
@@ -69,10 +70,29 @@ def law_alone(
     """
 
     def made(own: Prepared) -> Fit:
-        return fit(own, forms=forms, progress=progress)
+        return fit(own, forms=known, progress=progress)
 
+    prepared, known = _first_look(prepared, forms)
     prepared, found = with_times(prepared, made, open_times)
     return reweighed(*settled(*reweighed(prepared, found)))
+
+
+def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, Sequence[Shape]]:
+    """Logs weighted by what linear fits say of their friction, and the forms to be fitted.
+
+    Those are damped where a linear fit leaves less than half with that: no search without damping
+    comes near such a contact. Less of it waits, see `last_freedoms`.
+    """
+    basis, top = LawBasis(prepared), prepared.top_speed
+    for _ in range(_WEIGHINGS):
+        law = basis.fitted(forms[0], (), prepared.weight)
+        parts = [law.sticking(s, top) for s in prepared.segments]
+        fractions, stiffnesses = zip(*parts, strict=True)
+        prepared = weighted_by(prepared, fractions, stiffnesses, law.level, law.residual)
+    damped, without = (basis.fitted(forms[0], (), prepared.weight, x) for x in (True, False))
+    if damped.rms < _DAMPED * without.rms:
+        forms = [f.with_damping() if isinstance(f, IntegratedShape) else f for f in forms]
+    return prepared, forms
 
 
 def with_times(
@@ -91,39 +111,31 @@ def with_times(
 
 
 @one_thread
-def ripened(
-    prepared: Prepared,
-    terms: tuple[Term, ...],
-    forms: Sequence[Shape],
-    progress: Callable[[str], None] = lambda text: None,
-) -> list[Place]:
-    """The best places of a coarse look, best first; costs are those of the coarse look."""
-    places = unripe(prepared, terms, forms, progress)
-    best = places[: min(_OF_A_FORM * len(forms), _RIPENING)]
-    with side_by_side() as each:
-        ripe = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), best))
-    return in_order(ripe, lambda place: place.cost)
+def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
+    """Each form of a law after some steps in a coarse look, best first; costs are of that look."""
+    return _followed(unripe(prepared.thinned(_COARSE), terms, forms))
 
 
 @one_thread
-def unripe(
-    prepared: Prepared,
-    terms: tuple[Term, ...],
-    forms: Sequence[Shape],
-    progress: Callable[[str], None] = lambda text: None,
-) -> list[Place]:
-    """All starts of a law in a coarse look, with what the rest comes to there, best first."""
+def unripe(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
+    """The best start of each form of a law, and what the rest comes to there, best first."""
+    linear = LawBasis(prepared).fitted(forms[0], terms, prepared.weight)
+    start = LawStart.of(linear.reaches, linear.levels, prepared.top_speed)
     terms = timed(prepared, terms, forms[0])
-    coarse = prepared.thinned(_COARSE)
 
-    def tried(form: Shape) -> list[Place]:
-        search = Search(coarse, terms, form)
-        starts = [search.vector(law) for law in form.grid(search.vmax, search.balance.span)]
-        return [Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x) for x in starts]
+    def best(form: Shape) -> Place:
+        places = []
+        for law in form.started(start):
+            search = Search(prepared, terms, law)
+            places.append(Place(0.5 * search.squares(search.start), search, search.start))
+        return best_of(places, lambda place: place.cost)
 
-    places: list[Place] = []
     with side_by_side() as each:
-        for i, found in enumerate(each(tried, forms)):
-            progress(f"fitting the friction law, {i + 1} of {len(forms)}")
-            places += found
-    return in_order(places, lambda place: place.cost)
+        return in_order(list(each(best, forms)), lambda place: place.cost)
+
+
+def _followed(places: Sequence[Place]) -> list[Place]:
+    """Where some steps from each lead, best first."""
+    with side_by_side() as each:
+        found = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places))
+    return in_order(found, lambda place: place.cost)

@@ -6,6 +6,7 @@ none is exact. In sliding neither matters. Both follow from a fitted law, so tha
 encoder does not resolve needs no rule of its own.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -42,12 +43,20 @@ def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tupl
 
 def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
     """What a fit leaves of its logs."""
-    whole = zip(prepared.segments, _sticking(prepared, fitted), strict=True)
-    stuck = np.concatenate([s.at_kept(x) for s, x in whole])
-    e = fitted.residual
-    sliding, sticking = e[stuck < _SLIDING], e[stuck > _STICKING]
-    base = float(np.sqrt(np.mean(sliding**2))) if sliding.size else fitted.rms
-    return Errors(base, float(np.sqrt(np.mean(sticking**2))) if sticking.size else 0.0)
+    return _errors(prepared, _sticking(prepared, fitted), fitted.residual)
+
+
+def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> Errors:
+    """What a model leaves of logs, by how much of each sample sticks."""
+    pairs = zip(prepared.segments, sticking, strict=True)
+    stuck = np.concatenate([s.at_kept(x) for s, x in pairs])
+    sliding, sticks = residual[stuck < _SLIDING], residual[stuck > _STICKING]
+    base = _rms(sliding) if sliding.size else _rms(residual)
+    return Errors(base, _rms(sticks) if sticks.size else 0.0)
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))
 
 
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
@@ -74,12 +83,43 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
     """
     law = law_parameters(fitted)
     level = fitted.levels[0]
+    unresolved = [min(law.stiffness * s.noise.resolution, level) for s in prepared.segments]
+    return _weighed(prepared, _sticking(prepared, fitted), unresolved, level, errors)
+
+
+def weighted_by(
+    prepared: Prepared,
+    fractions: Sequence[Array],
+    stiffnesses: Sequence[Array],
+    level: float,
+    residual: Array,
+) -> Prepared:
+    """Logs with their samples weighted before any law is fitted.
+
+    Args:
+        fractions: of the friction that stick along each log. stiffnesses: of those, N m/rad.
+        level: of friction at rest. residual: of the balance, on the kept samples of all logs.
+    """
+    stuck = _behind_filter(prepared, fractions)
+    pairs = zip(prepared.segments, stiffnesses, strict=True)
+    unresolved = [np.minimum(k * s.noise.resolution, level) for s, k in pairs]
+    errors = _errors(prepared, stuck, residual)
+    return _weighed(prepared, stuck, prepared.smooth(unresolved), level, errors)
+
+
+def _weighed(
+    prepared: Prepared,
+    sticking: Sequence[Array],
+    unresolved: Sequence[Array | float],
+    level: float,
+    errors: Errors,
+) -> Prepared:
+    """Weights from what the encoder does not resolve of the torque of what sticks, N m."""
     base = errors.sliding or 1e-300
     weights = []
-    for s, stuck in zip(prepared.segments, _sticking(prepared, fitted), strict=True):
-        unresolved = min(law.stiffness * s.noise.resolution, level)
-        known = unresolved**2 + (DISCREPANCY * level) ** 2
-        variance = stuck * max(known, errors.sticking**2 - base**2)
+    for s, stuck, missed in zip(prepared.segments, sticking, unresolved, strict=True):
+        known = missed**2 + (DISCREPANCY * level) ** 2
+        variance = stuck * np.maximum(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
             variance = variance + s.smooth(np.abs(s.unknown)) ** 2
         weights.append(1.0 / np.sqrt(1.0 + variance / base**2))
@@ -88,11 +128,16 @@ def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
 
 def _sticking(prepared: Prepared, fitted: Fit) -> list[Array]:
     """Square of dz/dq, 1 in sticking and 0 in sliding, behind the balance's filter, shape (n,)."""
-    rates = []
-    for s, (_, rate) in zip(prepared.segments, prepared.tracks(fitted.shape), strict=True):
-        stuck = np.clip(rate, 0.0, 1.0)
+    return _behind_filter(prepared, [rate for _, rate in prepared.tracks(fitted.shape)])
+
+
+def _behind_filter(prepared: Prepared, fractions: Sequence[Array]) -> list[Array]:
+    """Squares of fractions that stick, as the balance sees them."""
+    squares = []
+    for s, fraction in zip(prepared.segments, fractions, strict=True):
+        stuck = np.clip(fraction, 0.0, 1.0)
         # slower than the encoder resolves, the direction of the next displacement is not known
         slowest = s.noise.resolution * 2.0 * np.pi * s.corner_hz
         stuck[np.abs(s.signals[:, V]) < slowest] = 1.0
-        rates.append(stuck**2)
-    return [np.clip(x, 0.0, 1.0) for x in prepared.smooth(rates)]
+        squares.append(stuck**2)
+    return [np.clip(x, 0.0, 1.0) for x in prepared.smooth(squares)]

@@ -90,9 +90,10 @@ def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
     """
     shape = fitted.shape
     numbers = dict(zip(shape.variables, shape.vector(), strict=True))
-    if not numbers.get(_FALL):
+    flat = {name: 0.0 if name.startswith(_FALL) else x for name, x in numbers.items()}
+    if flat == numbers:
         return []
-    level = shape.moved(np.array(list((numbers | {_FALL: 0.0}).values())))
+    level = shape.moved(np.array(list(flat.values())))
     return [refit(prepared, fitted.terms, level, ROUGH, 1)]
 
 

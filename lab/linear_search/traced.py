@@ -8,8 +8,8 @@ import numpy as np
 from frictionjoint.diagnose.finding import Finding, Sight, Trace, sight
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.identify.damping import with_damping
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
@@ -63,7 +63,7 @@ def traced(
     prepared, final = settled(prepared, final)
     prepared, final = reweighed(prepared, final)
     final = _eliminated(prepared, final)
-    final = with_damping(prepared, final)
+    final = with_last_freedoms(prepared, final)
     names = [t.name for t in final.effects]
     members = [m for m in members if m.candidate.name in names]
     if len(members) < len(named):
@@ -112,7 +112,7 @@ def _beyond_chance(found: Found, seed: int) -> tuple[Set, list[Member]]:
 
 
 def _alone(prepared: Prepared, own: Experiment, forms: Sequence[Shape]) -> Fit:
-    return with_damping(prepared, parametric(prepared, own, (), forms))
+    return with_last_freedoms(prepared, parametric(prepared, own, (), forms))
 
 
 def _eliminated(prepared: Prepared, final: Fit) -> Fit:
