@@ -10,10 +10,10 @@ from frictionjoint.effects.signals import A
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.result import law_estimates
 from frictionjoint.identify.rival_shape import forms_of, start_of
 from frictionjoint.identify.rounding import in_order
-from frictionjoint.identify.search import ROUGH, Search, refit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
 from frictionjoint.identify.starts import law_alone, ripened
@@ -63,30 +63,22 @@ def with_assumed_stiffness(
 
     It is as high as the encoder's resolution and the time step allow (see `shortest`), so that the
     joint sticks. The logs determine a stiffness if its standard error is below half of it, or if
-    they fit clearly worse with the assumed one.
+    nothing else in the law makes up for the assumed one.
 
     Args:
         covariance: function of logs and fit that returns the covariance of its parameters.
     """
-    shape = fitted.shape
-    reach = shortest(prepared)
+    shape = fitted.shape.with_assumed_stiffness(shortest(prepared))
     if isinstance(shape, ConstraintShape):
-        return replace(fitted, shape=replace(shape, reach=reach))
+        return replace(fitted, shape=shape)
     # a stiffness without a torque holds nothing
-    if "log length" not in shape.variables or not _holds(fitted):
+    if not shape.assumed or not _holds(fitted):
         return fitted
     known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
     if known.stderr is not None and known.stderr < _UNKNOWN * known.value:
         return fitted
-    x = shape.vector()
-    x[shape.variables.index("log length")] = np.log(reach)
-    search = Search(prepared, fitted.terms, shape.moved(x).with_assumed_stiffness())
-    found = search.result(search.start)
-    if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY):
-        return found
-    # a stiffness beyond what the logs resolve is a guess too, a softer one is not
-    stiffer = known.value > law_parameters(found).stiffness
-    return replace(fitted, shape=shape.with_assumed_stiffness()) if stiffer else fitted
+    found = refit(prepared, fitted.effects, shape, ROUGH)
+    return found if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY) else fitted
 
 
 def _holds(fitted: Fit) -> bool:

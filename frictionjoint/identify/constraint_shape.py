@@ -65,9 +65,9 @@ class ConstraintShape:
         """See `Shape`."""
         return [self]
 
-    def with_assumed_stiffness(self) -> Self:
+    def with_assumed_stiffness(self, reach: float) -> Self:
         """See `Shape`."""
-        return self
+        return replace(self, reach=reach)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The integrated law with a Coulomb level: it sticks, while this constraint creeps."""

@@ -66,15 +66,13 @@ class RivalShape:
     Attributes:
         law: the class of its parameters. numbers: in the order of `variables`.
         least_rate: of the attraction to the sliding level, C over Fc, in 1/s.
-        assumed: see `Shape`.
     """
 
     law: Any
     numbers: tuple[float, ...]
     least_rate: float = 0.1
-    assumed: bool = False
 
-    steps = False
+    steps = assumed = False
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -130,9 +128,9 @@ class RivalShape:
         """See `Shape`."""
         return [self]
 
-    def with_assumed_stiffness(self) -> Self:
-        """See `Shape`."""
-        return replace(self, assumed=True)
+    def with_assumed_stiffness(self, reach: float) -> Self:
+        """See `Shape`: that of a rival stays as it was fitted."""
+        return self
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level."""

@@ -40,8 +40,12 @@ class Shape(Protocol):
     def assumed(self) -> bool:
         """Whether its stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
-    def with_assumed_stiffness(self) -> Self:
-        """This shape marked as having an assumed stiffness."""
+    def with_assumed_stiffness(self, reach: float) -> Self:
+        """This shape with a stiffness that is assumed and no longer searched.
+
+        Args:
+            reach: the shortest presliding length that the logs resolve, rad (m).
+        """
 
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
@@ -80,7 +84,8 @@ def unit_block(shape: Shape) -> Array:
     return shape.parameters(1.0, 0.0).pack()
 
 
-_VARIABLES = ("excess", "log Vs", "delta", "log length", "log bend 1", "log bend 2")
+_LENGTH = "log length"
+_BOTH = ("excess", "log Vs", "delta", _LENGTH, "log bend 1", "log bend 2")
 _NEGATIVE = ("excess of negative motion", "log Vs of negative motion")
 _LEAST_BEND = 0.02
 
@@ -156,37 +161,44 @@ class IntegratedShape:
     @property
     def variables(self) -> tuple[str, ...]:
         """See `Shape`."""
-        return _VARIABLES if self.negative is None else (*_VARIABLES, *_NEGATIVE)
+        names = _BOTH if self.negative is None else (*_BOTH, *_NEGATIVE)
+        return tuple(name for name in names if not (self.assumed and name == _LENGTH))
+
+    def _values(self) -> dict[str, float]:
+        """All numbers by name, searched or not."""
+        negative = self.negative or (self.excess, self.Vs)
+        logs = np.log([self.Vs, self.length, *self.bend, negative[1]]).tolist()
+        numbers = (self.excess, logs[0], self.delta, *logs[1:4], negative[0], logs[4])
+        return dict(zip((*_BOTH, *_NEGATIVE), numbers, strict=True))
 
     def vector(self) -> Array:
         """See `Shape`."""
-        logs = np.log([self.Vs, self.length, *self.bend])
-        own = () if self.negative is None else (self.negative[0], np.log(self.negative[1]))
-        return np.array([self.excess, logs[0], self.delta, *logs[1:], *own])
+        values = self._values()
+        return np.array([values[name] for name in self.variables])
 
     def moved(self, x: Array) -> Self:
         """See `Shape`."""
-        Vs, length, *bend = (float(np.exp(x[i])) for i in (1, 3, 4, 5))
+        values = self._values() | dict(zip(self.variables, x.tolist(), strict=True))
+        excess, log_Vs, delta, *logs, excess_negative, log_Vs_negative = values.values()
+        length, *bend = np.exp(logs).tolist()
         return replace(
             self,
-            excess=float(x[0]),
-            Vs=Vs,
-            delta=float(x[2]),
+            excess=excess,
+            Vs=float(np.exp(log_Vs)),
+            delta=delta,
             length=length,
             bend=(bend[0], bend[1]),
-            negative=None if self.negative is None else (float(x[6]), float(np.exp(x[7]))),
+            negative=self.negative and (excess_negative, float(np.exp(log_Vs_negative))),
         )
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
         low, high = level_bounds(vmax)
-        bend = np.log(_LEAST_BEND)
-        least, most = length_bounds(span)
-        own = slice(0, 0 if self.negative is None else len(_NEGATIVE))
-        return (
-            np.array([*low, least, bend, bend, *low[own]]),
-            np.array([*high, most, 0.0, 0.0, *high[own]]),
-        )
+        bend = (float(np.log(_LEAST_BEND)), 0.0)
+        each = [*zip(low, high, strict=True), length_bounds(span), bend, bend]
+        by_name = dict(zip((*_BOTH, *_NEGATIVE), [*each, *each[:2]], strict=True))
+        least, most = zip(*(by_name[name] for name in self.variables), strict=True)
+        return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
         """With the curve as it seems, and straight: where n is small that is curved enough."""
@@ -217,9 +229,9 @@ class IntegratedShape:
         """This shape with a Stribeck curve for each direction."""
         return replace(self, negative=self.negative or (self.excess, self.Vs))
 
-    def with_assumed_stiffness(self) -> Self:
+    def with_assumed_stiffness(self, reach: float) -> Self:
         """See `Shape`."""
-        return replace(self, assumed=True)
+        return replace(self, length=min(reach, self.length), assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
@@ -269,25 +281,27 @@ class IntegratedShape:
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
-        P_t = np.zeros((len(self.variables), len(P)))
-        delta, length, *bends = P_t[2 : len(_VARIABLES)]
-        sides = (integrated.POSITIVE, integrated.NEGATIVE)
-        by_side = (P_t[:2], P_t[:2] if self.negative is None else P_t[len(_VARIABLES) :])
+        rows = {name: np.zeros(len(P)) for name in (*_BOTH, *_NEGATIVE)}
         own = slice(1 + integrated.KNOTS + 1, None)
         # knots are z, F, slope; torques and slopes go with Fs of both directions
         z, F, K = P[own].reshape(-1, KNOT_STRIDE).T
+        sides = (integrated.POSITIVE, integrated.NEGATIVE)
         both = P[1 + sides[0] + FS] + P[1 + sides[1] + FS]
-        for side, (its_excess, its_Vs) in zip(sides, by_side, strict=True):
-            its_excess[1 + side + FS] = 1.0
-            its_excess[own] += np.column_stack([0.0 * z, F, K]).ravel() / both
-            its_Vs[1 + side + VS] = P[1 + side + VS]
-            delta[1 + side + DELTA] = 1.0
-        length[own] = np.column_stack([z, 0.0 * F, -K]).ravel()
+        for side, (excess, Vs) in zip(sides, (_BOTH[:2], _NEGATIVE), strict=True):
+            rows[excess][1 + side + FS] = 1.0
+            rows[excess][own] = np.column_stack([0.0 * z, F, K]).ravel() / both
+            rows[Vs][1 + side + VS] = P[1 + side + VS]
+            rows["delta"][1 + side + DELTA] = 1.0
+        if self.negative is None:
+            for name, of_negative in zip(_BOTH, _NEGATIVE, strict=False):
+                rows[name] += rows[of_negative]
+        rows[_LENGTH][own] = np.column_stack([z, 0.0 * F, -K]).ravel()
         # a bend stretches what lies beyond its knot
-        for i, bend in enumerate(bends):
+        for i, name in enumerate(_BOTH[4:]):
             beyond = np.maximum(z - z[i], 0.0)
-            bend[own] = np.column_stack([-beyond, 0.0 * F, np.where(beyond > 0.0, K, 0.0)]).ravel()
-        return P_t
+            steeper = np.where(beyond > 0.0, K, 0.0)
+            rows[name][own] = np.column_stack([-beyond, 0.0 * F, steeper]).ravel()
+        return np.array([rows[name] for name in self.variables])
 
 
 # least and largest bend that a search begins with: beyond, none can move
