@@ -16,6 +16,7 @@ import time
 import tomllib
 from pathlib import Path
 
+import mujoco
 import numpy as np
 from least_squares import held_out_error
 
@@ -36,7 +37,12 @@ def model_file(case, folder):
     """The MJCF of a case."""
     kind, *numbers = case["model"].split()
     if kind.endswith(".xml"):
-        return ROOT / "models" / kind
+        spec = mujoco.MjSpec.from_file(str(ROOT / "models" / kind))
+        for name, zero in case.get("zero", {}).items():
+            spec.joint(name).ref = zero
+        path = folder / "model.xml"
+        path.write_text(spec.to_xml())
+        return path
     inertial = '<inertial pos="0 0 {com}" mass="{mass}" diaginertia="{turn} {turn} {turn}"/>'
     values = {
         "wheel": lambda inertia: {"com": 0, "mass": 1e-3, "turn": inertia},
@@ -60,13 +66,15 @@ def command(case, raw, out):
     words += ["--join"] if case.get("join") else []
     words += [x for k, v in case["columns"].items() for x in ("--column", f"{k}={v}")]
     words += [x for k, v in case.get("units", {}).items() for x in ("--unit", f"{k}={v}")]
-    words += ["--controller", case["controller"]] if "controller" in case else []
+    if "controller" in case:
+        (out / "controller.toml").write_text(case["controller"])
+        words += ["--controller", str(out / "controller.toml")]
     return [*words, "--model", str(model_file(case, out)), "--joint", joint, "--out", str(out)]
 
 
 def row(name, case, raw, out):
     """What the command says, as a row."""
-    out = out / name
+    out, attempts = out / name, case.get("attempts", 1)
     out.mkdir(parents=True, exist_ok=True)
     begin = time.perf_counter()
     if not (out / "report.json").exists():
@@ -78,15 +86,18 @@ def row(name, case, raw, out):
                 [*run, *words, "--force"], capture_output=True, text=True, timeout=LIMIT
             )
         except subprocess.TimeoutExpired:
-            return f"| {name} | not ended after {LIMIT:.0f} s | | | | | |"
+            return f"| {name} | {attempts} | not ended after {LIMIT:.0f} s | | | | | |"
         if done.returncode:
             said = done.stderr.strip().splitlines()[-1].removeprefix("frictionjoint: ")
             (out / "refused.txt").write_text(said)
-            return f"| {name} | refused: {said[:300]} | | | | {least_squares(case, raw)} | |"
+            plain = least_squares(case, raw)
+            return f"| {name} | {attempts} | refused: {said[:300]} | | | | {plain} | |"
         (out / "seconds.txt").write_text(f"{time.perf_counter() - begin:.0f}")
     found = json.loads((out / "report.json").read_text())
     seconds = (out / "seconds.txt").read_text() if (out / "seconds.txt").exists() else ""
-    return " | ".join([f"| {name}", *figures(found), least_squares(case, raw), f"{seconds} |"])
+    return " | ".join(
+        [f"| {name} | {attempts}", *figures(found), least_squares(case, raw), f"{seconds} |"]
+    )
 
 
 def figures(found):
@@ -145,7 +156,7 @@ def main():
     parser.add_argument("--only", action="append", default=[])
     asked = parser.parse_args()
     cases = tomllib.loads((ROOT / "lab/public_logs.toml").read_text())
-    print("| log | verdict | named | held out before | after | least squares | s |")
+    print("| log | attempts | verdict | named | held out before | after | least squares | s |")
     for name, case in cases.items():
         if not asked.only or name in asked.only:
             print(row(name, case, asked.raw, asked.out), flush=True)

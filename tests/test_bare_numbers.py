@@ -160,3 +160,19 @@ def test_a_folder_in_python_is_its_logs_without_those_held_out(tmp_path: Path) -
     assert each_log(held) == held
     log = read_log(held[0])
     assert each_log([log, held[0]], held) == [log, held[0]]
+
+
+def test_runs_of_one_clock_each_are_runs_of_one_log(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = np.column_stack([np.concatenate([T, T + 0.001]), np.tile(Q, 2), np.tile(TAU, 2)])
+    np.savetxt(path, rows, delimiter=",")
+    log = read_log(path, columns=BY_NUMBER)
+    np.testing.assert_allclose(np.diff(log.time[:300]), np.diff(T), atol=1e-12)
+    np.testing.assert_allclose(np.diff(log.time[300:]), np.diff(T), atol=1e-12)
+    assert log.time[300] - log.time[299] > 0.4
+    assert any("read as 2 runs" in note for note in log.notes)
+    swapped = rows[:300].copy()
+    swapped[[100, 101]] = swapped[[101, 100]]
+    np.savetxt(path, swapped, delimiter=",")
+    with pytest.raises(LogError, match="time must increase"):
+        read_log(path, columns=BY_NUMBER)

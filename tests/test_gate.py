@@ -289,3 +289,17 @@ def test_a_motor_at_one_speed_is_not_called_reversed() -> None:
     check_signs(prepare([bench(1.0)], wheel))
     with pytest.raises(LogError, match="wrong sign"):
         check_signs(prepare([bench(-1.0)], wheel))
+
+
+def test_a_voltage_of_one_magnitude_determines_nothing() -> None:
+    t = 0.01 * np.arange(2000)
+    speed = 20.0 * np.sign(np.sin(2.0 * t)) * (1.0 - 0.5 * np.exp(-((t % 1.57) / 0.3)))
+    step = JointLog(
+        name="step",
+        joint="j",
+        time=t,
+        position=np.cumsum(speed) * 0.01,
+        voltage=12.0 * np.sign(speed),
+    )
+    with pytest.raises(LogError, match="same magnitude, 12, throughout"):
+        check_signs(prepare([step], pendulum(1e-3, 0.0)))

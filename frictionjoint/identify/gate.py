@@ -39,6 +39,8 @@ SURE = 5.0
 # Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
 # the fraction that the right signs must leave for another one to be considered.
 _MEANINGFUL, _RIGHT = 0.8, 0.3
+# Range of a drive, of its magnitude, below which it does not change.
+_ONE_SIZE = 1e-6
 # Fraction of the samples that must move in the rarer direction to tell a bias from friction.
 _BOTH_WAYS = 0.02
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
@@ -108,6 +110,8 @@ def check_signs(prepared: Prepared) -> None:
     """
     balance = _balance(prepared)
     names = few([s.name for s in prepared.segments])
+    if prepared.gain_unknown:
+        _check_drive_changes(prepared, names)
     _check_signs(prepared, balance, _load_factors(balance), names)
 
 
@@ -190,6 +194,17 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
         wrong = turned and power < -SURE * error and free < _MEANINGFUL
         if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
             raise LogError(driven(prepared, name, -power / error))
+
+
+def _check_drive_changes(prepared: Prepared, names: str) -> None:
+    """A drive of one magnitude and unknown scale equals friction of that level at any speed."""
+    drive = np.abs(np.concatenate([s.drive for s in prepared.segments]))
+    drive = drive[drive > 0.0]
+    if len(drive) and np.ptp(drive) < _ONE_SIZE * np.max(drive):
+        raise LogError(
+            f"{names}: the {prepared.drive} has the same magnitude, {np.max(drive):.4g}, "
+            "throughout: friction of that level would explain any speed: record a drive that changes"
+        )
 
 
 def _turned(b: Balance, i: int) -> bool:

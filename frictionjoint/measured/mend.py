@@ -29,10 +29,36 @@ _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
 _SILENT_S = 0.5
 # deviation of a position, over that of its reading noise, from which on the joint moves
 _JITTER = 5.0
+# a clock that starts again falls back to less than this fraction of its run, of so many rows
+_AGAIN, _RUN = 0.1, 50
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
 # a reading stands alone that leaps away and back, over this fraction of the travel of the others,
 # and this many times as far as others move; nothing moves so in a hundred samples of a thousand
 _AWAY, _USUAL, _ALONE = 0.3, 8.0, 0.01
+
+
+def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
+    """Times of a log whose clock starts again with each run, as one clock with gaps between runs.
+
+    A recorder that appends its runs to one file begins each near the first time. Rows that changed
+    places fall back by less; they are left as they are, for the checks to name.
+
+    Returns:
+        the times, and a note if there is more than one run.
+    """
+    if len(time) < 2 or not np.isfinite(time).all():
+        return time, ()
+    back = np.flatnonzero(np.diff(time) < 0.0) + 1
+    # a run goes on from where it begins; one wrong time does not
+    own = [i for i in back if i + 1 < len(time) and time[i + 1] < time[i - 1]]
+    starts = [i for i in own if time[i] - time[0] < _AGAIN * (time[i - 1] - time[0])]
+    if not starts or len(starts) < len(back) or len(time) < _RUN * (len(starts) + 1):
+        return time, ()
+    gap = 10.0 * LARGEST_GAP * float(np.median(np.abs(np.diff(time))))
+    found = time.copy()
+    for i in starts:
+        found[i:] += found[i - 1] + gap - found[i]
+    return found, (f"the clock starts again {len(starts)} times: read as {len(starts) + 1} runs.",)
 
 
 def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:

@@ -36,6 +36,7 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.mend import (
     said_of_silence,
     unwrapped,
+    with_one_clock,
     with_position,
     without_lone_readings,
     without_repeats,
@@ -160,6 +161,7 @@ def log_of(
         own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
         return own | further
 
+    data["time_s"], runs = with_one_clock(data["time_s"])
     check_rows(path.name, shown(data), row)
     data, integrated = with_position(data)
     data, lone = without_lone_readings(data)
@@ -203,7 +205,7 @@ def log_of(
             *dropped,
             *(
                 f"{path.stem}: {note}"
-                for note in integrated + lone + notes + more + said_of_silence(own)
+                for note in runs + integrated + lone + notes + more + said_of_silence(own)
             ),
         ),
     )

@@ -1,0 +1,110 @@
+"""How often the intervals over recordings of simulated fleets contain the fleet's mean.
+
+    python lab/fleets.py [--fleets 40] [--seed 0]
+
+A fleet is six recordings of one kind of joint, simulated here with Coulomb and viscous friction and
+nothing of the package; both numbers differ between recordings by a normal deviate. The package
+estimates each recording from the nominal joint (`recordings.estimate`) and the mean of the fleet
+with its 95% interval (`recordings.between`). Intervals should contain the mean in 90 to 98% of the
+fleets, whatever the spread.
+"""
+
+import argparse
+
+import mujoco
+import numpy as np
+
+from frictionjoint.files import toml_document
+from frictionjoint.measured import JointLog
+from frictionjoint.recordings.between import between
+from frictionjoint.recordings.estimate import Known, estimate
+from frictionjoint.refine.posterior import numbers_in
+from frictionjoint.rivals import LuGreParameters
+from frictionjoint.simulate.carrier import install
+
+COULOMB, VISCOUS = 0.30, 0.08
+MASS, ARM, OWN = 0.5, 0.2, 1e-3
+INERTIA = OWN + MASS * ARM**2
+STEP, EVERY, SECONDS = 2.5e-4, 16, 12.0
+TORQUE_NOISE, POSITION_NOISE = 0.01, 2e-5
+RECORDINGS = 6
+SPREADS = (0.0, 0.05, 0.15)
+MODEL = f"""<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>
+<joint name="elbow" axis="0 1 0"/><inertial pos="{ARM} 0 0" mass="{MASS}" diaginertia="{OWN} {OWN}
+{OWN}"/></body></worldbody></mujoco>"""
+
+
+def nominal():
+    """The joint without differences, as a report would have it."""
+    law = LuGreParameters.symmetric(
+        Fs=COULOMB, Fc=COULOMB, Vs=0.15, sigma2=VISCOUS, sigma0=3000.0, sigma1=1.0, delta=2.0
+    )
+    spec = mujoco.MjSpec.from_string(MODEL)
+    install(spec, {"elbow": law})
+    spec.compile()
+    content = toml_document(law, ()).unwrap()
+    cov = np.diag((0.01 * np.abs(numbers_in(content))) ** 2)
+    return Known(spec.to_xml(), "elbow", content, cov)
+
+
+def simulated(rng, coulomb, viscous):
+    """Logs of joints with these numbers, shape (n,) each: Coulomb friction stops exactly."""
+    n = len(coulomb)
+    time = STEP * np.arange(int(SECONDS / STEP))
+    wave = rng.uniform(2.0, 12.0, (5, n)), rng.uniform(0.2, 0.4, (5, n)), rng.uniform(0, 6, (5, n))
+    q, v = np.zeros(n), np.zeros(n)
+    positions, torques = [], []
+    for k, t in enumerate(time):
+        gravity = -MASS * 9.81 * ARM * np.cos(q)
+        torque = np.sum(wave[1] * np.sin(wave[0] * t + wave[2]), 0) - 0.5 * q + gravity
+        if k % EVERY == 0:
+            positions.append(q)
+            torques.append(torque)
+        free = (v + STEP / INERTIA * (torque - gravity)) / (1.0 + STEP / INERTIA * viscous)
+        v = np.sign(free) * np.maximum(np.abs(free) - STEP / INERTIA * coulomb, 0.0)
+        q = q + STEP * v
+    for i in range(n):
+        position = np.array(positions)[:, i]
+        torque = np.array(torques)[:, i]
+        yield JointLog(
+            name=f"recording {i}",
+            joint="elbow",
+            time=time[::EVERY],
+            position=position + rng.normal(0.0, POSITION_NOISE, len(position)),
+            torque=torque + rng.normal(0.0, TORQUE_NOISE, len(torque)),
+        )
+
+
+def main():
+    """Run and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--fleets", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=0)
+    asked = parser.parse_args()
+    known, rng = nominal(), np.random.default_rng(asked.seed)
+    true = {"Fc": COULOMB, "sigma2": VISCOUS}
+    print("| number | spread between recordings | fleets | mean inside | spread stated, mean |")
+    print("|---|---|---|---|---|")
+    for spread in SPREADS:
+        each = 1.0 + spread * rng.standard_normal((2, asked.fleets * RECORDINGS))
+        logs = list(simulated(rng, COULOMB * each[0], VISCOUS * each[1]))
+        found = [estimate(known, log) for log in logs]
+        for name, value in true.items():
+            inside, stated = [], []
+            for f in range(asked.fleets):
+                own = found[f * RECORDINGS : (f + 1) * RECORDINGS]
+                i = [n.name for n in own[0].numbers].index(name)
+                over = between(
+                    np.array([x.value[i] for x in own]), np.array([x.stderr[i] for x in own])
+                )
+                inside.append(over.interval[0] < value < over.interval[1])
+                stated.append(over.deviation / value)
+            print(
+                f"| {name} | {spread:.0%} | {asked.fleets} | {np.mean(inside):.0%} | "
+                f"{np.mean(stated):.1%} |",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
