@@ -293,7 +293,7 @@ def test_a_motor_at_one_speed_is_not_called_reversed() -> None:
 
 def test_a_voltage_of_one_magnitude_determines_nothing() -> None:
     t = 0.01 * np.arange(2000)
-    speed = 20.0 * np.sign(np.sin(2.0 * t)) * (1.0 - 0.5 * np.exp(-((t % 1.57) / 0.3)))
+    speed = 20.0 * np.sign(np.sin(0.5 * t)) * (1.0 - 0.5 * np.exp(-((t % 6.28) / 0.3)))
     step = JointLog(
         name="step",
         joint="j",
@@ -303,3 +303,5 @@ def test_a_voltage_of_one_magnitude_determines_nothing() -> None:
     )
     with pytest.raises(LogError, match="same magnitude, 12, throughout"):
         check_signs(prepare([step], pendulum(1e-3, 0.0)))
+    there_and_back = replace(step, voltage=12.0 * np.sign(np.sin(0.5 * t + 0.8)))
+    check_signs(prepare([there_and_back], pendulum(1e-3, 0.0)))

@@ -39,8 +39,9 @@ SURE = 5.0
 # Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
 # the fraction that the right signs must leave for another one to be considered.
 _MEANINGFUL, _RIGHT = 0.8, 0.3
-# Range of a drive, of its magnitude, below which it does not change.
-_ONE_SIZE = 1e-6
+# Change of a drive, of its magnitude, that counts; fraction of the samples that reversals may take;
+# fraction of the top speed that counts as motion.
+_ONE_SIZE, _REVERSALS, _MOVES = 1e-3, 0.1, 0.1
 # Fraction of the samples that must move in the rarer direction to tell a bias from friction.
 _BOTH_WAYS = 0.02
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
@@ -198,11 +199,14 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
 
 def _check_drive_changes(prepared: Prepared, names: str) -> None:
     """A drive of one magnitude and unknown scale equals friction of that level at any speed."""
-    drive = np.abs(np.concatenate([s.drive for s in prepared.segments]))
-    drive = drive[drive > 0.0]
-    size = float(np.median(drive)) if len(drive) else 0.0
-    # between two values of opposite sign a resampled drive has others
-    if size and np.mean(np.abs(drive - size) > _ONE_SIZE * size) < _BOTH_WAYS:
+    drive, v = (
+        np.concatenate([x(s) for s in prepared.segments])
+        for x in (lambda s: s.drive, lambda s: s.signals[:, V])
+    )
+    along = (drive * np.sign(v))[np.abs(v) > _MOVES * np.max(np.abs(v))]
+    size = float(np.median(along)) if len(along) else 0.0
+    # around a reversal a resampled drive has other values
+    if size > 0.0 and np.mean(np.abs(along - size) > _ONE_SIZE * size) < _REVERSALS:
         raise LogError(
             f"{names}: the {prepared.drive} has the same magnitude, {size:.4g}, throughout: "
             "friction of that level would explain any speed: record a drive that changes"

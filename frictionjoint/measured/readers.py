@@ -89,6 +89,9 @@ def read_log(
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
         return read_table(path, joint, columns, signals, wrap, units, drop_nan)
+    unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
+    if not path.is_dir() and kind not in _KINDS:
+        raise unknown
     if columns or signals or wrap or units:
         raise LogError(
             f"{path.name}: columns, units, signals and a range to unwrap are for "
@@ -100,7 +103,7 @@ def read_log(
         return read_bam_json(path, joint)
     if kind == ".npy":
         return read_odrive(path)
-    raise LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
+    raise unknown
 
 
 def _read_folder(path: Path, joint: str | None) -> JointLog:
