@@ -3,7 +3,8 @@
 What most joints do in most steps: follow one curve of the hysteresis, turn round, slide, rest. It
 is `row.torque_now` and `row.over_the_step` in one, which reads each number of the row once and
 writes each once. Anything else is left to these two: rivals of the law, starts, leaps of time,
-loops that close, resets of the memory, knots of the transition curve, full stacks.
+changed parameters, loops that close, resets of the memory, knots of the transition curve, full
+stacks.
 
 A joint at rest never stands quite still: rounding moves it to and fro. To the law each would be a
 reversal, and fill its memory. So a displacement that changes the torque by next to nothing is an
@@ -102,7 +103,14 @@ def usual_torque(
     n_min, n_max, virgin, rate = X[a + N_MIN], X[a + N_MAX], X[a + VIRGIN], X[a + RATE]
     first = p + 1
     stiffest, sigma1 = P[first + KNOTS + 3], P[first + SIGMA1]
-    if n_min >= CAPACITY or n_max >= CAPACITY or (virgin == 1.0 and P[first + MASING] == 1.0):
+    stack = x + FRONT + 2 * HEADER
+    if (
+        n_min >= CAPACITY
+        or n_max >= CAPACITY
+        or (virgin == 1.0 and P[first + MASING] == 1.0)
+        or X[stack] != -P[first + NEGATIVE + FS]
+        or X[stack + CAPACITY] != P[first + POSITIVE + FS]
+    ):
         return np.nan
     f, b, way, lows, highs, slip = Fh, Fb, turned, n_min, n_max, rate
     known, tangent = False, 0.0
@@ -113,7 +121,6 @@ def usual_torque(
     if dx * stiffest > NOTHING * P[side + FS]:
         place, bent = q, 0.0
         way = math.copysign(1.0, dq)
-        stack = x + FRONT + 2 * HEADER
         top = np.inf
         if turned == -way:
             b = f
