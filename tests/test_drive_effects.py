@@ -13,11 +13,7 @@ from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_co
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
-from frictionjoint.diagnose.exchange import exchange_drive
-from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.replay import friction_spec
-from frictionjoint.diagnose.state import State
 from frictionjoint.effects import drive_limit, duty_drop
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import without_scale
@@ -124,32 +120,6 @@ def test_a_dead_band_shows_beside_a_law_that_has_not_bent_for_want_of_it():
     assert score.fit.drive_rms < 0.5 * bent.drive_rms
     named = refit(prepared, score.fit.effects, score.fit.shape, ROUGH)
     assert look_at_hidden_drive(prepared, named, rng) is None
-
-
-def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
-    """Two forms of one effect, of which a law bent for want of a spring may take the wrong one."""
-    friction = 'frictionloss="0.06" damping="0.03" stiffness="1.2" springref="0.4"'
-    made = logs({"threshold": 0.35, "left": 0.3}, friction=friction)
-    _, _, prepared, _, driven = looked_at(made)
-    assert driven is not None
-    spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
-    output = DriveTerm(duty_drop.OF_OUTPUT, (0.5, 0.4))
-    law = law_at(INTEGRATED[0], 0.1, 0.002)
-    wrong = refit(prepared, (EMF_TERM, output, spring), law, ROUGH)
-    laws = OtherLaws(prepared, wrong)
-    row = next(r for r in driven.look.rows if r.name == output.name)
-    finding = Finding(output, driven.look, row, 0.5, (), (), wrong)
-    state = State(prepared, wrong, [finding], driven.look, laws, law_errs=False)
-    rng = np.random.default_rng(0)
-    assert exchange_drive(state, rng)
-    protection = state.fit.effects[1]
-    assert protection.effect is duty_drop.EFFECT
-    assert protection.shape == pytest.approx((0.35, 0.3), rel=0.05)
-    assert state.fit.drive_rms < 0.7 * wrong.drive_rms
-    # and what is right stays
-    assert not exchange_drive(state, rng)
-    assert state.fit.effects[1].effect is duty_drop.EFFECT
-    assert state.fit.effects[1].shape == pytest.approx((0.35, 0.3), rel=0.05)
 
 
 def test_a_drive_as_its_file_says_asks_for_nothing():

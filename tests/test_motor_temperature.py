@@ -8,10 +8,7 @@ import pytest
 from test_one_joint import JOINT, LAW, MODEL, STEP, N, block
 
 from frictionjoint.control import kernel as k
-from frictionjoint.diagnose.replay import motor_of, simulated_whole
-from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects import motor_temperature
-from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.attach import attach
@@ -119,21 +116,3 @@ def log(celsius, seed, n=3000):
         torque_enabled=closed,
         temperature=np.full(n, celsius) + np.linspace(0.0, 0.5, n),
     )
-
-
-def test_the_loop_names_it_with_its_size():
-    body = RigidBody(PENDULUM.format(""), "arm")
-    logs = [log(t, i) for i, t in enumerate((24.0, 30.0, 36.0, 42.0))]
-    found = trace(prepare(logs, body), 0)
-    assert {"back-emf", "motor-temperature"} <= {step.term.name for step in found.findings}
-    at = [term.name for term in found.final.terms].index("motor-temperature")
-    term = found.final.terms[at]
-    a = float(found.final.term_coefficients(at)[0])
-    # both are relative to the gain at the reference
-    there = 1.0 + A * (term.shape[0] - T0)
-    assert a * there == pytest.approx(A, rel=0.1)
-    motor = motor_of(found.final)
-    assert motor.gain * there == pytest.approx(GAIN, rel=0.05)
-    assert motor.saturation == 0.0
-    assert not simulated_whole(found.final, body.armature)
-    assert simulated_whole(found.final, body.armature, in_closed_loop=True)

@@ -13,8 +13,6 @@ QUICK = (
     "spring",
     "load-dependent",
     "direction-asymmetry",
-    "measurement-delay",
-    "end-stop",
     "back-emf",
     "command-delay",
     "drive-limit",

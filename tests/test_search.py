@@ -25,7 +25,6 @@ SINGLE = {
         {"amplitude": 0.15, "cycles": 14.0, "phase": 0.4},
         {"N": (14.0, 0.01)},
     ),
-    "load-dependent": ({"slope": 0.2}, {"c": (0.2, 0.05)}),
     "measurement-delay": ({"delay": 0.012}, {"delay": (0.0125, 0.04)}),
     "warm-up-drift": (
         {"level": 0.4, "viscous": 0.2, "rise": 20.0, "tau": 8.0, "scale": 15.0},
@@ -65,48 +64,30 @@ def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     assert found.findings == ()
     assert found.final is found.base  # nothing changed: no error before and another after
     assert found.unexplained == ()
+    # whatever law the joint has; the others are compared with it
+    assert law_parameters(found.final).law == "integrated"
+    assert "lugre" in dict(found.other_laws)
     (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final), True)
                if "smallest effect" in n)  # fmt: skip
     assert "too short" not in note
     assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
 
 
-# what no effect of the catalogue is: the quantity it acts through, and what is said of it
-OUTSIDE = {
-    "encoder-eccentricity": (
-        {"amplitude": 0.03, "phase": 0.5},
-        "position",
-        "off by up to 0.03 rad",
-    ),
-    "drive-saturation": ({"limit": 2.0}, "torque", "beyond 2 "),
-    "gust": ({"amplitude": 0.25, "frequency": 0.7, "phase": 1.0}, "time", "at 0.7 Hz"),
-}
-
-
-_REGRESSION = pytest.mark.xfail(
-    reason="a gravity error is named with the integrated law as the only law: a known regression"
-)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=_REGRESSION if name == "encoder-eccentricity" else ())
-        for name in OUTSIDE
-    ],
-)
-def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(name, tmp_path):
-    put_in, quantity, said = OUTSIDE[name]
+def named_by_its_quantity(folder, effect, quantity, said):
+    """An effect that the catalogue lacks: what it acts through is found, and nothing named."""
     # wide enough that a wave of the encoder is not a line
     motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
-    found = traced(tmp_path, Effect(name, put_in), law="integrated", motions=motions)
+    found = traced(folder, effect, law="integrated", motions=motions)
     assert found.findings == ()
     assert [variable for variable, _ in found.unexplained] == [quantity]
     (hint,) = found.hints
     assert said in hint
-    if quantity == "torque":  # what did not act is taken off the log, and bends no law
-        assert found.final.coefficient("Fc") == pytest.approx(PLANT.friction.Fc, rel=0.05)
-        assert found.final.rms < 0.1 * PLANT.friction.Fc
+    return found
+
+
+def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(tmp_path):
+    gust = Effect("gust", {"amplitude": 0.25, "frequency": 0.7, "phase": 1.0})
+    named_by_its_quantity(tmp_path, gust, "time", "at 0.7 Hz")
 
 
 def test_spring_and_gravity_over_a_small_range_are_a_tie(tmp_path):
@@ -134,17 +115,6 @@ def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
     assert [f.term.name for f in found.findings] == ["end-stop"]
     assert found.final.terms[0].shape == pytest.approx((0.35,), rel=0.01)
     assert found.final.term_coefficients(0)[0] == pytest.approx(5.0, rel=0.1)
-
-
-@pytest.mark.parametrize("law", [None, "static"])
-def test_the_law_is_the_integrated_one_unless_another_is_asked_for(tmp_path, law):
-    """Whatever law the joint has; the others are compared with it."""
-    friction = replace(PLANT.friction, law="gms")
-    found = traced(tmp_path, law=law, friction=friction)
-    own = law or "integrated"
-    assert law_parameters(found.base).law == law_parameters(found.final).law == own
-    assert own not in dict(found.other_laws)
-    assert "lugre" in dict(found.other_laws)
 
 
 def test_no_such_law():

@@ -10,7 +10,6 @@ from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
-    hide_coupling,
     hide_load_dependence,
     hide_mass,
     hide_payload,
@@ -142,25 +141,6 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     for joint in found.settled.joints:
         assert joint.beside[0].name == "torque-gain"
         assert joint.left == pytest.approx(joint.rms, rel=0.1)
-
-
-def test_a_link_with_another_centre_is_not_wrong_in_all_its_ten_parameters():
-    arm = random_arm(901, 3)
-    hide_mass(arm, "link2", 1.3, [-0.04, 0.01, -0.03])
-    ((name, place, found),) = values(found_in(arm))
-    assert (name, place) == ("body-inertia", {"body": "link2"})
-    assert "Ixx" not in found
-    assert found["mass"] == pytest.approx(arm.hidden["body-inertia"][1], rel=0.05)
-
-
-def test_a_shaft_whose_friction_rises_and_falls_with_the_motors_turn_has_its_wave():
-    arm = random_arm(25, 2)
-    hide_coupling(arm, 0.005, 0.4, 20.0)
-    ((name, place, shaft),) = values(found_in(arm))
-    assert (name, place) == ("gear-coupling", {"joint": "j1", "other_joint": "j2"})
-    assert shaft["waves"] == pytest.approx(20.0, rel=0.005)
-    assert shaft["wave"] == pytest.approx(0.4 * arm.hidden["gear-coupling"][2], rel=0.1)
-    assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
 
 
 def test_a_cause_that_is_refused_costs_no_round(monkeypatch):
