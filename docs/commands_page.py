@@ -55,7 +55,7 @@ def section(name: str, command: Any, level: int, common: list[str]) -> list[str]
         own = [(p, option(p)) for p in parameters_of(command)]
         lines += [text for _, text in own if text not in common]
         also = [f"`{p.opts[0]}`" for p, text in own if text in common]
-        lines += [f"* as [below](#common-options): {', '.join(also)}"] if also else []
+        lines += [f"* [Common options](#common-options): {', '.join(also)}"] if also else []
         lines.append("")
     return lines
 

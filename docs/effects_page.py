@@ -103,14 +103,11 @@ def described(forms: list[Effect], rows: Array) -> list[str]:
     for effect in forms:
         picture_name = f"img/effects/{effect.effect_id}"
         pictures.write(picture_name, partial(picture, effect, rows))
-        sizes = () if effect.of_load else zip(effect.coefficients, effect.units, strict=True)
-        units = [f"{c} ({u})" for c, u in sizes]
-        units += [f"{c} ({u})" for c, u in zip(effect.shape, effect.shape_units, strict=True)]
         if effect.cause != first.cause:
             lines.append(f"Or: {effect.cause}.\n")
         lines += [
             pictures.shown(picture_name, f"Torque of {effect.name}"),
-            f"`{effect.form}` ({effect.entry}). Parameters: {', '.join(units)}.\n",
+            f"`{effect.form}` ({effect.entry}).\n",
         ]
     return [
         *lines,

@@ -88,6 +88,12 @@ def meaning(name: str) -> str:
     return f"{_meaning(base)}, {SIDES[side]}" if side in SIDES else _meaning(name)
 
 
+def meanings(names: Iterable[str]) -> str:
+    """What some parameters of a law are, each once, without directions."""
+    bases = (name.removesuffix("_pos").removesuffix("_neg") for name in names)
+    return ", ".join(dict.fromkeys(_meaning(base) for base in bases))
+
+
 def _meaning(symbol: str) -> str:
     return MEANINGS.get(symbol, "parameter of the law")
 

@@ -82,7 +82,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     report = close_loop([log(5e5)], JOINT, "j", [log(5e5, seed=2)])
     assert not report.added
     (said,) = [n for n in report.notes if "is assumed" in n]
-    assert "stiffness before sliding" in said
+    assert "presliding stiffness" in said
     assert 'name="frictionjoint-assumed:j"' in report.mjcf
     spec = mujoco.MjSpec.from_string(report.mjcf)
     uninstall(spec)

@@ -299,8 +299,8 @@ def test_advice_names_what_these_logs_leave_open():
     assert "spring, cable or balancer from payload or wrong mass" in tie
     assert effect.separating_motion in tie
     assert "load: one motion with two payloads" in unexplained
-    assert velocity.startswith("To determine Vs:")
-    assert presliding_motion.startswith("To determine stiffness:")
+    assert velocity.startswith("To determine Stribeck velocity:")
+    assert presliding_motion.startswith("To determine presliding stiffness:")
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
     assert what_to_record([], [], [], sure, held_out=True) == ()

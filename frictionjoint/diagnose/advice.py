@@ -1,14 +1,15 @@
-"""What to record next: the motion that would settle what these logs leave open."""
+"""What to record next: the motion that would resolve what these logs leave open."""
 
 from collections.abc import Iterable, Mapping
 
+from frictionjoint.describe import meanings
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
 
 # A parameter whose standard error exceeds this fraction of it counts as not determined.
 _LOOSE = 0.5
-_BREAKAWAY = "constant velocities from creeping to fast, in both directions"
+_BREAKAWAY = "constant velocities from very slow to fast, in both directions"
 _PRESLIDING = "slow motion that reverses before the joint slides"
 # Which motion determines which parameters of the law.
 _DETERMINED_BY = {
@@ -55,8 +56,7 @@ def what_to_record(
         motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")
         found.append(f"To find what depends on {quantity(variable)}: {motion}.")
     for motion, names in loose_parameters(law):
-        symbols = ", ".join(name.removesuffix("_pos") for name in names)
-        found.append(f"To determine {symbols}: {motion}.")
+        found.append(f"To determine {meanings(names)}: {motion}.")
     if not held_out:
         found.append("To know the error on unseen data: one more log, given with --held-out.")
     return tuple(dict.fromkeys(found))

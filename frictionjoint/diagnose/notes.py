@@ -133,11 +133,9 @@ def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
         )
     if not fitted.shape.assumed:
         return ()
-    unit, of_position = units_of(fitted, slide)
     return (
-        f"The stiffness before sliding, {law_parameters(fitted).stiffness:.3g} "
-        f"{unit}/{of_position}, is assumed: these logs do not determine it. It is as high as the "
-        "encoder's resolution and the time step suggest, so that the joint sticks.",
+        "The presliding stiffness is assumed: these logs do not determine it. It is as high as the "
+        "encoder's resolution and the time step allow, so that the joint sticks.",
     )
 
 

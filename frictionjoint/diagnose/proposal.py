@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
+from frictionjoint.describe import meanings
 from frictionjoint.diagnose.advice import loose_parameters
 from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
@@ -295,15 +296,16 @@ def to_sharpen(
     """What to record to determine some of the law's parameters, in one sentence."""
     found = planner.sharpening(cov, names, law)
     if found is None:
-        symbols = ", ".join(name.removesuffix("_pos") for name in names)
-        return f"No motion tried, inside what these logs show, should determine {symbols}."
+        return (
+            f"No motion within the range of these logs is expected to determine {meanings(names)}."
+        )
     errors = []
     for name, x in found.expected.items():
         was = f"{law[name].stderr:.2g}" if is_known(law[name]) else "more than its value"
         unit = "" if x.unit == "1" else f" {x.unit}"
-        errors.append(f"{name.removesuffix('_pos')} from {was} to {x.stderr:.2g}{unit}")
+        errors.append(f"{meanings([name])} from {was} to {x.stderr:.2g}{unit}")
     return (
-        f"Computed: {described(found.motion, planner)} takes the standard error of "
+        f"Computed: {described(found.motion, planner)} would reduce the standard error of "
         f"{', '.join(errors)}."
     )
 
@@ -320,7 +322,7 @@ def described(motion: Motion, planner: Planner) -> str:
     if motion.payload:
         payload = payload_of(motion, planner.body)
         # the loop takes one MJCF for all logs
-        load = f"with a further {payload} (which the MJCF of that run must hold)"
+        load = f"with a further {payload} (add it to the MJCF of that run)"
     text += f"{load}, for {motion.duration:.0f} s"
     return text + (f" (beyond what was logged: {motion.beyond})" if motion.beyond else "")
 

@@ -66,7 +66,7 @@ def interval(pair: tuple[float, float] | None) -> str:
 
 
 def value(x: Estimate | None, spread: bool = False) -> str:
-    """A value to the second figure of its standard error, else to five figures.
+    """A value to the second figure of its standard error, else to four figures.
 
     With `spread` the standard error follows; a value without one is marked as fixed.
     """
@@ -75,7 +75,7 @@ def value(x: Estimate | None, spread: bool = False) -> str:
     if not x.stderr or not math.isfinite(x.stderr):
         # what is smaller in any unit of a joint is the rounding of a zero
         number = round(x.value, _ROUNDING) + 0.0
-        return _plain(f"{number:.5g}") + (" (fixed)" if spread else "")
+        return _plain(f"{number:.4g}") + (" (fixed)" if spread else "")
     decimals = 1 - math.floor(math.log10(x.stderr))
     # adding zero takes the sign off a zero
     texts = [
