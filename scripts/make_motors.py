@@ -38,6 +38,7 @@ from frictionjoint.simulate.carrier import JointFriction, load_model, read_frict
 ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "frictionjoint/motors"
 PAGE = ROOT / "docs/motors.md"
+REMARKS = ROOT / "lab" / "notes" / "motors.md"
 HEAD = """# Library of motors
 
 Motors and joints identified from public logs, each machine by one `frictionjoint close-loop`.
@@ -54,20 +55,18 @@ Errors on held-out data, with the law alone and with the effects that were found
 * **replay**: rms position error of free runs of half a second;
 * **loop**: mean absolute position error of whole logs simulated from their target.
 
-For a robot the second number belongs to the MJCF with corrected bodies; see the remarks.
-`frictionjoint motors list --json` also prints the command, the commit, the digest of the logs, the
-standard errors, and the numbers of effects of the drive and the load. A number is not determined if
-its standard error is more than half of its value. Every motor holds a load at rest. A stiffness or
-a damping that had to be assumed for that is named below. The verdict is that of the report
-(`frictionjoint close-loop`); none stands where it was not kept. Where several units of one actuator
-were identified, the entry is the one whose torque is explained best, and a table below shows how
-much they differ: randomise by that.
+For a robot the second number belongs to the MJCF with corrected bodies. Every motor holds a load at
+rest. The verdict is that of the report; it is empty if it was not kept.
+
+`frictionjoint motors show NAME` prints the numbers of a motor with standard errors, the conditions
+of the logs, what they do not determine, and what was assumed. The same remarks, and the variation
+between units of one actuator, are in `lab/notes/motors.md` in the repository.
 
 """
 TAIL = (
     "## How they were made",
     "",
-    "`python scripts/make_motors.py --data DIR --out DIR` writes the library and this page. If the",
+    "`python scripts/make_motors.py --data DIR --out DIR` writes the library and its pages. If the",
     "controller is known, the numbers are refined by simulation. Without it the loop",
     "error is 0.0398 rad for the XL330, and the same for EMPS. `--keep NAME` leaves the numbers of",
     "a machine or a motor as they are.",
@@ -326,23 +325,23 @@ def page(library: Sequence[Motor]) -> str:
             shown = " to ".join(f"{x:.3g}" for x in ends if x is not None)
             cells.append(f"{shown} {unit}" if shown else "")
         lines.append(f"| {' | '.join([*cells, motor.licence])} |")
-    return HEAD + "\n".join([*lines, "", *_remarks(library), *TAIL])
+    return HEAD + "\n".join([*lines, "", *TAIL])
 
 
-def _remarks(library: Sequence[Motor]) -> list[str]:
-    """What to know, machine by machine: of all its joints, then of single ones."""
-    lines = ["## Remarks", ""]
+def remarks_page(library: Sequence[Motor]) -> str:
+    """Remarks by machine: on all of its joints, then on single ones."""
+    lines = ["# Remarks on the library of motors", ""]
     for title, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
         joints = {motor.name: _sentences(motor.remark) for motor in group}
         of_all = [x for x in next(iter(joints.values())) if all(x in y for y in joints.values())]
         first = next(motor for motor in library if motor.name in joints)
         about = [f"[Logs]({first.source}).", first.conditions, *of_all]
-        lines += [f"### {title}", "", " ".join(filter(None, about)), ""]
+        lines += [f"## {title}", "", " ".join(filter(None, about)), ""]
         own = {name: [x for x in said if x not in of_all] for name, said in joints.items()}
         told = [f"* `{name}`: {' '.join(said)}" for name, said in own.items() if said]
         lines += [*told, ""] if told else []
         lines += _units(first)
-    return lines
+    return "\n".join(lines)
 
 
 def _units(motor: Motor) -> list[str]:
@@ -394,6 +393,7 @@ def main() -> None:
             out.write_text(motor_text(with_presliding(motor, source.assumed.get(motor.joint))))
             print(f"Wrote {out.relative_to(ROOT)}", flush=True)
     PAGE.write_text(page(list_motors()))
+    REMARKS.write_text(remarks_page(list_motors()))
 
 
 if __name__ == "__main__":

@@ -275,7 +275,7 @@ SOURCES = {
         "https://github.com/HBRS-SDP/joint-friction-model/tree/bf1c8d87",
         NO_LICENCE,
         remark="Torque is the motor current times 7.6 N m/A. The joint turns one way only, so "
-        "friction and offset cannot be told apart. The authors saw breakaway at 2.5 to 3.1 N m. "
+        "friction and offset cannot be distinguished. The authors saw breakaway at 2.5 to 3.1 N m. "
         f"{NOT_SHIPPED}",
         conditions="Arm upright, joint 7 turning at ten constant speeds, 3 s each at 999 Hz.",
     ),
