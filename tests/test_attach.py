@@ -11,6 +11,7 @@ import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate import attach
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC
+from frictionjoint.simulate.check import check_model
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
 JOINT = """
@@ -359,3 +360,20 @@ def test_the_next_attach_warns_once_of_a_callback_that_was_set_over_ours():
         assert held(second)
         assert len(calls) == 600
         other.detach()
+
+
+def test_flags_that_are_disabled_after_attach_are_told_once():
+    model = spec().compile()
+    data = mujoco.MjData(model)
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    with fj.attach(model):
+        mujoco.mj_step(model, data, 10)
+        model.opt.disableflags |= int(off)
+        mujoco.mj_step(model, data, 10)
+        with pytest.warns(RuntimeWarning, match="has not acted since .* flags are both disabled"):
+            fj.torque(model, data)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            fj.torque(model, data)
+        rows = check_model(model)
+    assert any("friction does not act" in text for text in rows[0]["outside"])

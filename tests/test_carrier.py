@@ -271,3 +271,45 @@ def test_numbers_changed_by_hand_or_in_a_compiled_model_count(tmp_path):
     np.testing.assert_allclose(
         saved["b"].parameters.pack(), friction(Vs=0.7 / 3.0).pack(), rtol=1e-5
     )
+
+
+@pytest.mark.parametrize("own", [100, 1000])
+def test_a_parent_with_many_user_data_keeps_them_all(own):
+    child, parent = carrying(friction()), mujoco.MjSpec()
+    parent.nuserdata = own
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
+        parent.attach(child, prefix="L_", frame=parent.worldbody.add_frame())
+    model = parent.compile()
+    with fj.attach(model):
+        room = model.nuserdata
+        data = mujoco.MjData(model)
+        data.userdata[:own] = 7.0
+        data.qfrc_applied[0] = 0.5
+        mujoco.mj_step(model, data, nstep=20)
+        assert fj.torque(model, data)["L_elbow"].hysteresis > 0.0
+        assert read_friction(model)
+        assert model.nuserdata == room, "it gets room once"
+    np.testing.assert_array_equal(data.userdata[:own], 7.0)
+    fj.uninstall(parent)
+    assert parent.nuserdata == own
+
+
+THREE = "".join(
+    f'<body><joint name="{name}" armature="1"/><geom size=".1"/></body>' for name in "abc"
+)
+THREE = f"<mujoco><worldbody>{THREE}</worldbody></mujoco>"
+
+
+def test_friction_that_is_replaced_or_added_keeps_its_room():
+    spec = mujoco.MjSpec.from_string(THREE)
+    spec.nuserdata = 3
+    fj.install(spec, {"a": friction(), "b": friction()})
+    one = (spec.nuserdata - 3) // 2
+    fj.install(spec, {"a": friction()}, replace=True)
+    fj.install(spec, {"c": friction()})
+    model = spec.compile()
+    with fj.attach(model):
+        assert model.nuserdata == 3 + 3 * one
+    fj.uninstall(spec)
+    assert spec.nuserdata == 3

@@ -31,11 +31,12 @@ def make(name, ratio, solver="Newton"):
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("ratio", [0.3, 5.0])
 @pytest.mark.parametrize("solver", ["Newton", "PGS"])
-def test_repeated_evaluations_of_one_position_are_the_same_to_the_bit(name, ratio, solver):
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_repeated_evaluations_of_one_position_are_the_same_to_the_bit(name, ratio, solver, backend):
     model = make(name, ratio, solver)
     # else each evaluation would begin from the solution of the last one
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_WARMSTART)
-    with fj.attach(model):
+    with fj.attach(model, backend):
         data = stirred(model)
         mujoco.mj_forward(model, data)
         first = [data.M.copy(), data.qLD.copy(), data.qacc.copy(), data.userdata.copy()]

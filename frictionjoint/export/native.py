@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.export.sliding import PlainFriction
-from frictionjoint.simulate.carrier import TAG, blocks, rows_of_block
+from frictionjoint.simulate.carrier import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.shaft_wave import remove_waves
 
 # MuJoCo's largest impedance, and its shortest time constant, over a step
@@ -26,14 +26,13 @@ TERMS = 3
 def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     """Remove the friction from a spec; changed in place."""
     model = spec.copy().compile()
-    ours = 0
-    for at in blocks(model).values():
-        ours += rows_of_block(model.numeric_data[at:].tolist())
+    carried = [model.numeric_data[at:].tolist() for at in blocks(model).values()]
+    rows = sum(map(rows_of_block, carried)) if have_rows(carried, model.nuserdata) else 0
     for numeric in list(spec.numerics):
         if TAG in (numeric.name or ""):
             spec.delete(numeric)
     remove_waves(spec)
-    spec.nuserdata = max(0, model.nuserdata - ours)
+    spec.nuserdata = model.nuserdata - rows
     return spec
 
 

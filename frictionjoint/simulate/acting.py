@@ -15,13 +15,20 @@ _LATE = 1.5
 _warned: set[int] = set()
 
 
+def callback_is_off(model: mujoco.MjModel) -> bool:
+    """Whether a model's flags keep MuJoCo from calling a passive force."""
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    return bool((model.opt.disableflags & off) == off)
+
+
 def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, int]) -> None:
     """Warn once per model if it was stepped and its friction was not evaluated.
 
     Args:
         model: resolved. data: of that model. found: addresses of its blocks by joint name.
     """
-    if is_installed() or model._address in _warned:
+    off = callback_is_off(model)
+    if (is_installed() and not off) or model._address in _warned:
         return
     row = int(model.numeric_data[next(iter(found.values())) + ROW])
     evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STARTED] else 0.0
@@ -30,7 +37,12 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
     _warned.add(model._address)
     weakref.finalize(model, _warned.discard, model._address)
     reason = "call frictionjoint.attach(model) or frictionjoint.enable() before stepping"
-    if replaced():
+    if off:
+        reason = (
+            "the spring and damper flags are both disabled, so MuJoCo calls no passive force: "
+            "enable one of them in model.opt.disableflags"
+        )
+    elif replaced():
         reason = (
             "MuJoCo's passive callback was set to another one, or to None, after frictionjoint set "
             "it: set yours before frictionjoint.attach, which calls it too"

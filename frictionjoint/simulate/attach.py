@@ -7,7 +7,7 @@ import mujoco
 
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.acting import forget_warning
+from frictionjoint.simulate.acting import callback_is_off, forget_warning
 from frictionjoint.simulate.carrier import blocks, resolve
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
 from frictionjoint.simulate.mechanism import require_flags
@@ -84,8 +84,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     require_model(model, "attach")
     if model._address in _attached:
         raise ModelError("this model is attached already: detach it, or leave its block, before")
-    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
-    if (model.opt.disableflags & off) == off:
+    if callback_is_off(model):
         raise ModelError(
             "spring and damper flags are both disabled, so MuJoCo calls no passive force: "
             "enable one of them in <option><flag>"

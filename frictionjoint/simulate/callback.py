@@ -19,9 +19,10 @@ from frictionjoint.simulate.carrier import (
     ROW,
 )
 from frictionjoint.simulate.first_sight import make_ready
+from frictionjoint.simulate.layout import data_structure
 from frictionjoint.simulate.mass import put_in, take_back
 from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
-from frictionjoint.simulate.native import PGS, RK4
+from frictionjoint.simulate.native import PGS, PROJECTED, RK4
 from frictionjoint.simulate.row import BASE, T_EVALUATED
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
@@ -125,7 +126,17 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         if hasattr(data, "iM"):
             _copy_to_islands(model, data)
         if data.nefc and (model.opt.solver == PGS or model.opt.noslip_iterations > 0):
+            _give_back_projection(data)
             mujoco.mj_projectConstraint(model, data)
+
+
+def _give_back_projection(data: mujoco.MjData) -> None:
+    """The projection of the constraints that was made before goes: it is the last in the arena."""
+    fields = data_structure().from_address(data._address)
+    begins = [getattr(fields, name, None) for name in PROJECTED]
+    lowest = min((begin for begin in begins if begin), default=None)
+    if lowest is not None:
+        fields.parena = lowest - fields.arena
 
 
 def _copy_to_islands(model: mujoco.MjModel, data: mujoco.MjData) -> None:

@@ -57,6 +57,8 @@ REFUSED = -1.0
 TAG = "frictionjoint:"
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11
+# whole numbers up to here survive six digits
+_EXACT = 999_999
 
 
 @dataclass(frozen=True, repr=False)
@@ -170,8 +172,11 @@ def install(
             )
     if replaced:
         take_out(spec, replaced)
+    there = [numeric.data for numeric in spec.numerics if TAG in numeric.name]
+    own = max(0, spec.nuserdata - sum(rows_of_block(block) for block in there))
     for name, parameters in friction.items():
         block = made[name]
+        block[ROW] = own + 1 if own < _EXACT else 0
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len(carried[name])
@@ -221,6 +226,16 @@ def rows_of_block(block: Sequence[float]) -> int:
     return row_size(int(law_row_size(numbers, HEAD)), n_effects)
 
 
+def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
+    """Whether so many user data include the rows of all blocks of a model or spec.
+
+    Blocks that came by ``MjSpec.attach`` have none there, whatever user data the model has itself.
+    """
+    need = sum(rows_of_block(block) for block in blocks)
+    known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
+    return need <= nuserdata and all(own + need == nuserdata for own in known)
+
+
 def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict[str, int]:
     """Write addresses and exact numbers into a model's own blocks; returns their addresses.
 
@@ -233,7 +248,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
     """
     found = blocks(model)
     ids = {name: i for i, name in enumerate(names_of(model, "jnt")) if name}
-    sizes = {}
+    sizes, made = {}, []
     for name, at in found.items():
         _check_block(model, name, at, ids)
         n = int(model.numeric_data[at + COUNT])
@@ -249,14 +264,15 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
                 f"joint {name!r} has {mechanical[0]}, and no joint {name + DEFLECTION!r} that it "
                 "acts by: install the friction anew"
             )
-        sizes[name] = rows_of_block(model.numeric_data[at : at + HEAD + n])
+        made.append(model.numeric_data[at : at + HEAD + n])
+        sizes[name] = rows_of_block(made[-1])
     need = sum(sizes.values())
-    if in_userdata and need > model.nuserdata:
+    if in_userdata and not have_rows(made, model.nuserdata):
         if isinstance(model, ModelView):
             raise ModelError(
                 f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
-                f"{model.nuserdata}: call frictionjoint.attach(model) before mujoco.MjData(model), "
-                f'or write <size nuserdata="{need}"/> in the MJCF'
+                f"{model.nuserdata}, its own included: call frictionjoint.attach(model) before "
+                f'mujoco.MjData(model), or write <size nuserdata="{need}"/> in the MJCF'
             )
         make_room(model, need)
     if isinstance(model, mujoco.MjModel) and not any(

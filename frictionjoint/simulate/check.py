@@ -8,6 +8,7 @@ from frictionjoint.arguments import require_model
 from frictionjoint.effects import heating, motor_temperature, temperature_dependent
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import presliding
+from frictionjoint.simulate.acting import callback_is_off
 from frictionjoint.simulate.carrier import (
     HEAD,
     JointFriction,
@@ -42,7 +43,6 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     found, carried_by = resolve(model), read_friction(model)
     native = native_friction(model, carried_by)
     implicit = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
-    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     rows = []
     for name, carried in carried_by.items():
         j = model.joint(name).id
@@ -57,7 +57,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
         ratio = model.opt.timestep * float(stiffness * inverse) ** 0.5
         damping_ratio = model.opt.timestep * damping * inverse
         outside = _outside(model.opt.timestep, ratio, damping_ratio, implicit)
-        if (model.opt.disableflags & off) == off:
+        if callback_is_off(model):
             outside.append(
                 "friction does not act: spring and damper flags are both disabled, enable one of "
                 "them in <option><flag>"

@@ -24,7 +24,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.laws import kind_of
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.attach import attach as attach_model
-from frictionjoint.simulate.carrier import TAG, resolve, rows_of_block
+from frictionjoint.simulate.carrier import ROW, TAG, resolve, rows_of_block
 from frictionjoint.simulate.carrier import install as install_in_spec
 from frictionjoint.simulate.samples import FrictionSamples, Samples
 
@@ -60,6 +60,7 @@ def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:
     more = 0
     for name in friction:
         block = blocks[TAG + name]
+        block[ROW] = 0.0  # the tree's user data are counted here
         joint = root.find("joint", name)
         # names with a scope are not allowed: the numeric belongs to the scope of its joint
         numeric = joint.root.find("numeric", TAG + joint.name)

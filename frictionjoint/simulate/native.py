@@ -169,7 +169,8 @@ _OF_DATA = (
     D_NIDOF,
 ) = range(len(_OF_MODEL) + len(_OF_DATA))
 # the projection of the constraints, whichever of them this MuJoCo has
-PROJECTED = (D_EFC_Y_ROWNNZ, D_EFC_Y, D_EFC_AR_ROWNNZ, D_EFC_AR)
+PROJECTED = ("efc_Y_rownnz", "efc_Y", "efc_AR_rownnz", "efc_AR")
+_D_PROJECTED = (D_EFC_Y_ROWNNZ, D_EFC_Y, D_EFC_AR_ROWNNZ, D_EFC_AR)
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 AT = Table("offsets", len(_OF_MODEL) + len(_OF_DATA))
 """Bytes from the beginning of mjModel and mjData; 0 for a field that this MuJoCo lacks."""
@@ -313,7 +314,7 @@ def native(m: Address, d: Address) -> None:
     if shorts_in(m, AT[M_SOLVER])[0] == PGS or shorts_in(m, AT[M_NOSLIP_ITERATIONS])[0] > 0:
         # the projection that the position stage made goes: it is the last in the arena
         lowest = 0
-        for which in PROJECTED:
+        for which in _D_PROJECTED:
             begin = int(wholes_in(d, AT[which])[0]) if AT[which] != 0 else 0
             if begin != 0 and (lowest == 0 or begin < lowest):
                 lowest = begin

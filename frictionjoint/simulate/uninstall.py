@@ -11,7 +11,7 @@ from frictionjoint.errors import ModelError, few
 from frictionjoint.model_files import read_spec
 from frictionjoint.model_text import model_text
 from frictionjoint.simulate.assumed import remove_assumed
-from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, rows_of_block
+from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import remove_waves
 
@@ -58,12 +58,15 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
         ModelError: a block is damaged.
     """
     ours = [numeric for numeric in spec.numerics if _carrier(numeric.name) in joints]
+    all_of_them = [numeric.data for numeric in spec.numerics if _carrier(numeric.name)]
     rows = 0
     for numeric in ours:
         block = np.asarray(numeric.data)
         if len(block) <= HEAD or block[0] != MAGIC or len(block) != HEAD + 5 * block[COUNT]:
             raise ModelError(f"numeric {numeric.name} is damaged: delete it in the MJCF by hand")
         rows += rows_of_block(block.tolist())
+    if not have_rows(all_of_them, spec.nuserdata):
+        rows = 0
     for numeric in ours:
         spec.delete(numeric)
     for joint in joints:
