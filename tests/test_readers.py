@@ -265,6 +265,23 @@ def test_ros_bags(tmp_path: Path, plugin: str, stamped: bool) -> None:
             read_log(path, "elbow", {"topic": "/leg"})
 
 
+def test_fields_of_any_message_are_named(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "bag", "mcap")
+    fields = {"position_rad": "position[0]", "torque_nm": "effort[0]"}
+    log = read_log(path, columns=fields)
+    np.testing.assert_allclose(log.time, T, rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(log.position, TABLE["q"])
+    np.testing.assert_array_equal(log.torque, TABLE["tau"])
+    for wrong, what in (
+        ({"position_rad": "angle"}, "not there"),
+        ({"position_rad": "position[9]"}, "not there"),
+        ({"position_rad": "position"}, "same length"),
+        ({"joints": "a"}, "'joints' is unknown"),
+    ):
+        with pytest.raises(LogError, match=what):
+            read_log(path, columns=fields | wrong)
+
+
 def test_a_bag_without_effort(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="effort is empty and name the topic of its commands"):
         read_log(write_bag(tmp_path / "bag", "mcap", effort=False), "elbow")

@@ -34,6 +34,15 @@ def whole(name: str) -> str:
     return part[1] if part else name
 
 
+def part_of(value: Any, field: str) -> Any:
+    """A field of a message, with those of its parts: ``state.q[2]``."""
+    for name in field.split("."):
+        part = _PART.fullmatch(name)
+        value = getattr(value, part[1] if part else name)
+        value = value[int(part[2])] if part else value
+    return value
+
+
 def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
     """A column of real numbers, shape (n,); 1 x n and n x 1 matrices are accepted.
 

@@ -8,6 +8,8 @@ state of a joint trajectory controller, whose reference is the target of the pos
 Float64MultiArray of a forward controller, whose joints are named in its order and whose time is
 that of recording. A JointTrajectory is not sufficient, because its interpolation is up to its
 controller.
+
+Messages of any other type are read where their fields are named: ``position_rad=state.q[2]``.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,7 +20,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import corrupt
+from frictionjoint.measured.arrays import corrupt, part_of
+from frictionjoint.measured.columns import KNOWN
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -50,12 +53,15 @@ def read_rosbag(
     Args:
         columns: ``{"topic": name}`` if the bag has several JointState topics, ``{"command": name}``
             for the topic of the commands, ``{"joints": "a,b"}`` for their joints in order if they
-            carry no names, and ``{"position_m": "position"}`` if the joint is a slide. units: see
-            `units`.
+            carry no names, and ``{"position_m": "position"}`` if the joint is a slide; or fields
+            of any messages, also of several samples each, by our names: ``{"topic": name,
+            "position_rad": "state.q[2]"}``. units: see `units`.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """
     mapping = dict(columns or {})
+    if any(name in (*KNOWN, "time_s") for name in mapping if mapping[name] != "position"):
+        return _read_fields(path, joint, mapping, units)
     slide = mapping.pop("position_m", None) == "position"
     topics = tuple(mapping.pop(name, None) for name in ("topic", "command", "joints"))
     if mapping:
@@ -92,6 +98,41 @@ def read_rosbag(
             if np.isfinite(x[:, _VELOCITY]).all():
                 data[f"{other}.velocity_rad_s"] = x[:, _VELOCITY].copy()
     return log_of(path, joint, data, units=units)
+
+
+def _read_fields(
+    path: Path,
+    joint: str | None,
+    mapping: dict[str, str],
+    units: Mapping[str, str] | None,
+) -> JointLog:
+    """A log from named fields of the messages of a topic, of whatever type."""
+    topic = mapping.pop("topic", None)
+    alien = [name for name in mapping if name not in (*KNOWN, "time_s")]
+    if alien:
+        raise LogError(f"{path.name}: with named fields, {alien[0]!r} is unknown: drop it")
+    found: dict[str, list[Array]] = {name: [] for name in ("time_s", *mapping)}
+    try:
+        for message, recorded in _messages(path, topic, None):
+            sizes = []
+            for ours, field in mapping.items():
+                value = np.atleast_1d(np.asarray(part_of(message, field), dtype=np.float64))
+                found[ours].append(value.ravel())
+                sizes.append(value.size)
+            if len(set(sizes)) > 1:
+                raise LogError(
+                    f"{path.name}: the fields of a message have {min(sizes)} to {max(sizes)} "
+                    "numbers: name parts of the same length, e.g. position[0]"
+                )
+            if "time_s" not in mapping:
+                found["time_s"].append(np.full(sizes[0], 1e-9 * _nanoseconds(message, recorded)))
+    except LogError:
+        raise
+    except (AttributeError, IndexError, TypeError, ValueError) as error:
+        raise LogError(f"{path.name}: a field is not there or holds no numbers: {error}") from None
+    data = {name: np.concatenate(parts) for name, parts in found.items()}
+    data["time_s"] = data["time_s"] - (0.0 if "time_s" in mapping else data["time_s"][0])
+    return log_of(path, joint or "joint", data, units=units)
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
@@ -195,7 +236,7 @@ def _with_target(
 
 
 def _messages(
-    path: Path, topic: str | None, kinds: tuple[str, ...], other_than: str | None = None
+    path: Path, topic: str | None, kinds: tuple[str, ...] | None, other_than: str | None = None
 ) -> Iterator[tuple[Any, int]]:
     """Messages of one topic with their recording times, ns.
 
@@ -208,14 +249,19 @@ def _messages(
     except ImportError:
         raise LogError(f"{path.name}: reading a bag needs rosbags: pip install rosbags") from None
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        found = [c for c in reader.connections if c.msgtype in kinds and c.topic != other_than]
+        found = [
+            c
+            for c in reader.connections
+            if (kinds is None or c.msgtype in kinds) and c.topic != other_than
+        ]
         topics = sorted({c.topic for c in found})
         if not topics or (topic is not None and topic not in topics):
             asked = f" named {topic}" if topic else ""
             there = sorted({f"{c.topic} ({c.msgtype})" for c in reader.connections})
             raise LogError(
-                f"{path.name}: no {' or '.join(kinds)} topic{asked}, it has "
-                f"{', '.join(there) or 'none'}"
+                f"{path.name}: no {' or '.join(kinds or ('such',))} topic{asked}, it has "
+                f"{', '.join(there) or 'none'}; of other messages name the fields, --column "
+                "topic=TOPIC --column position_rad=FIELD"
             )
         if topic is None and len(topics) > 1:
             raise LogError(f"{path.name}: several topics, name one of {', '.join(topics)}")
