@@ -41,9 +41,12 @@
         const part = (e.clientX - box.left - p.l) / (box.width - p.l - p.r);
         return this.view[0] + Math.min(1, Math.max(0, part)) * (this.view[1] - this.view[0]);
       };
-      this.canvas.addEventListener("pointerdown", (e) => { if (e.pointerType !== "touch") this.from = x(e); });
+      this.canvas.addEventListener("pointerdown", (e) => {
+        if (e.pointerType === "touch") this.mates.forEach((c) => c.hover(x(e)));  // a tap shows values until the next one
+        else this.from = x(e);
+      });
       this.canvas.addEventListener("pointermove", (e) => { const at = x(e); this.mates.forEach((c) => c.hover(at, c === this ? this.from : undefined)); });
-      this.canvas.addEventListener("pointerleave", () => this.mates.forEach((c) => c.hover(null)));
+      this.canvas.addEventListener("pointerleave", (e) => { if (e.pointerType !== "touch") this.mates.forEach((c) => c.hover(null)); });
       window.addEventListener("pointerup", (e) => {
         if (this.from === undefined) return;
         const to = x(e), view = [Math.min(this.from, to), Math.max(this.from, to)];
