@@ -12,7 +12,7 @@ from frictionjoint.diagnose.moves import look
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import compared
-from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
+from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
@@ -63,7 +63,7 @@ def test_what_explains_more_where_nothing_has_bent_the_law_is_tried_from_everywh
     # as if the law had bent so that the offset does not show
     unseen = seen._replace(rows=tuple(r._replace(p_value=1.0) for r in seen.rows))
     laws = OtherLaws(prepared, alone)
-    tried = worth_unbending(scored(alone, blocks), unseen, prepared, laws)
+    tried = candidates_to_refit_jointly(scored(alone, blocks), unseen, prepared, laws)
     names = [move.added[0].term.name for move, _ in tried]
     assert ("torque-bias" in names) == bool(hidden)
     assert all(forms == [forms_like(alone.shape)] for _, forms in tried)

@@ -187,7 +187,7 @@ def explain(
     scaled = shows and scale_is_determined(found.prepared, found.final)
     outcome, closed, refined = None, None, None
     if loops and shows:
-        # where the load hardly shows, many gains move alike: the best of them, with its error
+        # if the load is weakly excited the gain is poorly determined: the best one, with its error
         if refine:
             found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
             scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)

@@ -7,11 +7,11 @@ clear in `identify/clearly.py`; the waves that logs can show in `identify/search
 
 # rate of false alarms over the whole family of candidates
 SIGNIFICANCE = 0.05
-# part of the halves of the data that must choose an effect before others and before none
+# fraction of random half-samples of the data that must choose an effect before others and none
 MOSTLY = 0.5
-# fraction of the squares left that a change must take away: an effect is believed that is about as
-# large as all that remains unexplained beside it, for no law is exact, and what is left of one has
-# some likeness to many an effect. Changes that differ by less are compared once more.
+# fraction of the residual sum of squares that a change must remove: an effect must be about as
+# large as everything that remains unexplained, because no law is exact, and its error correlates
+# with many effects. Changes that differ by less are compared once more.
 SMALLEST_GAIN = 0.33
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect

@@ -41,7 +41,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         whether one was replaced.
     """
     own = state.fit.effects
-    for replaced in _replaceable(state):
+    for replaced in joint_effects_to_replace(state):
         found = look_at_drive(state.prepared, without(state, replaced), rng)
         if found is None or not found.tried:
             continue
@@ -68,7 +68,7 @@ def _as(finding: Finding, _: Finding) -> Finding:
     return finding
 
 
-def _replaceable(state: State) -> list[Term]:
+def joint_effects_to_replace(state: State) -> list[Term]:
     """Effects of the joint that an effect of the drive may replace."""
     own = state.fit.effects
     of_joint = [t for t in own if isinstance(t, EffectTerm) and not isinstance(t, DriveTerm)]

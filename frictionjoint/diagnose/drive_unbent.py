@@ -19,7 +19,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.starts import ripened, unripe
+from frictionjoint.identify.starts import ripened, screened_starts
 from frictionjoint.identify.terms import DriveTerm
 from frictionjoint.threads import side_by_side
 
@@ -58,7 +58,7 @@ def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
     alone = ripened(coarse, fitted.effects, law)[0].cost
 
     def left(term: DriveTerm) -> float:
-        return unripe(coarse, (*fitted.effects, term), law)[0].cost
+        return screened_starts(coarse, (*fitted.effects, term), law)[0].cost
 
     with side_by_side() as each:
         gains = [1.0 - cost / alone for cost in each(left, terms)]

@@ -88,13 +88,13 @@ def weigh_others(state: State) -> None:
             _take(state, own[i], partial(_instead, candidate=best), other)
         elif not apart(now, instead):
             first = _precedes(best.term, own[i]) and not now.better(instead)
-            if first and not _alone_leaves_less(state, own[i], best.term, blocks):
+            if first and not _clearly_better_alone(state, own[i], best.term, blocks):
                 _take(state, own[i], partial(_first_of_tie, candidate=best), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
 
-def _alone_leaves_less(state: State, term: Term, other: Term, blocks: Blocks) -> bool:
+def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks) -> bool:
     """Whether one of several effects alone leaves a much smaller residual than another alone.
 
     Known effects and effects of the controller stay in the model.

@@ -117,7 +117,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
     if any(isinstance(term, MissingTerm) for term in state.fit.terms):
         state.prepared = state.prepared.without_limits()
     named = named_of(state.fit.effects)
-    # beside what has no name the law may have come to where it stands for nothing without that
+    # fitted with the unnamed terms, the law may be in a poor local minimum without them
     starts = state.laws.starts(state.fit.shape)
     fits = [refit(state.prepared, named, law) for law in starts]
     asked = state.prepared, best_of(fits, lambda f: f.drive_rms)

@@ -42,7 +42,7 @@ from frictionjoint.diagnose.state import (
     needed,
     numbers_of,
 )
-from frictionjoint.diagnose.unbent import bends, unbent, worth_unbending
+from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
@@ -234,7 +234,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         tried = list(each(attempt, [m for m in moves if _beyond_chance(m, seen)]))
     choice = _chosen(now, tried)
     if not choice or choice.taken.move.unnamed:
-        # before nothing is named, or what has no name is taken: is it the law that is in the way?
+        # before the search ends or accepts an unnamed term: could a biased law mask an effect?
         tried += _unbent(state, now, blocks)
         choice = _chosen(now, tried)
     if choice:
@@ -261,7 +261,7 @@ def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
     """Effects whose absence may bias a law, fitted jointly with laws from all starts."""
     prepared = state.prepared
     found = []
-    for move, laws in worth_unbending(now, state.look, prepared, state.laws):
+    for move, laws in candidates_to_refit_jointly(now, state.look, prepared, state.laws):
         own, fitted = settled(prepared, unbent(prepared, move.terms, laws))
         found.append(_Tried(move, own, scored(fitted, blocks)))
     return found

@@ -21,7 +21,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.starts import ripened, unripe
+from frictionjoint.identify.starts import ripened, screened_starts
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
@@ -54,7 +54,7 @@ def bends(term: Term) -> bool:
     return isinstance(term, EffectTerm) and (term.follows_law or term.effect.of_speed)
 
 
-def worth_unbending(
+def candidates_to_refit_jointly(
     now: Scored, seen: Look, prepared: Prepared, laws: OtherLaws
 ) -> list[tuple[Move, list[Sequence[Shape]]]]:
     """Effects to refit jointly with a law, each with the laws to use.
@@ -77,7 +77,7 @@ def worth_unbending(
     )
 
     def at_a_start(row: Looked) -> float:
-        return unripe(prepared, (row.candidate.term,), own)[0].cost
+        return screened_starts(prepared, (row.candidate.term,), own)[0].cost
 
     with side_by_side() as each:
         left = list(each(at_a_start, rest))

@@ -39,7 +39,8 @@ _REACH = 0.6
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
 # or a stop has none at an impact
 _STEP = 0.015
-# of a time within a sample, over that: in less, whether a sample passes a threshold is all there is
+# finite-difference step for a time offset, as a fraction of the sample: smaller ones see only
+# threshold crossings
 _TIME_STEP = 0.1
 # of H along a law's tangent
 _SMALL = 1e-4

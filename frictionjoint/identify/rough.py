@@ -19,7 +19,7 @@ _LEAST = 1e-4
 def with_leaps(
     prepared: Prepared, fitted: Fit, cov: Array, block_of_sample: NDArray[np.int64]
 ) -> Array:
-    """The covariance, wider where a torque leaps, shape (p, p).
+    """The covariance, wider for parameters with discontinuous torque, shape (p, p).
 
     Args:
         cov: of all parameters, see `uncertainty.covariance`, shape (p, p).
@@ -37,7 +37,7 @@ def with_leaps(
 
 
 def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[np.int64]) -> float:
-    """The longest way, in either direction, after which a number is not told apart."""
+    """The largest change, in either direction, for which a parameter cannot be distinguished."""
     x = search.start
     others = np.arange(fitted.jacobian.shape[1]) != k + fitted.layout.linear.stop
     J = with_load(fitted.jacobian, fitted.layout)[:, others & ~fitted.bound]
@@ -58,7 +58,7 @@ def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[
 
 
 def _left(search: Search, Q: Array, x: Array, block: NDArray[np.int64]) -> Array:
-    """Squares of each block at a point, the directions Q fitted again, shape (B,)."""
+    """Sum of squares of each block at a point, with the directions Q refitted, shape (B,)."""
     e = search.residual(x)
     _, own = np.unique(block, return_inverse=True)
     return np.bincount(own, (e - Q @ (Q.T @ e)) ** 2).astype(np.float64)

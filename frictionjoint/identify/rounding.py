@@ -1,9 +1,8 @@
-"""Choices that rounding does not make.
+"""Choices that do not depend on rounding.
 
-Some models are one model with other names: a bias and a spring in a small travel, or a gain and an
-inertia beside a mass that is not known. What they leave differs in the last bits only, and those
-differ from processor to processor. Of such models the first in the given order is chosen, which is
-the same everywhere.
+Some models are equivalent: a bias and a spring over a short travel, or a gain and an inertia with
+an unknown mass. Their residuals differ in the last bits only, which depend on the processor. Among
+such models the first in the given order is chosen, on every machine.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +20,7 @@ _T = TypeVar("_T")
 
 
 def in_order(items: Sequence[_T], cost: Callable[[_T], float]) -> list[_T]:
-    """The items by their costs, which are not negative; of equal costs as they were given."""
+    """The items by their nonnegative costs; items of equal cost keep their order."""
     costs = [cost(item) for item in items]
     ordered = sorted(range(len(items)), key=lambda k: costs[k])
     found: list[_T] = []
@@ -34,12 +33,12 @@ def in_order(items: Sequence[_T], cost: Callable[[_T], float]) -> list[_T]:
 
 
 def best_of(items: Sequence[_T], cost: Callable[[_T], float]) -> _T:
-    """The item of least cost; of equal costs the first."""
+    """The item with the smallest cost; the first among equals."""
     return in_order(items, cost)[0]
 
 
 def first_least(costs: Array) -> Index:
-    """First row with the least cost in each column, shape (m,).
+    """First row with the smallest cost in each column, shape (m,).
 
     Args:
         costs: not negative, shape (k, m).

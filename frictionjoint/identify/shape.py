@@ -51,25 +51,26 @@ class Shape(Protocol):
         """The numbers searched, shape (k,)."""
 
     def moved(self, x: Array) -> Self:
-        """The same kind of shape at other numbers."""
+        """The same kind of shape with other numbers."""
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """Least and largest numbers where the joint goes up to vmax (rad/s) over span (rad)."""
+        """Bounds of the numbers for a joint with speeds up to vmax (rad/s) and travel span
+        (rad)."""
 
     def started(self, start: LawStart) -> list[Self]:
-        """This kind of shape where a search may begin."""
+        """Starting shapes of this kind."""
 
     def last_choices(self) -> list[Self]:
-        """This shape in every variant that matters at the start of a log only."""
+        """Variants of this shape that matter only at the start of a log."""
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
-        """The law at a Coulomb level, N m."""
+        """The law with a Coulomb level, N m."""
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
-        """H, and what times the velocity is dz/dt, along motions, each of shape (n,).
+        """H, and the factor of velocity in dz/dt, along motions, each of shape (n,).
 
         Args:
-            edges: where each of the motions begins and the last ends; None: it is one.
+            edges: start of each motion and end of the last; None: one motion.
         """
 
     def tangents(
@@ -80,7 +81,7 @@ class Shape(Protocol):
 
 @lru_cache(maxsize=64)
 def unit_block(shape: Shape) -> Array:
-    """The law's block at Coulomb level 1, to be read only: many logs ask for that of one shape."""
+    """The law's block with Coulomb level 1, read-only and cached."""
     return shape.parameters(1.0, 0.0).pack()
 
 
@@ -103,18 +104,18 @@ _MOST_EXCESS = 15.0
 
 
 def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
-    """Of excess, log Vs and delta: the Stribeck curve common to the laws."""
+    """Bounds of excess, log Vs and delta: the Stribeck curve common to the laws."""
     return [0.0, float(np.log(1e-3 * vmax)), 0.4], [_MOST_EXCESS, float(np.log(0.3 * vmax)), 3.0]
 
 
 def length_bounds(span: float) -> tuple[float, float]:
-    """Of the logarithm of a presliding length."""
+    """Bounds of the logarithm of a presliding length."""
     return float(np.log(1e-6 * span)), float(np.log(0.1 * span))
 
 
 @dataclass(frozen=True)
 class Form:
-    """Choices in the law that a fit makes by trying each.
+    """Discrete choices in the law; a fit tries each.
 
     Attributes:
         n: exponent of the transition to sliding. variant, virgin: see `FrictionParameters`.
@@ -201,7 +202,8 @@ class IntegratedShape:
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """With the curve as it seems, and straight: where n is small that is curved enough."""
+        """With the estimated transition curve, and with a straight one: a small n is curved
+        enough."""
         first, second = np.clip(start.bend, *_BENDS)
         straight = _BENDS[1]
         return [
@@ -218,7 +220,7 @@ class IntegratedShape:
         ]
 
     def last_choices(self) -> list[Self]:
-        """How a joint that never moved loads for the first time."""
+        """Variants of the first loading of a joint that never moved."""
         return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
 
     def with_damping(self) -> Self:
@@ -226,7 +228,7 @@ class IntegratedShape:
         return replace(self, damped=True)
 
     def by_direction(self) -> Self:
-        """This shape with a Stribeck curve for each direction."""
+        """This shape with a separate Stribeck curve for each direction."""
         return replace(self, negative=self.negative or (self.excess, self.Vs))
 
     def with_assumed_stiffness(self, reach: float) -> Self:

@@ -1,6 +1,6 @@
-"""Terms without a physical name: what a residual depends on when no known effect explains it.
+"""Terms without a physical name: dependences of a residual that no known effect explains.
 
-Each names the measured quantity it is a curve in. They have no place in a simulation.
+Each names the measured quantity on which it depends. They have no place in a simulation.
 """
 
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 @dataclass(frozen=True)
 class SmoothTerm:
-    """What all unnamed terms have in common; see `terms.Term`."""
+    """Common base of all unnamed terms; see `terms.Term`."""
 
     variable: str
     opposes_voltage: ClassVar[bool] = False
@@ -50,12 +50,12 @@ class SmoothTerm:
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """Most have no numbers that enter nonlinearly."""
+        """Nonlinear numbers; most have none."""
         return ()
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """All that there are."""
+        """All nonlinear numbers."""
         return self.shape
 
     @property
@@ -65,7 +65,7 @@ class SmoothTerm:
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Of the coefficients; most have none."""
+        """Bounds of the coefficients; most have none."""
         return ()
 
     @property
@@ -78,7 +78,7 @@ class SmoothTerm:
         return self
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """What it would mean, in a sentence, of those that suggest a cause; else empty.
+        """A possible cause, in a sentence; empty if it suggests none.
 
         Args:
             coefficients: of its columns, in `unit` each. unit: of the torque.
@@ -91,12 +91,14 @@ class SplineTerm(SmoothTerm):
     """A cubic spline in a quantity, alone or times the direction of friction.
 
     Attributes:
-        low, high: range the knots span; the curve goes on as a constant outside.
+        low, high: range of the knots; the curve is constant outside.
         odd: multiplied by H, the direction of friction.
-        means, slopes: of the columns over the logs, taken off. What is constant is a bias, which
-            has a name, and a curve that held it would outdo every other effect. What is linear in
-            the load is a gain and in the velocity viscous friction: beside a curve that held it
-            neither is determined, and their difference is a bias wherever the mean is not zero.
+        means, slopes: of the columns over the logs, subtracted. A constant is a bias, a named
+            effect, and a curve that contained it would beat every other effect. A part linear in
+            the load is a gain,
+            in the velocity viscous friction: a curve that contained it would leave both
+                undetermined, and
+            their difference would be a bias wherever the mean is not zero.
     """
 
     low: float
@@ -113,7 +115,7 @@ class SplineTerm(SmoothTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Spline coefficients; the constant is not among them."""
+        """Spline coefficients, without a constant."""
         return tuple(f"b{i}" for i in range(self.pieces + 2))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -129,7 +131,7 @@ class SplineTerm(SmoothTerm):
     def _basis(self, x: Array) -> Array:
         """Cubic B-splines of uniform knots at x, shape (n, pieces + 2).
 
-        All but the last, for together they are a constant.
+        Without the last one, because all of them add up to a constant.
         """
         at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
         piece = np.minimum(at.astype(int), self.pieces - 1)
@@ -147,8 +149,9 @@ class SplineTerm(SmoothTerm):
         return out[:, :-1]
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
-        """The same curve without its mean over what is kept of the logs, and without the slope that
-        is the model's own; an odd one has neither.
+        """The same curve without its mean over the kept samples, and without the slope that the
+        model
+        contains; an odd one has neither.
         """
         if self.odd:
             return self
@@ -164,10 +167,10 @@ class SplineTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class LogTerm(SmoothTerm):
-    """A friction level of its own for every log but the first.
+    """A separate friction level for every log but the first.
 
     Attributes:
-        logs: names of the logs, in turn.
+        logs: names of the logs, in order.
     """
 
     logs: tuple[str, ...]
@@ -179,7 +182,7 @@ class LogTerm(SmoothTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """One a log."""
+        """One per log."""
         return tuple(f"level_{i}" for i in range(1, len(self.logs)))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -191,10 +194,10 @@ class LogTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class TunedTerm(SmoothTerm):
-    """What has one number that enters nonlinearly.
+    """A term with one nonlinear number.
 
     Attributes:
-        at: that number. within: its least and largest value.
+        at: that number. within: its bounds.
     """
 
     at: float
@@ -229,7 +232,7 @@ class WaveTerm(TunedTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Two a log."""
+        """Two per log."""
         return tuple(f"{c}_{i}" for i in range(len(self.logs)) for c in ("sin", "cos"))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -253,7 +256,7 @@ class WaveTerm(TunedTerm):
 
 @dataclass(frozen=True)
 class HysteresisTerm(SmoothTerm):
-    """Hysteresis in position beyond the law's: elastic-plastic elements of several reaches.
+    """Additional hysteresis in position: elastic-plastic elements with several slip displacements.
 
     Attributes:
         reaches: displacement at which each element slips, rad.

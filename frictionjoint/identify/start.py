@@ -1,10 +1,9 @@
 """Initial friction state of each log: unmeasured, hence estimated.
 
-A joint at rest under a load holds it by a presliding torque that came of the motion before the
-log. A law that begins at zero is wrong until the joint has slid; with the torque of the first
-sample free, it is not. The link of an elastic joint may swing, for as long as its damping lets it.
-Both belong to the log as its first position does, so of a log that is only predicted they are
-estimated too.
+A joint at rest under a load holds it by a presliding torque that depends on the motion before the
+log. A law that starts at zero is wrong until the joint has slid, unless the torque at the first
+sample is free. The link of an elastic joint may oscillate until its damping stops it. Both are
+properties of the log, like its first position, so they are estimated for predicted logs too.
 """
 
 from dataclasses import replace
@@ -38,10 +37,10 @@ _DEPENDENT = 1e-6
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
-    """The logs with the states at their first samples that leave a fit least.
+    """The logs with initial states that minimise the residual of a fit.
 
     Returns:
-        `prepared` itself where no log determines a better start than it has.
+        `prepared` itself if no log determines a better initial state.
     """
     begun = []
     for i, held in enumerate(_starts(prepared, fitted)):
@@ -55,7 +54,7 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
 
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
-    """A fit and the initial friction state of its logs, each estimated with the other."""
+    """A fit and the initial friction states of its logs, estimated alternately."""
     for _ in range(_PASSES):
         begun = with_starts(prepared, fitted)
         if begun is prepared:
@@ -119,8 +118,8 @@ def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: 
     """The logs with the free oscillations that a term would have if it were added.
 
     Args:
-        term: not of the fit. columns: of the term, shape (n, 1). free: its `swing_columns`, two
-            for each log, shape (n, 2 k).
+        term: not part of the fit. columns: of the term, shape (n, 1). free: its `swing_columns`,
+            two per log, shape (n, 2 k).
     """
     X = np.column_stack([columns, free]) * fitted.weight[:, None]
     size = lengths(X)
@@ -136,20 +135,20 @@ def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: 
 
 
 def _left(one: Prepared, fitted: Fit) -> Array:
-    """What a fit leaves of a log, in units of the drive."""
+    """Residual of a fit on a log, in units of the drive."""
     balance = Balance(one, fitted.shape, fitted.terms)
     X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)
     return np.asarray(y - X @ fitted.beta)
 
 
 def _of_law(prepared: Prepared, fitted: Fit, held: Array) -> Array:
-    """What depends on the law, by the torque over Fc at the first sample of each log."""
+    """Everything that depends on the law, by the torque over Fc at the first sample of each log."""
     balance = Balance(prepared, fitted.shape, fitted.terms)
     return balance.of_law(fitted.shape, fitted.terms, fitted.beta, held)
 
 
 def _split(x: Array, prepared: Prepared) -> list[Array]:
-    """What is of the kept samples of all logs, log by log."""
+    """Values on the kept samples of all logs, split by log."""
     return np.split(x, np.cumsum([int(s.kept.sum()) for s in prepared.segments])[:-1])
 
 
@@ -158,7 +157,7 @@ def _squares(x: Array) -> float:
 
 
 def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
-    """Logs as far as their start matters: until the law from either side has become the same."""
+    """Beginnings of logs: until the law has become independent of its initial state."""
     (whole,) = prepared.bundles(1)
     sides = [np.full(len(prepared), x) for x in _TRIALS[[0, -1]]]
     first, last = (whole.tracks.begun(held).along(shape)[0] for held in sides)
@@ -170,7 +169,7 @@ def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
 
 
 def _head(segment: Segment, apart: Index) -> Segment:
-    """A log as far as its start matters; `apart`: samples where the law is not yet the same."""
+    """Beginning of a log; `apart`: samples where the law still depends on its initial state."""
     reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):
@@ -194,9 +193,9 @@ class Prediction(NamedTuple):
     """Torques on the kept samples of each log, N m.
 
     Attributes:
-        measured: by the gain of the fit where the drive's is not known. predicted: by the fit.
-        friction: of the law alone, a part of what is predicted.
-        weight: of each sample, as the logs have it.
+        measured: with the gain of the fit if the drive's is unknown. predicted: by the fit.
+        friction: of the law alone, part of the prediction.
+        weight: of each sample.
     """
 
     measured: list[Array]
@@ -206,12 +205,13 @@ class Prediction(NamedTuple):
 
     @property
     def error(self) -> Array:
-        """Measured less predicted, log after log, shape (n,)."""
+        """Measured minus predicted, all logs concatenated, shape (n,)."""
         return np.concatenate(self.measured) - np.concatenate(self.predicted)
 
     @property
     def in_motion(self) -> NDArray[np.bool_]:
-        """The samples whose torque the position determines, shape (n,); all, if that are none."""
+        """Samples whose torque the position determines, shape (n,); all samples if there are
+        none."""
         found = np.asarray(np.concatenate(self.weight) ** 2 > IN_MOTION)
         return found if found.any() else ~found
 

@@ -1,7 +1,7 @@
-"""The only search among several starts: every form of a law, from where a linear fit shows it.
+"""Multi-start fit: every form of a law, started from a linear fit.
 
-A form of a law is a valley of its own, whose depth no start shows. So every form is followed for
-some steps, and the best of them to the end.
+Each form of a law has its own local minimum, which no start predicts. So every form is followed for
+some steps, and the best ones to the end.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ def fit(
         forms: of the law.
     """
     progress(f"fitting the friction law in {len(forms)} forms")
-    followed = _followed(unripe(prepared, terms, forms))
+    followed = _followed(screened_starts(prepared, terms, forms))
     finalists = [p for p in followed if p.cost <= _NEAR_BEST * followed[0].cost][:_FINALISTS]
     final = []
     for place in finalists:
@@ -63,7 +63,7 @@ def law_alone(
     progress: Callable[[str], None] = lambda text: None,
     open_times: tuple[type[Timing], ...] = (VelocityAge,),
 ) -> tuple[Prepared, Fit]:
-    """Fit a law alone for the first time, with what its logs held when they began.
+    """First fit of a law alone, with the initial states of its logs.
 
     Args:
         open_times: see `with_times`.
@@ -78,10 +78,11 @@ def law_alone(
 
 
 def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, Sequence[Shape]]:
-    """Logs weighted by what linear fits say of their friction, and the forms to be fitted.
+    """Logs weighted by linear fits of friction, and the forms to fit.
 
-    Those are damped where a linear fit leaves less than half with that: no search without damping
-    comes near such a contact. Less of it waits, see `last_freedoms`.
+    Forms are damped if a linear fit with damping has less than half of the residual, because no
+    search without damping approaches such a contact. Weaker damping is added later, see
+    `last_freedoms`.
     """
     basis, top = LawBasis(prepared), prepared.top_speed
     for _ in range(_WEIGHINGS):
@@ -98,9 +99,9 @@ def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, S
 def with_times(
     prepared: Prepared, made: Callable[[Prepared], Fit], open_times: tuple[type[Timing], ...]
 ) -> tuple[Prepared, Fit]:
-    """Logs and a fit of them, without those of some times that come to the end of their sample.
+    """Logs and a fit of them, without time offsets that reach the end of their sample.
 
-    They are none of sampling: the inertia is wrong by more than such a time may stand for.
+    Those are no sampling offsets: the inertia is wrong by more than such an offset may represent.
     """
     found = made(prepared)
     ended = {t.name for t in found.terms if isinstance(t, open_times) and t.at_its_end}
@@ -112,13 +113,16 @@ def with_times(
 
 @one_thread
 def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
-    """Each form of a law after some steps in a coarse look, best first; costs are of that look."""
-    return _followed(unripe(prepared.thinned(_COARSE), terms, forms))
+    """Each form of a law after some steps of a coarse search, best first, with the costs of that
+    search."""
+    return _followed(screened_starts(prepared.thinned(_COARSE), terms, forms))
 
 
 @one_thread
-def unripe(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
-    """The best start of each form of a law, and what the rest comes to there, best first."""
+def screened_starts(
+    prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]
+) -> list[Place]:
+    """The best start of each form of a law, with the solved coefficients, best first."""
     linear = LawBasis(prepared).fitted(forms[0], terms, prepared.weight)
     start = LawStart.of(linear.reaches, linear.levels, prepared.top_speed)
     terms = timed(prepared, terms, forms[0])
@@ -135,7 +139,7 @@ def unripe(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) 
 
 
 def _followed(places: Sequence[Place]) -> list[Place]:
-    """Where some steps from each lead, best first."""
+    """Results of some steps from each, best first."""
     with side_by_side() as each:
         found = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places))
     return in_order(found, lambda place: place.cost)

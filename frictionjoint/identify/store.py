@@ -1,4 +1,4 @@
-"""What was made of logs, for whoever asks for it again."""
+"""LRU cache of arrays derived from logs."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -8,12 +8,12 @@ from frictionjoint.arrays import Array
 
 
 class Store:
-    """Arrays by what they were made of, the latest that were asked for.
+    """Least-recently-used cache of arrays by key.
 
-    Threads may ask side by side. It goes to another process empty.
+    Threads may use it in parallel. It is not passed to other processes.
 
     Args:
-        most: bytes that are kept.
+        most: size in bytes.
     """
 
     def __init__(self, most: int) -> None:
@@ -25,7 +25,7 @@ class Store:
         return Store, (self._most,)
 
     def get(self, key: object, make: Callable[[], Array]) -> Array:
-        """The array of a key, made if need be; not to be changed."""
+        """The array of a key, computed if necessary; it must not be changed."""
         with self._lock:
             if key in self._found:
                 self._found.move_to_end(key)

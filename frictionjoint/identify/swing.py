@@ -1,4 +1,4 @@
-"""Swings that logs begin with: the link of an elastic joint need not be at rest then."""
+"""Initial free oscillation of an elastic joint: its link need not be at rest when a log begins."""
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -10,16 +10,16 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 
 def swings(term: Term) -> bool:
-    """Whether what a term stands for may be swinging when a log begins."""
+    """Whether a term may oscillate freely when a log begins."""
     return isinstance(term, EffectTerm) and term.effect.free is not None
 
 
 def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
-    """Torques of a swing that a log begins with, per unit of the term's coefficient.
+    """Torques of an initial free oscillation, per unit of the term's coefficient.
 
     Returns:
-        columns on the kept samples, shape (n, 2), of a deflection and of a rate that swings as
-        far; and these two, shape (2,).
+        columns on the kept samples, shape (n, 2), of a deflection and of a rate with the same
+        amplitude; and these two, shape (2,).
     """
     assert isinstance(term, EffectTerm)
     assert term.effect.free is not None
@@ -32,5 +32,5 @@ def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
 
 
 def swings_of(prepared: Prepared, term: Term) -> Array:
-    """The same of all logs, each with two columns of its own, shape (n, 2 k)."""
+    """The same for all logs, each with two columns of its own, shape (n, 2 k)."""
     return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))

@@ -1,4 +1,4 @@
-"""Terms that a fit can add to the friction law: what a term offers, and the catalogue's effects."""
+"""Terms that a fit can add to the friction law: their interface, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -16,7 +16,7 @@ from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 
 
 class Term(Protocol):
-    """What a fit asks of a term."""
+    """Interface of a term for a fit."""
 
     @property
     def name(self) -> str:
@@ -25,22 +25,22 @@ class Term(Protocol):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """One name a column."""
+        """One name per column."""
         ...
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """Numbers that enter nonlinearly."""
+        """Nonlinear numbers."""
         ...
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """Those of them a fit may refine."""
+        """Nonlinear numbers that a fit may refine."""
         ...
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Physical range of each of those; none where empty."""
+        """Physical range of each of them; none if empty."""
         ...
 
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
@@ -54,7 +54,7 @@ class Term(Protocol):
 
     @property
     def opposes_voltage(self) -> bool:
-        """Whether it is what a turning motor takes from its voltage."""
+        """Whether it is a voltage that a turning motor induces."""
         ...
 
     @property
@@ -69,10 +69,10 @@ class Term(Protocol):
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """An effect of the catalogue at given shape numbers.
+    """An effect of the catalogue with given shape numbers.
 
     Attributes:
-        part: of the inertia that gravity turns, what the effect's own inertia is, see `hanging`.
+        part: ratio of the effect's own inertia to the inertia on which gravity acts, see `hanging`.
     """
 
     effect: Effect
@@ -91,26 +91,26 @@ class EffectTerm:
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """Those after the fixed references."""
+        """Shape numbers after the fixed references."""
         return self.shape[self.effect.shape_fixed :]
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Those of the effect."""
+        """Bounds of the effect."""
         return self.effect.shape_bounds[self.effect.shape_fixed :]
 
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
-        """The same effect elsewhere on its grid."""
+        """The same effect at another point of its grid."""
         return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape))
 
     @property
     def follows_law(self) -> bool:
-        """Effects on the friction level see Fh."""
+        """Effects on the friction level depend on Fh."""
         return self.effect.entry == "scales the friction level"
 
     @property
     def opposes_voltage(self) -> bool:
-        """Whether it is what a turning motor takes from its voltage."""
+        """Whether it is a voltage that a turning motor induces."""
         return self.effect.opposes_voltage
 
     @property
@@ -123,11 +123,12 @@ class EffectTerm:
         return self._torques(segment, signals, np.eye(len(self.coefficients)))
 
     def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
-        """Torque with some coefficients, shape (n,): the columns' sum, for the work of one."""
+        """Torque with given coefficients, shape (n,): the sum of the columns, at the cost of
+        one."""
         return self._torques(segment, signals, coefficients[None])[:, 0]
 
     def _torques(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
-        """With each row of coefficients; the kernel is the one a simulation runs."""
+        """Torque for each row of coefficients, by the kernel of a simulation."""
         signals = self.hung(signals)
         if self.effect.of_size:
             signals = signals.copy()
@@ -139,7 +140,7 @@ class EffectTerm:
         return found * segment.driven[:, None] if self.opposes_voltage else found
 
     def hung(self, signals: Array) -> Array:
-        """The signals, with what gravity does to the part of the inertia that it acts on."""
+        """The signals, with the gravity torque on the effect's own inertia."""
         if self.part == 1.0:
             return signals
         found = signals.copy()
@@ -149,15 +150,15 @@ class EffectTerm:
 
 @dataclass(frozen=True)
 class DriveTerm(EffectTerm):
-    """An effect of the drive, of logs whose controller is known: it has no columns of its own."""
+    """An effect of the drive, for logs with a known controller: it has no columns of its own."""
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
-        """What it makes of a controller's block and delay."""
+        """Its change of a controller's block and delay."""
         assert self.effect.drive is not None
         return self.effect.drive(block, delay, self.shape)
 
     def figures(self, controller: Controller) -> dict[str, Any]:
-        """What it changes in a controller's file."""
+        """Its changes of a controller file."""
         assert self.effect.controller is not None
         return self.effect.controller(controller, self.shape)
 
@@ -167,14 +168,14 @@ class DriveTerm(EffectTerm):
 
 
 def torque_of(term: Term, segment: Segment, signals: Array, coefficients: Array) -> Array:
-    """Of a term with some coefficients along a log, shape (n,)."""
+    """Torque of a term with given coefficients along a log, shape (n,)."""
     if isinstance(term, EffectTerm):
         return term.torque(segment, signals, coefficients)
     return term.columns(segment, signals) @ coefficients
 
 
 def changing_drive(terms: tuple[Term, ...]) -> list[DriveTerm | TargetTiming]:
-    """Those that change what a controller makes of its commands."""
+    """Terms that change the controller output."""
     return [
         t
         for t in terms
@@ -183,12 +184,12 @@ def changing_drive(terms: tuple[Term, ...]) -> list[DriveTerm | TargetTiming]:
 
 
 def drive_changes(terms: tuple[Term, ...]) -> list[Change]:
-    """What these make of a controller, one after the other."""
+    """Changes of a controller by these terms, in order."""
     return [t.change for t in changing_drive(terms)]
 
 
 def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
-    """A log with the drive that its controller makes with the effects of the drive among terms."""
+    """A log with the controller output changed by the effects of the drive among terms."""
     changes = drive_changes(terms)
     if not changes or segment.commanded is None:
         return segment
@@ -196,12 +197,12 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
 
 
 def leaps(term: Term) -> bool:
-    """Whether its torque leaps with a number of its shape, see `Effect.leaps`."""
+    """Whether its torque is discontinuous in a shape number, see `Effect.leaps`."""
     return isinstance(term, EffectTerm) and term.effect.leaps
 
 
 def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
-    """Of the velocity that a controller read, or of one of another kind, s."""
+    """Age of the velocity in a controller's damping, or of another kind, s."""
     return sum(t.shape[0] for t in terms if isinstance(t, kind))
 
 
@@ -211,7 +212,7 @@ def delay_of(terms: tuple[Term, ...]) -> float:
 
 
 def in_place(terms: tuple[Term, ...], i: int, term: Term) -> tuple[Term, ...]:
-    """The terms with another one in the place of the i-th."""
+    """The terms with another one in place of the i-th."""
     return (*terms[:i], term, *terms[i + 1 :])
 
 

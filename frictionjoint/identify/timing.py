@@ -1,4 +1,4 @@
-"""Times within a sample that a log leaves open: no effects, but never quite known."""
+"""Sub-sample time offsets: nuisance parameters, not effects."""
 
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
@@ -18,10 +18,10 @@ _A_TICK = 0.1
 
 @dataclass(frozen=True)
 class Timing:
-    """A time that a fit finds along with the law, see `terms.Term`.
+    """A time offset that is fitted together with the law, see `terms.Term`.
 
     Attributes:
-        sample: s, of the log. shape: the time, s.
+        sample: sampling interval of the log, s. shape: the offset, s.
     """
 
     sample: float
@@ -38,7 +38,7 @@ class Timing:
 
     @property
     def at_its_end(self) -> bool:
-        """Whether it is as long as its sample: no longer a time of sampling."""
+        """Whether it is as long as its sample, and thus no sampling offset."""
         return abs(self.shape[0]) > _LATE * self.sample
 
     @property
@@ -56,11 +56,11 @@ class Timing:
         return replace(self, shape=shape)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """None: it moves the drive."""
+        """None: it shifts the drive."""
         return np.zeros((len(signals), 0))
 
     def says(self, size: str) -> str:
-        """What a reader must know of it.
+        """A note on it.
 
         Args:
             size: the time in words, without its sign.
@@ -69,7 +69,8 @@ class Timing:
 
 
 class DriveTiming(Timing):
-    """By how much a measured drive was read before the position; longer: `measurement-delay`."""
+    """Time by which a measured drive was read before the position; a longer time is
+    `measurement-delay`."""
 
     name = "timing of the drive"
 
@@ -88,18 +89,18 @@ class DriveTiming(Timing):
 
 
 class TargetTiming(Timing):
-    """By how much a target acts later than if the log's are held until the next, in a sample.
+    """Time by which a target acts later than a target held until the next row, within a sample.
 
-    One that moves on evenly acts half a sample before; one that acts much later has the effect
-    `command-delay`. The controller's position is that of the log: were the whole drive moved, kp
-    times that would pass for viscous friction.
+    A target that is interpolated acts half a sample earlier; one that acts much later has the
+    effect `command-delay`. The controller's position stays that of the log: if the whole drive were
+    shifted, kp times the shift would look like viscous friction.
     """
 
     name = "timing of the target"
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """From one that moves on evenly to a sample late."""
+        """From an interpolated target to one sample late."""
         return ((-0.5 * self.sample, self.sample),)
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
@@ -107,9 +108,9 @@ class TargetTiming(Timing):
         return block, delay + self.shape[0]
 
     def figures(self, controller: Controller) -> dict[str, Any]:
-        """See `DriveTerm`. Nothing of so little that a tick would make much more of it.
+        """See `DriveTerm`. Nothing for offsets far below a controller tick.
 
-        Nor of a target that moves on before: no file has that.
+        Nothing for a target that acts early either: no file can state that.
         """
         late = self.shape[0] > _A_TICK * self.sample
         return command_delay.figures(controller, self.shape) if late else {}
@@ -124,9 +125,9 @@ class TargetTiming(Timing):
 
 
 class VelocityAge(Timing):
-    """How old a velocity was that a controller's damping read.
+    """Age of the velocity in a controller's damping.
 
-    Of a drive that was made of commands: what is late by it is an acceleration, and no inertia.
+    For a drive computed from commands: the delayed part is an acceleration that looks like inertia.
     """
 
     name = "age of the velocity"
@@ -141,16 +142,16 @@ class VelocityAge(Timing):
 
 
 class DampingAge(Timing):
-    """How old the velocity is that viscous friction goes with, in the log of a simulation.
+    """Age of the velocity in viscous friction, in the log of a simulation.
 
-    Its damping acts at the end of a step, or at the begin; a log has its middle.
+    Its damping acts at the end or at the beginning of a step; a log contains the middle.
     """
 
     name = "age of the damping"
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Half a sample in each direction: a step is no longer than that."""
+        """Half a sample in each direction, because a step is no longer than a sample."""
         return ((-0.5 * self.sample, 0.5 * self.sample),)
 
     def says(self, size: str) -> str:

@@ -1,6 +1,7 @@
-"""Laws driven along the motion of several logs, from what friction held when each began.
+"""Laws driven along the motion of several logs, from their initial friction states.
 
-All logs in one call of a law's kernel: a short log takes less time there than to ask for it.
+One call of a law's kernel serves all logs: for a short log the overhead of a call exceeds the
+computation.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ _WAY = np.concatenate([[0.0], np.geomspace(*_REACHED, _POINTS)])
 
 
 class Start(NamedTuple):
-    """How a log begins.
+    """Initial state of a log.
 
     Attributes:
         held: friction over Fc. position: rad (m). travel: of the whole log, rad (m).
@@ -36,30 +37,30 @@ class Tracks:
     """Motions of logs along which laws are evaluated.
 
     Attributes:
-        paths, starts: one a log.
+        paths, starts: one per log.
     """
 
     paths: tuple[Path, ...]
     starts: tuple[Start, ...]
 
     def begun(self, held: Array) -> "Tracks":
-        """The same motions after another friction over Fc, one a log."""
+        """The same motions with other initial frictions over Fc, one per log."""
         pairs = zip(self.starts, held.tolist(), strict=True)
         return replace(self, starts=tuple(start._replace(held=x) for start, x in pairs))
 
     def along(self, law: Shape) -> Array:
-        """H and dz/dq along all logs in turn, shape (2, n)."""
+        """H and dz/dq along all logs in order, shape (2, n)."""
         time, q, edges, samples = self._whole(law)
         return self._on_grid(np.stack(law.hysteresis(time, q, edges)), samples)
 
     def tangents(self, law: Shape, of_rate: bool) -> tuple[Array, Array | None]:
-        """Derivatives of H and, if asked for, dz/dq by the numbers of a law, shape (k, n) each."""
+        """Derivatives of H and, if requested, dz/dq by the numbers of a law, shape (k, n) each."""
         time, q, edges, samples = self._whole(law)
         _, _, dH, drate = law.tangents(time, q, edges=edges)
         return self._on_grid(dH, samples), self._on_grid(drate, samples) if of_rate else None
 
     def _on_grid(self, x: Array, samples: Index) -> Array:
-        """Rows along whole paths to those on the grids of the logs."""
+        """Rows along whole paths, mapped to the grids of the logs."""
         if x.shape[1] == len(samples):  # no point but those of the grids
             return x
         found = np.empty((len(x), len(samples)))
@@ -79,19 +80,19 @@ class Tracks:
         return np.concatenate([path.averaged for path in self.paths])
 
     def _samples(self, begin: Index) -> Index:
-        """Places of all samples, where the path of each log begins there."""
+        """Indices of all samples, if the path of each log begins there."""
         parts = zip(self.paths, begin.tolist(), strict=True)
         return np.concatenate([first + path.samples for path, first in parts])
 
     @cached_property
     def _own_samples(self) -> Index:
-        """Where nothing comes before the logs."""
+        """The same without approaches."""
         return self._samples(self._paths[2][:-1])
 
     def _whole(self, law: Shape) -> tuple[Array, Array, Index, Index]:
-        """Time, position and edges that a law is driven along, and the samples' places in it.
+        """Time, position and edges along which a law is driven, and the samples' indices in it.
 
-        Before a log that held something comes the approach to that.
+        A log with initial friction is preceded by an approach to that friction.
         """
         time, q, edges = self._paths
         held = [i for i, start in enumerate(self.starts) if start.held]
@@ -111,10 +112,11 @@ class Tracks:
 
 
 def _approaches(law: Shape, starts: list[Start]) -> list[Array]:
-    """Positions, a second apart, over which a law that never moved comes to hold what logs held.
+    """Positions, one second apart, over which a law that never moved reaches the initial friction
+    of logs.
 
-    What came before a log is not known, and of the ways to a torque the straight one is taken. A
-    law that never holds as much is brought to the most it holds.
+    The motion before a log is unknown; a monotonic approach is assumed. A law that cannot reach the
+    friction is brought to its largest.
     """
     held = np.array([start.held for start in starts])
     sizes = np.sign(held) * [start.travel or 1.0 for start in starts]

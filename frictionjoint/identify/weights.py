@@ -1,9 +1,9 @@
-"""How much each sample of a balance counts: what the position does not resolve counts less.
+"""Sample weights from the fitted law: samples that the position does not resolve count less.
 
-Where a contact sticks, its torque follows the position steeply: K dq for an error dq of the
-encoder, up to the whole level. And there every law is wrong by a few per cent of the level, for
-none is exact. In sliding neither matters. Both follow from a fitted law, so that rest that an
-encoder does not resolve needs no rule of its own.
+While a contact sticks, its torque follows the position steeply: K dq for an encoder error dq, up to
+the whole level. And every law is wrong there by a few per cent of the level, for none is exact. In
+sliding neither matters. Both follow from a fitted law, so rest below the encoder's resolution needs
+no separate rule.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ _PER_STIFFNESS = np.exp(-1.0)
 
 
 class Errors(NamedTuple):
-    """rms of what a fit leaves of its logs, N m, in sliding and while the contact sticks."""
+    """rms residual of a fit, N m, in sliding and in sticking."""
 
     sliding: float
     sticking: float
@@ -42,12 +42,12 @@ def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tupl
 
 
 def errors_of(prepared: Prepared, fitted: Fit) -> Errors:
-    """What a fit leaves of its logs."""
+    """Residuals of a fit in sliding and in sticking."""
     return _errors(prepared, _sticking(prepared, fitted), fitted.residual)
 
 
 def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> Errors:
-    """What a model leaves of logs, by how much of each sample sticks."""
+    """Residuals of a model, by the fraction of each sample that sticks."""
     pairs = zip(prepared.segments, sticking, strict=True)
     stuck = np.concatenate([s.at_kept(x) for s, x in pairs])
     sliding, sticks = residual[stuck < _SLIDING], residual[stuck > _STICKING]
@@ -60,9 +60,9 @@ def _rms(x: Array) -> float:
 
 
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
-    """What a fit is expected to leave of logs that it was not fitted to.
+    """Expected residuals of a fit on logs that it was not fitted to.
 
-    Of logs that hardly stick no stiffness is known, so that friction at rest is known from none.
+    Logs with hardly any sticking determine no stiffness, and no friction at rest.
 
     Args:
         prepared: the logs it was fitted to. cov: of its parameters.
@@ -75,11 +75,11 @@ def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
 
 
 def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
-    """Logs with their samples weighted by what a fitted law says of them.
+    """Logs with sample weights from a fitted law.
 
     Args:
-        errors: of the logs the fit is of: weights are relative to that in sliding, and what is
-            left in sticking is no better known than that.
+        errors: of the fitted logs: weights are relative to the error in sliding, and the error in
+            sticking is at least that.
     """
     law = law_parameters(fitted)
     level = fitted.levels[0]
@@ -94,10 +94,10 @@ def weighted_by(
     level: float,
     residual: Array,
 ) -> Prepared:
-    """Logs with their samples weighted before any law is fitted.
+    """Logs with sample weights before any law is fitted.
 
     Args:
-        fractions: of the friction that stick along each log. stiffnesses: of those, N m/rad.
+        fractions: of the friction that sticks along each log. stiffnesses: of those, N m/rad.
         level: of friction at rest. residual: of the balance, on the kept samples of all logs.
     """
     stuck = _behind_filter(prepared, fractions)
@@ -114,7 +114,7 @@ def _weighed(
     level: float,
     errors: Errors,
 ) -> Prepared:
-    """Weights from what the encoder does not resolve of the torque of what sticks, N m."""
+    """Weights from the torque, N m, of sticking parts that the encoder does not resolve."""
     base = errors.sliding or 1e-300
     weights = []
     for s, stuck, missed in zip(prepared.segments, sticking, unresolved, strict=True):
@@ -127,12 +127,13 @@ def _weighed(
 
 
 def _sticking(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Square of dz/dq, 1 in sticking and 0 in sliding, behind the balance's filter, shape (n,)."""
+    """Square of dz/dq, 1 in sticking and 0 in sliding, after the filter of the balance, shape
+    (n,)."""
     return _behind_filter(prepared, [rate for _, rate in prepared.tracks(fitted.shape)])
 
 
 def _behind_filter(prepared: Prepared, fractions: Sequence[Array]) -> list[Array]:
-    """Squares of fractions that stick, as the balance sees them."""
+    """Squares of sticking fractions after the filter of the balance."""
     squares = []
     for s, fraction in zip(prepared.segments, fractions, strict=True):
         stuck = np.clip(fraction, 0.0, 1.0)

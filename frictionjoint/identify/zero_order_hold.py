@@ -1,14 +1,14 @@
-"""Whether the drive of a log holds its torque from one sample to the next.
+"""Whether the drive of a log is constant from one sample to the next.
 
-A controller that ticks with the samples gives a torque that stays as it is until the next one.
-Then the acceleration is constant in between, and the spectrum of the samples is another one than
-that of a smooth motion. With x = half of the angle that a frequency turns through in a sample:
+A controller that ticks with the samples outputs a torque that is constant until the next tick. Then
+the acceleration is constant in between, and the spectrum of the samples differs from that of a
+smooth motion. With x = half of the angle of a frequency per sample:
 
     positions      their second derivative is too small by x / tan x
-    mean torques   what goes evenly through a tick is less by sin x / x, and half a tick late
+    mean torques   a smooth quantity is smaller by sin x / x over a tick, and half a tick late
 
 To second order that is the torque of an elastic joint with its resonance at 0.78 of the sampling
-frequency, and such a joint would be named.
+frequency, and such a joint would be found.
 """
 
 from collections.abc import Sequence
@@ -30,22 +30,22 @@ _SAMPLES = 6000
 
 
 def of_acceleration(omega: Array, sample: float) -> Array:
-    """By how much more a held torque accelerates than the samples' own second derivative."""
+    """Ratio of the acceleration of a held torque to the second derivative of the samples."""
     x = _half_angle(omega, sample)
     return np.asarray(np.tan(x) / x)
 
 
 def of_drive(omega: Array, sample: float) -> Array:
-    """By how much more than its mean over a tick a torque is at its middle."""
+    """Ratio of a torque at the middle of a tick to its mean over the tick."""
     x = _half_angle(omega, sample)
     return np.asarray(x / np.sin(x))
 
 
 def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
-    """Whether logs balance as those of a drive that holds its torque.
+    """Whether logs balance like those of a constant drive between samples.
 
-    Then the drive is half a sample late, which shows long before its amplitude does, and with that
-    delay the corrections leave less than nothing corrected does with any.
+    Then the drive is half a sample late, which is easier to detect than its amplitude, and with
+    that delay and the corrections the residual is smaller than without corrections with any delay.
 
     Args:
         smooth, held: the same logs, prepared without and with the corrections.
@@ -61,7 +61,7 @@ def _half_angle(omega: Array, sample: float) -> Array:
 
 
 def _left(segments: Sequence[Segment]) -> Array:
-    """rms of the drive that a linear balance leaves with each delay."""
+    """rms residual of the drive in a linear balance, for each delay."""
     top = top_speed(segments)
     rows = [_balanced(s, top) for s in segments]
     X, late = (np.concatenate(x) for x in zip(*rows, strict=True))

@@ -63,7 +63,7 @@ def simpler(
         tried, nearest = [], []
         for several in _sets(seen, known, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
-                # far from the model's own figures its forms are not linear in their numbers
+                # causes are nonlinear far from the nominal parameters
                 after = _settled(at, clock, rest, several, beside)
                 squares = _left(at, clock, after, beside)
             else:

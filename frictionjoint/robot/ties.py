@@ -72,7 +72,7 @@ def _as_good(
 
     alone = float(squares(itself).sum())
     for c in open_ones:
-        # a column that adds nothing is the same thing by the name of a joint's effect
+        # a column that adds nothing is the same cause under the name of a joint's effect
         same = abs(float(squares(itself, c).sum()) - alone) <= _SAME * alone
         if not same and as_much(seen.stack, squares(c), left):
             yield c
