@@ -172,13 +172,13 @@ def test_unfit_joints_are_refused_by_name(name, kind, joint, words):
 
 def test_second_install_is_refused():
     spec = carrying(friction())
-    with pytest.raises(ModelError, match="carries friction already"):
+    with pytest.raises(ModelError, match="has friction already"):
         fj.install(spec, {"elbow": friction()})
 
 
 def test_model_without_friction_is_refused(tmp_path):
     (tmp_path / "bare.xml").write_text(XML.format(name="elbow", kind="hinge"))
-    with pytest.raises(ModelError, match="carries no friction"):
+    with pytest.raises(ModelError, match="has no friction"):
         fj.load_model(tmp_path / "bare.xml")
 
 

@@ -147,7 +147,7 @@ def test_a_damping_that_is_not_known_is_taken_as_none_and_that_is_said():
         with_drive(given, unknown).torque, with_drive(given, known).torque
     )
     (note,) = unknown_notes(unknown)
-    assert "kd is unknown and taken as 0" in note
+    assert "kd is unknown and assumed to be 0" in note
     assert unknown_notes(known) == ()
 
 

@@ -318,7 +318,7 @@ def test_a_log_gives_the_motion(tmp_path):
     log.write_text("time_s,position_rad,torque_nm\n" + rows)
     (motion,) = log_motions(log, ["elbow"], {}).values()
     assert np.abs(motion.velocity[50:-50] - 0.8 * np.cos(2.0 * t[50:-50])).max() < 0.01
-    with pytest.raises(LogError, match="2 joints carry friction, name them in the columns"):
+    with pytest.raises(LogError, match="2 joints have friction, name them in the columns"):
         log_motions(log, ["elbow", "turn"], {})
 
 
@@ -349,7 +349,7 @@ def test_bad_input_writes_nothing(arguments, word, one_joint, tmp_path):
 def test_a_model_without_friction_is_refused(tmp_path):
     path = tmp_path / "bare.xml"
     path.write_text(ARM.format(user=0))
-    with pytest.raises(ModelError, match="carries no friction"):
+    with pytest.raises(ModelError, match="has no friction"):
         export(path, Target.NATIVE, tmp_path / "x.xml")
 
 

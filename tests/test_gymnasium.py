@@ -64,7 +64,7 @@ def test_user_data_is_wiped_by_a_reset():
 
 
 def test_a_model_without_friction_is_refused():
-    with pytest.raises(ModelError, match="carries no friction"):
+    with pytest.raises(ModelError, match="has no friction"):
         Friction(JointTracking(native_model(kuka_model())))
 
 

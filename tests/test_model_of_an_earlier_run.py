@@ -50,7 +50,9 @@ def test_its_rigid_body_is_that_of_the_model_before(effects):
 
 def test_the_report_says_that_it_is_left_out():
     (said,) = Bodies(earlier(), "b").check([], [])
-    assert said.startswith("The model carries friction at joint b from an earlier run: it is left")
+    assert said.startswith(
+        "The model contains friction at joint b from an earlier run: it is ignored"
+    )
     assert not Bodies(ARM, "b").check([], [])
 
 

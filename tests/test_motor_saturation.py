@@ -156,7 +156,7 @@ def test_a_force_range_without_end_limits_nothing():
 def test_a_motor_that_cannot_be_followed_is_refused():
     spec = mujoco.MjSpec.from_string(XML)
     install(spec, {"arm": LAW}, {"arm": [EFFECT]})
-    with pytest.raises(ModelError, match=r"'arm' has a motor that gives less .* but no actuator"):
+    with pytest.raises(ModelError, match=r"'arm' has a motor that .* but no actuator"):
         attach(spec.compile()).__enter__()
     limited = saturating([EFFECT], forcerange=[-1.0, 1.0], forcelimited=True)
     with pytest.raises(ModelError, match="'arm_voltage' must have a fixed gain"):

@@ -74,5 +74,5 @@ def test_a_model_without_friction_is_refused(tmp_path, display):
     (tmp_path / "bare.xml").write_text(JOINT)
     done = run("view", "bare.xml", cwd=tmp_path)
     assert done.returncode == 2
-    assert "carries no friction" in done.stderr
+    assert "has no friction" in done.stderr
     assert display == []

@@ -204,7 +204,7 @@ def test_parameters_drawn_from_a_posterior_serve_a_world_each():
             d.ctrl.assign(np.tile(ctrl(k), (3, 1)))
             mjw.step(m, d)
         here = d.qpos.numpy()
-        with pytest.raises(ModelError, match="joint 'a' carries the effects spring, not none"):
+        with pytest.raises(ModelError, match="joint 'a' has the effects spring, not none"):
             friction.set_parameters("a", JointFriction(LAW))
         with pytest.raises(ModelError, match="joint 'b' carries the effects none, not spring"):
             friction.set_parameters("b", samples)

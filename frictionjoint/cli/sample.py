@@ -44,8 +44,8 @@ def sample(
     own = _of_joint(content, joint, file)
     if "posterior" not in own:
         raise ParameterError(
-            f"{file}: it holds no posterior: make the report again, of logs that determine the "
-            "friction's scale"
+            f"{file}: it contains no parameter uncertainty: make the report from logs that "
+            "determine the torque scale"
         )
     try:
         drawn = Posterior.from_dict(own["posterior"]).sample(n, seed)

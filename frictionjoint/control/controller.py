@@ -163,7 +163,7 @@ def unknown_notes(controller: Controller) -> tuple[str, ...]:
     if controller.kd != UNKNOWN:
         return ()
     return (
-        "The controller's kd is unknown and taken as 0. Where the drive is made from the "
+        "The controller's kd is unknown and assumed to be 0. Where the drive is made from the "
         "controller; the identified viscous friction includes its damping.",
     )
 

@@ -127,8 +127,8 @@ def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
     """That the stiffness is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
         return (
-            "These logs show no Coulomb friction: its fitted level is zero. The law of the model "
-            "does not hold the joint at rest, and its presliding stiffness means nothing. Record "
+            "These logs show no Coulomb friction: its fitted value is zero. So the model does "
+            "not hold the joint at rest. Record "
             "slow constant velocities in both directions, where viscous friction is small.",
         )
     if not fitted.shape.assumed:
@@ -190,8 +190,8 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
         if held.any()
     ]
     return (
-        f"That is more than friction holds, {level:.2g} {unit}: a stop, a brake or a contact holds "
-        f"the joint at {' and '.join(where)}. Give the joint's range in the MJCF, or leave "
+        f"That is more than friction can hold, {level:.2g} {unit}: a stop, a brake or a contact "
+        f"holds the joint at {' and '.join(where)}. Give the joint's range in the MJCF, or leave "
         "that part of the log out.",
     )
 

@@ -135,7 +135,7 @@ class OtherLaws:
 
         They come from a coarse search, accurate enough for simulation.
         """
-        self._progress("fit: valleys that leave as much")
+        self._progress("fit: other minima")
         places = [p for forms in self.own_forms for p in ripened(prepared, fitted.effects, forms)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]

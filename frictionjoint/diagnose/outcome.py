@@ -97,7 +97,7 @@ def finish_search(
 
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
-    return f"These logs do not tell whether it is {first} or {second}: each explains as much."
+    return f"These logs do not show whether it is {first} or {second}: each explains as much."
 
 
 def _finished(prepared: Prepared, fitted: Fit) -> Fit:

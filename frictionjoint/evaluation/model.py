@@ -104,7 +104,7 @@ class EvaluatedModel:
         if len(takes) != 1:
             many = f"{len(takes)} actuators" if takes else "no actuator"
             raise ModelError(
-                f"the log of joint {joint!r} holds a {drive} and the model has {many} that it "
+                f"the log of joint {joint!r} contains a {drive} and the model has {many} that it "
                 "could be the control of: add a motor or dcmotor to the joint, or give --gain"
             )
         return int(takes[0])

@@ -103,7 +103,7 @@ def log_motions(path: Path, joints: list[str], columns: Mapping[str, str]) -> di
         log = read_log(path, joint, columns)
         if len(joints) > 1 and not log.other_positions:
             raise LogError(
-                f"{path.name}: {len(joints)} joints carry friction, name them in the columns: "
+                f"{path.name}: {len(joints)} joints have friction, name them in the columns: "
                 f"{joint}.position_rad"
             )
         smooth = differentiate(log)

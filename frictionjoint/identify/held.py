@@ -20,8 +20,8 @@ FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 # numbers in a pose, where it is more than one, and what they are
 _MANY = {
-    FREE: (7, "a free joint takes x,y,z and the quaternion w,x,y,z"),
-    BALL: (4, "a ball joint takes the quaternion w,x,y,z"),
+    FREE: (7, "a free joint needs x,y,z and the quaternion w,x,y,z"),
+    BALL: (4, "a ball joint needs the quaternion w,x,y,z"),
 }
 # kg m^2, kg: under 1 kN m a joint turns by 0.2 mrad in an hour
 _IMMOVABLE = 1e13

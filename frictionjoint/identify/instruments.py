@@ -71,7 +71,7 @@ class ExcessTerm(TunedTerm):
         missing = "all of it" if whole else f"{coefficients[0]:.0%}"
         return (
             f"Of the torque logged beyond {self.at:.3g} {unit}, {missing} failed to act: a drive "
-            "saturates, and the log holds what was asked for. The final fit is of what did act."
+            "saturates, and the log contains the command. The final fit uses the torque that acted."
         )
 
     def corrected(self, segment: Segment, fraction: float) -> Segment:

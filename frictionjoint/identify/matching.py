@@ -103,8 +103,8 @@ def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
     stands = np.array([x.any() for x in at])
     if np.any(stands):
         said.append(
-            f"In {np.concatenate(at).mean():.1%} of the samples it stands there: no log tells what "
-            "torque a limit gives, so they are left out, with those close by."
+            f"In {np.concatenate(at).mean():.1%} of the samples it stands there: the torque "
+            "of a limit is unknown, so they are left out, with those close by."
         )
     if np.any((beyond >= 0.0) & ~stands):
         said.append(
@@ -156,7 +156,10 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
     for j in matter:
         kind = "floating base" if int(model.jnt_type[j]) == FREE else "ball joint"
         label = joint_label(model, j)
-        said.append(f"The {kind} ({label}) is held at its pose in the MJCF; --fixed gives another.")
+        said.append(
+            f"The {kind} ({label}) is assumed to be at its position in the MJCF; "
+            "--fixed sets another."
+        )
     return said
 
 

@@ -53,12 +53,12 @@ def scale_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
             "The scale is not determined: these logs do not show how large the controller's kp is, "
             f"so friction is stated over kp, as the position error in {unit} that overcomes it, "
             "and no model can carry it. Give kp in the controller's file, or record motion with a "
-            "payload whose mass the MJCF holds.",
+            "payload of known mass that is in the MJCF.",
         )
     return (
         f"The scale is not determined: these logs do not show how much torque 1 {unit} makes, so "
         f"friction is stated in {unit} and no model can carry it. Give the motor constant with "
-        "--gain, or record motion with a payload whose mass the MJCF holds.",
+        "--gain, or record motion with a payload of known mass that is in the MJCF.",
     )
 
 

@@ -136,7 +136,7 @@ class VelocityAge(Timing):
         """See `Timing`."""
         return (
             f"The velocity of the controller's damping is {size} {_side(self)}, less than a "
-            "sample. The fit accounts for it: an inertia below kd times a sample is not told "
+            "sample. The fit accounts for it: an inertia below kd times the sample time is not "
             "from it."
         )
 
@@ -157,9 +157,9 @@ class DampingAge(Timing):
     def says(self, size: str) -> str:
         """See `Timing`."""
         return (
-            f"Viscous friction goes with a velocity that is {size} {_side(self)}, as in the steps "
+            f"Viscous friction acts on a velocity that is {size} {_side(self)}, as in the steps "
             "of a simulation. The fit accounts for it: an inertia below its coefficient times half "
-            "a sample is not told from it."
+            "a sample cannot be distinguished from it."
         )
 
 

@@ -118,7 +118,7 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
         wanted = "position_rad" if "position_rad" not in found else "target_rad"
         raise LogError(
             f"{path.name}: no array {_NAMES[wanted][0]!r}, it has {', '.join(arrays) or 'none'}: a "
-            f"rollout holds {' or '.join(_NAMES['position_rad'][:2])}, and "
+            f"rollout contains {' or '.join(_NAMES['position_rad'][:2])}, and "
             f"{' or '.join(_NAMES['target_rad'][:2])} or {_NAMES['torque_nm'][0]}"
         )
     of_joints = {

@@ -129,7 +129,7 @@ def _read_fields(
     except LogError:
         raise
     except (AttributeError, IndexError, TypeError, ValueError) as error:
-        raise LogError(f"{path.name}: a field is not there or holds no numbers: {error}") from None
+        raise LogError(f"{path.name}: a field is missing or contains no numbers: {error}") from None
     data = {name: np.concatenate(parts) for name, parts in found.items()}
     data["time_s"] = data["time_s"] - (0.0 if "time_s" in mapping else data["time_s"][0])
     return log_of(path, joint or "joint", data, units=units)

@@ -55,8 +55,8 @@ def read_tensors(path: Path) -> dict[str, Array]:
         raise
     except pickle.UnpicklingError as error:
         raise LogError(
-            f"{path.name}: holds more than tensors and plain containers ({one_line(error)}): save "
-            "a dict of tensors"
+            f"{path.name}: contains more than tensors and plain containers ({one_line(error)}): "
+            "save a dict of tensors"
         ) from None
     except zipfile.BadZipFile as error:
         raise LogError(
@@ -122,7 +122,7 @@ class _Unpickler(pickle.Unpickler):
         if not stored or info.file_size != count * dtype.itemsize:
             raise LogError(
                 f"{self.path.name}: storage {member} holds {info.file_size} bytes and not "
-                f"{count * dtype.itemsize}, is the file whole?"
+                f"{count * dtype.itemsize}, is the file complete?"
             )
         return _Storage(np.frombuffer(self.archive.read(info), dtype))
 

@@ -207,7 +207,7 @@ def _loads(joint: JointFriction) -> tuple[float, float, list[str]]:
                 falling += effect.coefficients[1]
                 said.append(f"the load's fall with speed has its own {effect.shape[1]:.3g} rad/s")
         elif effect.effect == BACK_EMF:
-            said.append("back-EMF: that of the given kt and R is taken")
+            said.append("back-EMF: computed from the given kt and R")
         else:
             said.append(f"effect {effect.effect.name}")
     return load, falling, said

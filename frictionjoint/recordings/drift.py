@@ -73,9 +73,11 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     if name not in joints:
         raise ParameterError(f"{file}: no joint {name!r}, it has {', '.join(map(str, joints))}")
     if "posterior" not in joints[name] or not joints[name]["posterior"]:
-        raise ParameterError(f"{file}: it holds no posterior of joint {name!r}: make it again")
+        raise ParameterError(
+            f"{file}: it contains no parameter uncertainty of joint {name!r}: make it again"
+        )
     if not model.is_file():
-        raise ParameterError(f"{model}: not beside the report: give the whole folder")
+        raise ParameterError(f"{model}: missing next to the report: give the whole folder")
     posterior = Posterior.from_dict(joints[name]["posterior"])
     return Known(model, name, posterior.content, posterior.factor @ posterior.factor.T)
 

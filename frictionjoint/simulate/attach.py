@@ -91,7 +91,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
         )
     found = resolve(model)
     if not found:
-        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+        raise ModelError("the model has no friction: use frictionjoint.install on its spec")
     for name in found:
         require_flags(model, name)
     native = native_friction(model, found)

@@ -147,13 +147,13 @@ def install(
         if int(joints[name].type) not in ONE_DOF:
             kind = mujoco.mjtJoint(joints[name].type).name.removeprefix("mjJNT_").lower()
             raise ModelError(
-                f"joint {name!r} is a {kind} joint: only hinge and slide carry friction"
+                f"joint {name!r} is a {kind} joint: only hinge and slide joints can have friction"
             )
         if name not in friction:
             raise ModelError(f"joint {name!r} has effects but no friction law: give both")
         if name in replaced and not replace:
             raise ModelError(
-                f"joint {name!r} carries friction already: install(..., replace=True), or "
+                f"joint {name!r} has friction already: install(..., replace=True), or "
                 "`frictionjoint install --replace`, takes the new one instead"
             )
         elastic = any(e.effect.acts == "mechanism" for e in (effects or {}).get(name, ()))
@@ -374,7 +374,7 @@ def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
         found.append(SimulatedEffect(effect, values[:cut], values[cut:]))
         at += 2 + effect.size
     if at != len(numbers) or numbers[0] != len(found):
-        raise ModelError(f"{where} holds damaged effects: install the friction again")
+        raise ModelError(f"{where} contains damaged effects: install the friction again")
     return tuple(found)
 
 
@@ -407,5 +407,5 @@ def load_model(path: str | Path) -> mujoco.MjModel:
         except ValueError as error:
             raise ModelError(f"{path}: {' '.join(str(error).split())}") from None
         if not carried:
-            raise ModelError(f"{path} carries no friction: write it with `frictionjoint install`")
+            raise ModelError(f"{path} has no friction: add it with `frictionjoint install`")
     return model

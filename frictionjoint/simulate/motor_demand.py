@@ -120,8 +120,8 @@ def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> No
     found = motors_of(model, joint)
     if not found:
         raise ModelError(
-            f"joint {name!r} has a motor that gives less than asked, but no actuator: put one on "
-            "it, see add_motor"
+            f"joint {name!r} has a motor that delivers less than commanded, but no actuator: put "
+            "one on it, see add_motor"
         )
     for i in found:
         if (
@@ -132,6 +132,6 @@ def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> No
         ):
             actuator = names_of(model, "actuator")[i] or i
             raise ModelError(
-                f"joint {name!r} has a motor that gives less than asked: its actuator {actuator!r} "
-                "must have a fixed gain, no dynamics and no finite forcerange"
+                f"joint {name!r} has a motor that delivers less than commanded: its actuator "
+                f"{actuator!r} must have a fixed gain, no dynamics and no finite forcerange"
             )

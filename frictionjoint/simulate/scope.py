@@ -51,7 +51,7 @@ class Scope:
         joint: a joint that carries friction.
         seconds: how far back the figures reach.
     Raises:
-        ModelError: the joint carries no friction, or another law than the integrated one.
+        ModelError: the joint has no friction, or another law than the integrated one.
     """
 
     def __init__(self, model: mujoco.MjModel, joint: str, seconds: float = 5.0) -> None:
@@ -59,7 +59,7 @@ class Scope:
         carried = read_friction(model)
         if joint not in carried:
             raise ModelError(
-                f"joint {joint!r} carries no friction: {', '.join(carried) or 'no joint'} does"
+                f"joint {joint!r} has no friction: {', '.join(carried) or 'no joint'} does"
             )
         self.joint, self.seconds = joint, seconds
         self._id = model.joint(joint).id

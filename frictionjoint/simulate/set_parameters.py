@@ -91,7 +91,7 @@ def write_parameters(
         )
         if [e.effect for e in given] != [e.effect for e in there]:
             raise ModelError(
-                f"joint {joint!r} carries the effects {_names(there)}, not {_names(given)}: give "
+                f"joint {joint!r} has the effects {_names(there)}, not {_names(given)}: give "
                 "those that were installed, in their order, or install and compile"
             )
         numbers = np.concatenate([numbers, [len(given)], *(e.pack() for e in given)])

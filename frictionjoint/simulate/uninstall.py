@@ -33,7 +33,7 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
     require_spec(spec, "uninstall")
     joints = carrying(spec)
     if not joints:
-        raise ModelError("the model carries no friction: there is nothing to take out")
+        raise ModelError("the model has no friction: nothing to remove")
     take_out(spec, joints)
     remove_waves(spec)
     return joints
@@ -101,6 +101,6 @@ def said_of(joints: Sequence[str]) -> str:
     """What a report says of friction that was taken out, a sentence."""
     which = "joint" if len(joints) == 1 else "joints"
     return (
-        f"The model carries friction at {which} {few(joints)} from an earlier run: it is left out "
-        "here and found anew."
+        f"The model contains friction at {which} {few(joints)} from an earlier run: it is ignored "
+        "here and identified again."
     )

@@ -180,7 +180,7 @@ class WarpFriction:
                 number of knots or other effects.
         """
         if joint not in self.joints:
-            raise ModelError(f"joint {joint!r} carries no friction: {', '.join(self.joints)} do")
+            raise ModelError(f"joint {joint!r} has no friction: {', '.join(self.joints)} do")
         made, nworld = self._layout, self._data.nworld
         at = self.joints.index(joint)
         rows = self.parameters.numpy()
@@ -302,7 +302,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     # a spec that others are attached to loses their room in userdata, which is not used here
     found = resolve(mjm, in_userdata=False)
     if not found:
-        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+        raise ModelError("the model has no friction: use frictionjoint.install on its spec")
     for lost in said_of_waves(mjm):
         warnings.warn(f"does not act in mujoco_warp: {lost}", RuntimeWarning, stacklevel=4)
     return found
