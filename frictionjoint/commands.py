@@ -36,7 +36,7 @@ def close_loop(
     law: str | None = ...,
     fixed: "Mapping[str, Pose] | None" = ...,
     controller: "GivenController | None" = ...,
-    refine: bool = ...,
+    refine: bool | None = ...,
     jobs: int | None = ...,
 ) -> "Report": ...
 
@@ -52,7 +52,7 @@ def close_loop(
     law: str | None = ...,
     fixed: "Mapping[str, Pose] | None" = ...,
     controller: "GivenController | None" = ...,
-    refine: bool = ...,
+    refine: bool | None = ...,
     jobs: int | None = ...,
 ) -> "RobotReport": ...
 
@@ -67,7 +67,7 @@ def close_loop(
     law: str | None = None,
     fixed: "Mapping[str, Pose] | None" = None,
     controller: "GivenController | None" = None,
-    refine: bool = True,
+    refine: bool | None = None,
     jobs: int | None = 1,
 ) -> "Report | RobotReport":
     """Identify friction from logs and find what the model lacks.
@@ -88,8 +88,9 @@ def close_loop(
         fixed: positions of joints that the logs do not contain, by name, rad (m).
         controller: what drove the joints to their targets: a `Controller`, its file, the name of a
             preset, one per joint by name, or "mjcf" for the model's own position servos.
-        refine: whether all numbers of the result are finally fitted to the simulated motion of logs
-            with a target and a controller; they are used if they predict unlike logs better.
+        refine: fit all numbers of the result to simulated motion in the end, and take them if they
+            predict unlike motion better. True: also in windows driven by the measured drive; None:
+            only where a target and its controller tell the whole motion; False: never.
         jobs: processes for the joints of a robot; None: one per core. With more than one, a script
             needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:

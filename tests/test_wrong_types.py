@@ -6,6 +6,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.files import toml_text
+from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.simulate.check import check_model
 from frictionjoint.simulate.scope import Scope
@@ -76,3 +77,20 @@ def test_wrong_types_name_the_mend(act, words):
 def test_right_types_in_other_clothes_are_taken():
     assert fj.friction_torque(FRICTION, np.arange(3), [0, 1, 2]).shape == (3,)
     fj.attach(MODEL).detach()
+
+
+def test_slices_and_single_precision_are_logs_too():
+    table = np.random.default_rng(0).standard_normal((400, 2)).astype(np.float32)
+    log = JointLog(
+        name="a",
+        joint="j",
+        time=np.arange(1200.0)[::3],
+        position=table[:, 0],
+        torque=table[:, 1],
+        other_positions={"k": table[:, 1]},
+        signals={"load": table[::-1, 0]},
+    )
+    for name, x in log.arrays().items():
+        assert x.flags.c_contiguous, name
+        assert x.dtype == np.float64, name
+    np.testing.assert_array_equal(log.position, table[:, 0])

@@ -83,12 +83,13 @@ def close_loop_command(
     fixed: Fixed = None,
     controller: ControllerFile = None,
     refine: Annotated[
-        bool,
+        bool | None,
         typer.Option(
             "--refine/--no-refine",
-            help="Where the logs have a target and the controller is known: fit all numbers of the "
-            "result to the simulated motion at the end, and use them if they predict logs better "
-            "that are left out.",
+            help="At the end, fit all numbers of the result to the simulated motion, and use them "
+            "if they predict logs better that are left out. --refine: also in windows of half a "
+            "second, driven by the measured torque. Default: only where the logs have a target and "
+            "the controller is known.",
         ),
     ] = True,
     options: LogOptions = NO_OPTIONS,

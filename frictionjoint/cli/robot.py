@@ -90,7 +90,7 @@ class Wanted:
     as_json: bool
     scheduler: str | None = None
     controller: str | None = None
-    refine: bool = True
+    refine: bool | None = None
 
     @property
     def search(self) -> dict[str, Any]:

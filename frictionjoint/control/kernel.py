@@ -30,7 +30,9 @@ DROP_ERROR, DROP_OUTPUT, DROP_LEFT = 11, 12, 13
 SAG, SAG_EMF = 14, 15
 # speed limit of the target, rad/s
 SLEW = 16
-BLOCK = 17
+# 1 where there is no controller: the target is the drive itself, as it was measured
+MEASURED = 17
+BLOCK = 18
 
 STARTED, TICK, HELD, INTEGRAL, SEEN, TARGET = range(6)
 STATE = 6
@@ -46,6 +48,8 @@ def tick(B: Vector, S: Vector, t: float, target: float, q: float, v: float, supp
         target: known to the controller at t, rad. q, v: rad, rad/s. supply: relative to that of
             the block, 1 if it is not measured.
     """
+    if B[MEASURED] == 1.0:
+        return target
     first = S[STARTED] == 0.0
     dt = t - S[TICK]
     if not first and dt < B[PERIOD] - _EARLY:

@@ -17,9 +17,9 @@ from frictionjoint.diagnose.closed_loop import found_controller
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.diagnose.notes import DIVERGES, gain_note, notes, other_drive_note
+from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes, other_drive_note
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
-from frictionjoint.diagnose.refined import Loops, RefinedModel
+from frictionjoint.diagnose.refined import Loops, RefinedModel, refined_in_windows
 from frictionjoint.diagnose.replay import (
     friction_spec,
     replay,
@@ -92,7 +92,7 @@ def close_loop(
     law: str | None = None,
     fixed: Mapping[str, Pose] | None = None,
     controller: GivenController | None = None,
-    refine: bool = True,
+    refine: bool | None = None,
 ) -> Report:
     """Identify the friction of one joint and search for missing effects.
 
@@ -109,8 +109,9 @@ def close_loop(
         controller: what drove the joint to its target: a file, the name of a preset, one of these
             per joint by name, or "mjcf" for the model's own position servo. Required for logs
             without torque, voltage or current; all logs are simulated with it.
-        refine: whether all numbers of the result are finally fitted to the simulated motion of logs
-            with a target and a controller; they are used if they predict unlike logs better.
+        refine: fit all numbers of the result to simulated motion in the end, and take them if they
+            predict unlike motion better. True: also in windows driven by the measured drive; None:
+            only where a target and its controller tell the whole motion; False: never.
     Raises:
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument has a wrong type.
@@ -142,7 +143,7 @@ def explain(
     progress: Callable[[str], None] = lambda text: None,
     law: str | None = None,
     controller: Controller | None = None,
-    refine: bool = True,
+    refine: bool | None = None,
 ) -> tuple[Report, Trace, Fit]:
     """Report, findings and final fit for logs that have been read.
 
@@ -188,11 +189,14 @@ def explain(
     outcome, closed, refined = None, None, None
     if loops and shows:
         # if the load is weakly excited the gain is poorly determined: the best one, with its error
-        if refine:
+        if refine is not False:
             found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
             scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)
             refined = RefinedModel.of(outcome, loops, body.slide, scaled)
         closed = loops.errors((found.base, found.final))
+    elif refine and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
+        outcome = refined_in_windows(found, logs, mine, progress)
+        refined = RefinedModel.of(outcome, None, body.slide, scaled)
     best = outcome.fit if outcome else found.final
     if not scaled:
         found = found.without_scale()
@@ -207,7 +211,7 @@ def explain(
         friction_spec(spec, joint, best)
     spec.compile()
     if closed:  # the target drives the joint, as it will where the model is used
-        after_it = refined.loops if refined and refined.taken else closed[1]
+        after_it = (refined.loops if refined and refined.taken else None) or closed[1]
         runs = [loop.replays for loop in (closed[0], after_it)]
         positions = followed_positions(closed[0], after_it)
     else:
@@ -215,7 +219,7 @@ def explain(
             (replay(on, mine, f), replay(kept, theirs, f) if kept else None)
             for on, kept, f in (
                 (fitted_on, kept_back, found.base),
-                (moving, kept_as_fitted, found.final),
+                (moving, kept_as_fitted, best if scaled else found.final),
             )
             if scaled
         ]
@@ -265,6 +269,7 @@ def explain(
             *((DIVERGES,) if diverges else ()),
             *said,
             *notes(found, cov, shows),
+            *((REFINED,) if refined and refined.taken and not closed else ()),
             *(gain_note(outcome.gain_error) if outcome and scaled else ()),
         ),
         closed_loops=closed,

@@ -10,18 +10,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import COUNT, PERIOD
+from frictionjoint.control.kernel import BLOCK, COUNT, MEASURED, PERIOD
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
+from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.at_first import first_velocity
@@ -46,6 +49,9 @@ class Course:
         run: for the controller as given. motion: measured position and velocity at its steps.
         delay: of the controller, s. figures: quantities that distinguish kinds of logs, by name:
             metadata of the log, its motion, its load.
+        window_s: s between restarts from the measured motion where the drive was measured, which
+            leads no joint back to its path; None: nothing but the target is given.
+        counts: samples whose position is compared, shape (n,); None: all.
     """
 
     name: str
@@ -56,6 +62,8 @@ class Course:
     motion: tuple[Array, Array]
     delay: float
     figures: dict[str, float | str]
+    window_s: float | None = None
+    counts: NDArray[np.bool_] | None = None
 
     def changed(self, changes: Sequence[Change]) -> Run:
         """The same run with a controller changed by effects of the drive."""
@@ -118,16 +126,47 @@ def courses_of(
         LogError: a log has no target, or lacks metadata that the controller needs.
     """
     loads = list({id(body): body for body in bodies})
-    return tuple(
-        _course(log, body, controller, loads.index(id(body)))
-        for log, body in zip(logs, bodies, strict=True)
-    )
+    found = []
+    for log, body in zip(logs, bodies, strict=True):
+        if log.target is None:
+            raise LogError(f"{log.name}: no target to follow, add target_rad")
+        block, delay = block_of(controller, log), delay_of(controller)
+        course = _course(log, body, log.target, block, delay, loads.index(id(body)))
+        time = log.time[0] + course.run.step * np.arange(len(course.run.target))
+        supply = held(log.time, supply_of(controller, log), time)
+        found.append(replace(course, run=replace(course.run, supply=supply)))
+    return tuple(found)
 
 
-def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -> Course:
-    if log.target is None:
-        raise LogError(f"{log.name}: no target to follow, add target_rad")
-    block = block_of(controller, log)
+def driven_courses(
+    logs: Sequence[JointLog], bodies: Sequence[RigidBody], prepared: Prepared, window_s: float
+) -> tuple[Course, ...]:
+    """Logs prepared for simulation by their measured drive, in windows.
+
+    Args:
+        bodies: one per log. prepared: the logs, in this order, with the samples that count.
+        window_s: s between restarts from the measured motion.
+    """
+    loads = list({id(body): body for body in bodies})
+    block = np.zeros(BLOCK)
+    block[MEASURED] = 1.0
+    found = []
+    for log, body, segment in zip(logs, bodies, prepared.segments, strict=True):
+        drive = getattr(log, prepared.drive)
+        course = _course(log, body, drive, block, 0.0, loads.index(id(body)))
+        time = log.time[0] + course.run.step * (np.arange(len(course.run.target)) + 0.5)
+        run = replace(course.run, target=np.interp(time, log.time, drive))
+        since = log.time - log.time[0]
+        inside = np.interp(since, segment.signals[:, TIME], segment.mask.astype(float)) == 1.0
+        window = (since / window_s).astype(int)
+        whole = np.bincount(window, ~inside) == 0.0
+        found.append(replace(course, run=run, window_s=window_s, counts=whole[window]))
+    return tuple(found)
+
+
+def _course(
+    log: JointLog, body: RigidBody, target: Array, block: Array, delay: float, load: int
+) -> Course:
     h = _step(log.duration, float(block[PERIOD]))
     steps = max(1, math.ceil(log.duration / h - _WHOLE))
     time = log.time[0] + h * np.arange(steps + 1)
@@ -143,17 +182,16 @@ def _course(log: JointLog, body: RigidBody, controller: Controller, load: int) -
     on = np.ones(len(time), dtype=bool)
     if log.torque_enabled is not None:
         on = held(log.time, log.torque_enabled.astype(float), time) > 0.5
-    delay = delay_of(controller)
     start = first_velocity(log.time, log.position, block[COUNT])
     return Course(
         name=log.name,
         time=log.time,
         position=log.position,
-        target=log.target,
+        target=target,
         run=Run(
             step=h,
-            target=held_over(log.time, log.target, time - delay, h),
-            supply=held(log.time, supply_of(controller, log), time),
+            target=held_over(log.time, target, time - delay, h),
+            supply=np.ones(len(time)),
             on=on,
             start=(float(log.position[0]), start),
             load=_load(body, velocity, others),

@@ -17,6 +17,10 @@ from frictionjoint.identify.timing import Timing
 _BEYOND = 2.0
 # part of the samples that is worth naming
 _SOME = 0.01
+REFINED = (
+    "The parameters are refined by simulation: position errors are those of the refined "
+    "parameters, torque errors those of the fit to torque."
+)
 DIVERGES = (
     "The simulation diverges: restarted from the log and driven as it says, it leaves the logged "
     "motion by more than all its travel, so no position error is stated. Check masses, gravity and "

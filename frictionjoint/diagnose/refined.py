@@ -1,18 +1,26 @@
 """Whole logs simulated in closed loop by several models, and the comparison of a refined model."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.closed_loop import ClosedLoop, Course, closed_loop, courses_of
-from frictionjoint.diagnose.replay import Replay
+from frictionjoint.diagnose.closed_loop import (
+    ClosedLoop,
+    Course,
+    closed_loop,
+    courses_of,
+    driven_courses,
+)
+from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.intervals import stated_covariance
+from frictionjoint.diagnose.replay import WINDOW_S, Replay
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
-from frictionjoint.refine.refine import Refined
+from frictionjoint.refine.refine import Refined, refine
 
 
 @dataclass(frozen=True)
@@ -73,16 +81,17 @@ class RefinedModel:
         taken: whether it is the result, because it predicted left-out logs better than the fit to
             torque.
         guard: mean absolute errors on left-out logs, before and after, rad (m).
-        loops: whole logs in closed loop. parameters: by name, with standard errors.
+        loops: whole logs in closed loop; None where the drive was measured.
+        parameters: by name, with standard errors.
     """
 
     taken: bool
     guard: tuple[float, float]
-    loops: LoopErrors
+    loops: LoopErrors | None
     parameters: dict[str, Estimate]
 
     @classmethod
-    def of(cls, outcome: Refined, loops: Loops, slide: bool, scaled: bool) -> "RefinedModel":
+    def of(cls, outcome: Refined, loops: Loops | None, slide: bool, scaled: bool) -> "RefinedModel":
         """From a refinement, used or not.
 
         Args:
@@ -98,7 +107,7 @@ class RefinedModel:
                 f"{term.name} {name}": x
                 for name, x in term_estimates(fitted, cov, i, slide).items()
             }
-        (errors,) = loops.errors([whole])
+        errors = loops.errors([whole])[0] if loops else None
         return cls(outcome.taken, outcome.guard, errors, found)
 
     def to_dict(self) -> dict[str, Any]:
@@ -106,7 +115,29 @@ class RefinedModel:
         return {
             "taken": self.taken,
             "left_out_mae": {"before": self.guard[0], "after": self.guard[1]},
-            "closed_loop_mae": self.loops.mae.to_dict(),
-            "closed_loop_rms": self.loops.rms.to_dict(),
+            **(
+                {
+                    "closed_loop_mae": self.loops.mae.to_dict(),
+                    "closed_loop_rms": self.loops.rms.to_dict(),
+                }
+                if self.loops
+                else {}
+            ),
             "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
         }
+
+
+def refined_in_windows(
+    found: Trace,
+    logs: Sequence[JointLog],
+    bodies: Sequence[RigidBody],
+    progress: Callable[[str], None],
+) -> Refined:
+    """Refine by runs from the measured motion, driven by the measured drive (multiple shooting).
+
+    Args:
+        found: in these logs. bodies: one per log.
+    """
+    courses = driven_courses(logs, bodies, found.prepared, WINDOW_S)
+    cov = stated_covariance(found.prepared, found.final)
+    return refine(found.prepared, found.final, cov, courses, progress)

@@ -281,7 +281,8 @@ class Report:
         if self.closed_loops is None:
             return ()
         before, after = self.closed_loops
-        return before, self.refined.loops if self.refined and self.refined.taken else after
+        refined = self.refined.loops if self.refined and self.refined.taken else None
+        return before, refined or after
 
     def _closed_loop(self, which: int) -> dict[str, Any]:
         """Errors of the model before (0) or after (1); empty without a controller."""
@@ -301,7 +302,8 @@ class Report:
     def _refined(self) -> dict[str, Any]:
         """The refinement compared with the fit to torque."""
         assert self.refined is not None
-        assert self.closed_loops is not None
+        if self.closed_loops is None:
+            return self.refined.to_dict()
         balance = self.closed_loops[1]
         return self.refined.to_dict() | {
             "balance_closed_loop_mae": balance.mae.to_dict(),

@@ -82,6 +82,12 @@ class JointLog:
         drives = (self.torque, self.voltage, self.current, self.target)
         if all(x is None for x in drives):
             raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")
+        # kernels read float64 without gaps; a slice of a table, or float32, may be neither
+        for name, x in self.columns().items():
+            object.__setattr__(self, name, _as_kernels_read(x))
+        for name in ("other_positions", "other_velocities", "signals"):
+            found = {key: _as_kernels_read(x) for key, x in getattr(self, name).items()}
+            object.__setattr__(self, name, found)
 
     def columns(self) -> dict[str, Array]:
         """The existing arrays of this joint, by field name."""
@@ -185,3 +191,7 @@ def split_each_in_time(
     """First parts of some logs, and their last ones to hold out, see `split_in_time`."""
     pairs = [split_in_time(log, fraction) for log in logs]
     return [first for first, _ in pairs], [last for _, last in pairs]
+
+
+def _as_kernels_read(x: Array) -> Array:
+    return np.ascontiguousarray(x, dtype=None if x.dtype == np.bool_ else np.float64)

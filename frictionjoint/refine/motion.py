@@ -21,18 +21,21 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
     """Simulated minus measured position at the samples of each log, rad (m).
 
     Args:
-        window_s: s between restarts from the measured motion; None: whole logs.
+        window_s: s between restarts from the measured motion; None: whole logs. Where the drive was
+            measured, the windows of the course.
     """
     model, changes = joint_model(fitted), drive_changes(fitted.terms)
 
     def one(course: Course) -> Array:
         run = course.changed(changes)
-        if window_s is None:
+        length = course.window_s or window_s
+        if length is None:
             found = simulate(model, run)
         else:
-            window = max(2, round(window_s / run.step))
+            window = max(2, round(length / run.step))
             found = simulate(model, run, course.motion, window)
-        return np.clip(course.at_samples(found) - course.position, -_ASTRAY, _ASTRAY)
+        e = np.clip(course.at_samples(found) - course.position, -_ASTRAY, _ASTRAY)
+        return e if course.counts is None else np.where(course.counts, e, 0.0)
 
     with side_by_side() as each:
         return list(each(one, courses))

@@ -55,7 +55,7 @@ def close_loop_robot(
     jobs: int | None = None,
     scheduler: str | None = None,
     controller: GivenController | None = None,
-    refine: bool = True,
+    refine: bool | None = None,
 ) -> RobotReport:
     """Fit every joint, find shared causes, then the missing effects of each joint, and report.
 
@@ -125,7 +125,11 @@ def close_loop_robot(
             mean_percent(
                 [(r.report.after_torque, r.report.drive_rms("after")) for r in results.values()]
             ),
-            _replay(corrected, {n: x.after for n, x in done.items()}, poses),
+            _replay(
+                corrected,
+                {n: replace(x.after, fit=x.simulated) for n, x in done.items()},
+                poses,
+            ),
         ),
         undetermined=undetermined(known, {n: r.report.final for n, r in results.items()}),
         excitation=excitation,

@@ -71,7 +71,7 @@ class Task:
     without: Mapping[int, State] = field(default_factory=dict)
     shape: Shape | None = None
     controller: Controller | None = None
-    refine: bool = True
+    refine: bool | None = None
 
 
 @dataclass(frozen=True)

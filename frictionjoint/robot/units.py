@@ -112,7 +112,7 @@ def close_loop_units(
     jobs: int | None = None,
     scheduler: str | None = None,
     controller: GivenController | None = None,
-    refine: bool = True,
+    refine: bool | None = None,
 ) -> UnitsReport:
     """`close_loop_robot` for each unit; a unit without a result does not stop the others.
 
