@@ -1,6 +1,6 @@
-"""Arguments of the wrong type at the public functions: a TypeError that says what to give instead.
+"""Checks of argument types at the public functions: a TypeError with the fix.
 
-Python would otherwise fail somewhere inside, with an attribute that the user has never heard of.
+Without them Python would fail somewhere inside, with an unknown attribute.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ _COMPILED = "frictionjoint.load_model(path), or spec.compile()"
 
 
 def require_model(model: Any, function: str) -> None:
-    """An MjModel."""
+    """Raise TypeError unless the argument is an MjModel."""
     if isinstance(model, mujoco.MjModel):
         return
     if isinstance(model, str | Path):
@@ -35,7 +35,7 @@ def require_model(model: Any, function: str) -> None:
 
 
 def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
-    """An MjData of a model.
+    """Raise unless the argument is an MjData of a model.
 
     Raises:
         ModelError: of another model. TypeError: no MjData.
@@ -63,7 +63,7 @@ def _require_own(data: mujoco.MjData, function: str, model: mujoco.MjModel) -> N
 
 
 def require_spec(spec: Any, function: str = "install") -> None:
-    """An MjSpec."""
+    """Raise TypeError unless the argument is an MjSpec."""
     if isinstance(spec, mujoco.MjSpec):
         return
     if isinstance(spec, str | Path):
@@ -76,7 +76,7 @@ def require_spec(spec: Any, function: str = "install") -> None:
 
 
 def require_friction(friction: Any, function: str = "install") -> None:
-    """Friction parameters by name of a joint."""
+    """Raise TypeError unless the argument is friction parameters by joint name."""
     if not isinstance(friction, Mapping):
         raise TypeError(
             f"{function} takes parameters by joint, not {kind_of(friction)}: "
@@ -89,7 +89,7 @@ def require_friction(friction: Any, function: str = "install") -> None:
 
 
 def require_path(path: Any, function: str) -> None:
-    """A str or a Path."""
+    """Raise TypeError unless the argument is a str or a Path."""
     if not isinstance(path, str | Path):
         raise TypeError(
             f"{function} takes the path of a file, not {kind_of(path)}: give str or Path"

@@ -49,27 +49,27 @@ registry: dict[str, Any] = {}
 
 
 def compiled(function: _Function) -> _Function:
-    """Mark a function as a kernel; see the module for what one may consist of."""
+    """Mark a function as a kernel; the module describes what a kernel may contain."""
     return _kernel(function, in_line=False)
 
 
 def in_line(function: _Function) -> _Function:
-    """`compiled`, for a kernel so small or so often called that it is best put into its callers."""
+    """`compiled`, for a kernel so small or so often called that it is inlined into its callers."""
     return _kernel(function, in_line=True)
 
 
 def room(n: int) -> Vector:
-    """So many zeros, gone when the kernel that asks for them returns: a few hundred at most."""
+    """Zeros for the duration of a kernel call, a few hundred at most."""
     return np.zeros(n)
 
 
 def pointer(array: Any, at: int) -> Vector:
-    """What begins at number `at` of a contiguous array of any shape."""
+    """Pointer to number `at` of a contiguous array of any shape."""
     return cast("Vector", array.reshape(-1)[at:])
 
 
 def c_text(text: str) -> Callable[[_Function], _Function]:
-    """Mark an annotated function as one that kernels have as C text, ``{0}`` for an argument."""
+    """Mark an annotated function as C text for kernels, with ``{0}`` for an argument."""
 
     def marked(function: _Function) -> _Function:
         cast("Any", function).c_text = text
@@ -79,7 +79,7 @@ def c_text(text: str) -> Callable[[_Function], _Function]:
 
 
 class Table:
-    """Whole numbers that kernels read and Python sets, once for the process.
+    """Integers that kernels read and Python sets, one table per process.
 
     Args:
         name: in the library. size: of the table.
@@ -102,10 +102,10 @@ class Table:
 
 
 class External(Generic[_Arguments, _Result]):
-    """A C function from elsewhere, which kernels call by its address.
+    """A C function from another library, which kernels call by its address.
 
     Args:
-        stub: annotated function whose name and signature it has.
+        stub: annotated function with its name and signature.
     """
 
     def __init__(self, stub: Callable[_Arguments, _Result]) -> None:
@@ -113,7 +113,7 @@ class External(Generic[_Arguments, _Result]):
         functools.update_wrapper(self, stub)
 
     def bind(self, address: int) -> None:
-        """Say where it is; kernels that call it must not run before."""
+        """Set its address, before a kernel that calls it runs."""
         ctypes.c_void_p.in_dll(load().shared, f"fj_{self.name}").value = address
 
     def __call__(self, *arguments: _Arguments.args, **keywords: _Arguments.kwargs) -> _Result:
@@ -155,12 +155,12 @@ def native(function: _Function) -> _Function:
 
 
 def _waiting(*arguments: Any, **keywords: Any) -> Any:
-    """What a kernel does when it is first called; `_self` is the kernel."""
+    """Placeholder until a kernel is first called; `_self` is the kernel."""
     return _first_call(_self)(*arguments, **keywords)  # type: ignore[name-defined] # noqa: F821
 
 
 def _first_call(kernel: Any) -> Any:
-    """Make a kernel a call of its C function, whose arguments are looked up and checked once."""
+    """Replace a kernel by a call of its C function, with arguments checked once."""
     name = _name(kernel.py_func)
     library = load(name)
     entry = library.entries[name]
@@ -256,7 +256,7 @@ def _structure_of(fields: tuple[Any, ...]) -> Any:
 
 
 def _structure_with(fields: dict[str, str]) -> Callable[[Any], Any]:
-    """From a NamedTuple to the structure that kernels take, arrays followed by three lengths."""
+    """Convert a NamedTuple to the structure of a kernel, arrays followed by three lengths."""
     members: list[Any] = []
     for name, kind in fields.items():
         if kind in _ARRAYS:
@@ -294,7 +294,7 @@ def _made(structure: Any, values: Any) -> Any:
 
 
 def _converter(kind: Any) -> Callable[..., int]:
-    """Address of an array's numbers; a TypeError for another type, gaps, or no leave to write."""
+    """Address of an array's numbers; a TypeError for another type, gaps, or a read-only array."""
     wanted = np.dtype(kind)
     view = (ctypes.c_char * 0).from_buffer
     address_of = ctypes.addressof

@@ -1,4 +1,4 @@
-"""How results show themselves in Jupyter: as small tables."""
+"""Small tables of results for Jupyter."""
 
 from collections.abc import Iterable, Sequence
 from html import escape

@@ -1,4 +1,4 @@
-"""Reading a user's model: an MJCF, or a URDF whose meshes may stand under ``package://``."""
+"""Reading a user's model: an MJCF, or a URDF with meshes under ``package://``."""
 
 import contextlib
 import ctypes
@@ -25,13 +25,13 @@ _C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
 
 def read_spec(model: str | Path, whole: bool = False) -> mujoco.MjSpec:
-    """A spec of an MJCF or URDF, that compiles.
+    """Spec of an MJCF or URDF that compiles.
 
     Args:
         model: path of the file, or an MJCF's text. A URDF's meshes are looked for in its folder and
-            in those above, see `urdf.with_found_meshes`; a warning names shapes left out.
-        whole: whether an MJCF must have all its meshes. For dynamics alone shapes without their
-            mesh are left out, see `without_missing_meshes`, with a warning.
+            in those above, see `urdf.with_found_meshes`; a warning names removed shapes.
+        whole: whether an MJCF must have all its meshes. For dynamics alone, shapes without their
+            mesh are removed, see `without_missing_meshes`, with a warning.
     Raises:
         ModelError: there is no such file, or MuJoCo cannot compile it.
     """
@@ -44,7 +44,7 @@ def compile_model(model: str | Path) -> mujoco.MjModel:
 
 
 def compiled_copy(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """A spec compiled as it stands, without changing it.
+    """Compile a spec as it is, without changing it.
 
     Raises:
         ModelError: MuJoCo cannot compile it.
@@ -117,7 +117,7 @@ def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
 
 
 def source_name(model: str | Path) -> str:
-    """What messages call a model: its path, or that it is a text."""
+    """Name of a model in messages: its path, or "text"."""
     return "the MJCF" if _is_text(model) else str(model)
 
 
@@ -135,16 +135,16 @@ def is_urdf(path: Path) -> bool:
 
 
 def is_c(callback: Any) -> bool:
-    """Whether a callback is a C function, given through ctypes."""
+    """Whether a callback is a C function from ctypes."""
     return isinstance(callback, _C_FUNCTION)
 
 
 @contextlib.contextmanager
 def compiling() -> Iterator[None]:
-    """MuJoCo compiles models inside the block, whatever passive callback is installed.
+    """Let MuJoCo compile models inside the block, whatever passive callback is installed.
 
-    It calls the callback once while it compiles, and fails where that is a Python function; such a
-    one is lifted for the time.
+    MuJoCo calls the callback once while it compiles, and fails if it is a Python function; then it
+    is removed for that time.
     """
     current = mujoco.get_mjcb_passive()
     if current is None or is_c(current):

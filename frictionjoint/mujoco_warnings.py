@@ -1,6 +1,6 @@
-"""MuJoCo's warnings: as Python's, or for whoever runs a simulation that may become unstable.
+"""MuJoCo's warnings, as Python warnings or for code that simulates possibly unstable models.
 
-MuJoCo itself prints them and writes them to MUJOCO_LOG.TXT wherever one stands.
+MuJoCo itself prints them and writes them to MUJOCO_LOG.TXT in the working directory.
 """
 
 import warnings
@@ -18,7 +18,7 @@ _UNSTABLE = (
 
 @contextmanager
 def unheard() -> Iterator[list[str]]:
-    """What MuJoCo warns of inside the block goes into a list and nowhere else."""
+    """Collect MuJoCo's warnings inside the block in a list, and print nothing."""
     texts: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(texts.append)
@@ -30,7 +30,7 @@ def unheard() -> Iterator[list[str]]:
 
 @contextmanager
 def as_python_warnings() -> Iterator[None]:
-    """What MuJoCo warns of inside the block is warned of after it; an error makes it idle."""
+    """Turn MuJoCo's warnings inside the block into Python warnings after it, unless it raises."""
     with unheard() as texts:
         yield
     for text in dict.fromkeys(texts):
@@ -38,5 +38,6 @@ def as_python_warnings() -> Iterator[None]:
 
 
 def became_unstable(data: mujoco.MjData) -> bool:
-    """Whether MuJoCo began a simulation anew since `data` was reset, at the model's own pose."""
+    """Whether MuJoCo reset the simulation itself, to the model's own pose, since `data` was
+    reset."""
     return any(data.warning[int(kind)].number for kind in _UNSTABLE)

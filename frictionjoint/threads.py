@@ -1,8 +1,8 @@
-"""Threads where they help: points of a search side by side, linear algebra on one.
+"""Threads: points of a search in parallel, linear algebra on one thread.
 
-The matrices of a fit are tall and narrow: the threads of a BLAS library wait for each other longer
-than they work. Measured on two cores: a loop of 45 s takes 36 s on one BLAS thread, and half the
-processor time, which parallel trials compete for.
+The matrices of a fit are tall and narrow, and the threads of a BLAS library wait for each other
+longer than they compute. Measured on two cores: a loop of 45 s takes 36 s with one BLAS thread, and
+half the processor time, which parallel trials need.
 """
 
 import functools
@@ -21,7 +21,7 @@ _R = TypeVar("_R")
 
 
 def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The same function on one thread of each library while it runs; then as the caller had it."""
+    """The same function with one thread per library while it runs; afterwards as before."""
 
     @functools.wraps(function)
     def run(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -33,7 +33,8 @@ def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 @functools.cache
 def _libraries() -> ThreadpoolController:
-    """Those of numpy and scipy: to look for them takes as long as a small fit."""
+    """BLAS libraries of numpy and scipy, cached, because finding them takes as long as a small
+    fit."""
     return ThreadpoolController()
 
 
@@ -49,9 +50,8 @@ _allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores())
 
 
 def allow(threads: int) -> None:
-    """Threads that work is shared among from now on; at first ``FRICTIONJOINT_THREADS``, or one
-    for each core of the process.
-    """
+    """Set the number of threads; initially ``FRICTIONJOINT_THREADS``, or one per core of the
+    process."""
     global _allowed
     _allowed = threads
 
@@ -60,16 +60,16 @@ def allow(threads: int) -> None:
 def side_by_side() -> Iterator[Callable[..., Any]]:
     """A `map` on as many threads as `allow` says.
 
-    What it maps spends its time in kernels, filters and linear algebra, which hold no lock. Within
-    one of its threads it is the plain `map`: the outermost loop is the one worth sharing. The
-    threads live as long as the process: a search asks for them thousands of times.
+    The mapped functions spend their time in kernels, filters and linear algebra, which release
+    Python's lock. Inside one of its threads it is the plain `map`, because the outermost loop is
+    the one worth sharing. The threads are kept, because a search needs them thousands of times.
     """
     threads = threads_here()
     yield map if threads == 1 else _pool(os.getpid(), threads).map
 
 
 def threads_here() -> int:
-    """How many threads `side_by_side` would use here: so many parts are worth making of a whole."""
+    """Number of threads that `side_by_side` would use here."""
     if getattr(_busy, "inside", False):
         return 1
     return _allowed
@@ -77,7 +77,7 @@ def threads_here() -> int:
 
 @functools.lru_cache(maxsize=1)
 def _pool(process: int, threads: int) -> ThreadPoolExecutor:
-    """The threads of a process, which do not pass to one that is forked from it."""
+    """The threads of a process; a forked process gets its own."""
     return ThreadPoolExecutor(threads, initializer=_enter)
 
 

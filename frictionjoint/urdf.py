@@ -1,9 +1,9 @@
-"""A URDF as MuJoCo can read it: every mesh by the path where it lies.
+"""Reading of URDFs: meshes get absolute paths.
 
 ROS names meshes by package, ``package://NAME/meshes/link.stl``, which MuJoCo does not resolve, and
 before 4.0 MuJoCo looks for all meshes of a URDF by their bare names in one folder. A URDF often
-comes without its packages; dynamics needs masses alone, and so a shape whose mesh is not there is
-left out where its link states its mass or cannot move.
+comes without its packages. Dynamics needs only masses, so a shape with a missing mesh is removed if
+its link states its mass or cannot move.
 """
 
 from collections.abc import Iterator
@@ -19,10 +19,10 @@ class FoundMeshes:
     """A URDF's text with absolute paths of its meshes.
 
     Attributes:
-        left_out: meshes not found whose shapes the text does not have, but for those that are only
-            looked at.
-        needed: meshes not found of links that move and have no mass of their own, which the text
-            still names.
+        left_out: missing meshes whose shapes were removed from the text, without purely visual
+            ones.
+        needed: missing meshes of moving links without a mass of their own, which the text still
+            names.
     """
 
     text: str
@@ -33,8 +33,9 @@ class FoundMeshes:
 def with_found_meshes(path: Path) -> FoundMeshes:
     """Read a URDF and look for its meshes.
 
-    ``package://NAME/REST`` is looked for from the URDF's folder upwards: a folder NAME that holds
-    REST, then a package (its package.xml says NAME) that does, then any folder that does.
+    ``package://NAME/REST`` is searched from the URDF's folder upwards: first a folder NAME that
+    contains REST, then a package with that name in its package.xml, then any folder that contains
+    REST.
     """
     tree = ElementTree.parse(path)
     robot = tree.getroot()
@@ -69,7 +70,7 @@ def with_found_meshes(path: Path) -> FoundMeshes:
 
 
 def _links_at_rest(robot: ElementTree.Element) -> set[str | None]:
-    """Names of the links that no joint moves: the root, and what is fixed to it."""
+    """Names of the links that no joint moves: the root, and links fixed to it."""
     joints = robot.findall("joint")
     ends = [[_link(joint, end) for end in ("parent", "child")] for joint in joints]
     at_rest = {link.get("name") for link in robot.findall("link")} - {child for _, child in ends}
@@ -85,7 +86,7 @@ def _link(joint: ElementTree.Element, end: str) -> str | None:
 
 
 def _compiler(robot: ElementTree.Element) -> ElementTree.Element:
-    """The element with MuJoCo's own settings; made where there is none."""
+    """The element with MuJoCo's own settings; it is added if missing."""
     element = robot
     for tag in ("mujoco", "compiler"):
         found = element.find(tag)
@@ -94,7 +95,7 @@ def _compiler(robot: ElementTree.Element) -> ElementTree.Element:
 
 
 def _candidates(name: str, folders: list[Path]) -> Iterator[Path]:
-    """Where a mesh of this name may lie, the likeliest first."""
+    """Possible places of a mesh with this name, the likeliest first."""
     scheme = next((s for s in _IN_A_PACKAGE if name.startswith(s)), None)
     if scheme:
         package, _, rest = name.removeprefix(scheme).partition("/")

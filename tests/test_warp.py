@@ -616,7 +616,7 @@ def test_parameters_that_do_not_fit_are_refused():
     mjm = arm()
     m, d = worlds(mjm, 2)
     with attach_warp(m, d, mjm) as acting:
-        with pytest.raises(ModelError, match="joint 'c' has no friction: a, b do"):
+        with pytest.raises(ModelError, match="joint 'c' has no friction, a, b have"):
             acting.set_parameters("c", friction())
         with pytest.raises(ModelError, match="2 worlds need 2 sets of parameters: 3"):
             acting.set_parameters("a", [friction()] * 3)

@@ -182,9 +182,8 @@ def _promising(
 
     An effect is tried if it reduces the error to first order, next to the refined numbers or in the
     torque balance, with the coefficients found there, N m. First order with the refined numbers
-    alone
-    is not enough: numbers that compensate for a missing effect must first return to their values,
-    and the torque balance with the effect has them there.
+    alone is not enough: numbers that compensate for a missing effect must first return to their
+    values, and the torque balance with the effect has them there.
     """
     prepared, final = found.prepared, found.final
     objective = Objective(now.vector, courses, WINDOW_S, now.values)

@@ -25,15 +25,13 @@ def p_values(
     found: Screen, among: Sequence[float], rng: np.random.Generator
 ) -> tuple[Array, float]:
     """P-value of each candidate, from the largest score of the family under random signs, and the
-    score
-    that one in twenty of those maxima exceeds.
+    score that one in twenty of those maxima exceeds.
 
     A score is the reduction of the squared error by coefficients within their bounds; an impossible
     sign scores nothing. Scores of one and of several coefficients are put on one scale by the tail
     of their approximate marginal distributions (Westfall and Young 1993); the signs make the
-    p-value. Each
-    score is the larger of two: of the residual as it is, which shows slow effects, and of the
-    whitened residual, which shows rare ones.
+    p-value. Each score is the larger of two: of the residual as it is, which shows slow
+    effects, and of the whitened residual, which shows rare ones.
 
     Args:
         among: number of lines of a spectrum of which a candidate is the largest; random signs do

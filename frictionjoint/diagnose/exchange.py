@@ -73,8 +73,8 @@ def weigh_others(state: State) -> None:
 
     A simpler effect that explains as much replaces it, unless the model would do as well without
     it. An equally simple one is a tie, and the first in the catalogue is named, unless one of them
-    alone
-    explains much more than the other alone: next to the other, the rest of the model compensates.
+    alone explains much more than the other alone: next to the other, the rest of the model
+    compensates.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks

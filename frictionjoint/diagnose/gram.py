@@ -4,8 +4,7 @@ The law's own sensitivities are projected out of every candidate and of the resi
 (Frisch and Waugh 1933): the law is fitted to a fold, the effect is not. So are the directions of
 possible errors of the law: what another law would explain as well supports no effect. The
 prediction for a fold follows from coefficients fitted to the other folds. Only the Gram matrices
-that a
-question needs are computed: those of all pairs of candidates would not fit into memory.
+that a question needs are computed: those of all pairs of candidates would not fit into memory.
 """
 
 import itertools

@@ -163,8 +163,7 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
     """The best effect of the drive together with a certain effect, if one is justified.
 
     A grossly wrong drive model masks effects that are certainly present, and without them the drive
-    is
-    mistaken too: overload protection without the motor's back-EMF looks like a limit.
+    is mistaken too: overload protection without the motor's back-EMF looks like a limit.
     """
     if not first:
         return _of_drive(state, rng)

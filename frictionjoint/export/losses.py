@@ -2,9 +2,9 @@
 
 Both friction torques are MuJoCo's own: inverse dynamics of the model with friction and of the
 exported one, minus that of the model without. The control loop is the same in both, and soft so
-that
-friction matters: friction alone displaces the joint by a tenth of the motion's range. Its damping
-ratio is 0.3, gravity and the desired acceleration are compensated, other joints are held.
+that friction matters: friction alone displaces the joint by a tenth of the motion's range. Its
+damping ratio is 0.3, gravity and the desired acceleration are compensated, other joints are
+held.
 """
 
 import contextlib

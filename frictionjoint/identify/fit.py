@@ -110,10 +110,9 @@ class Fit:
         """Torque per unit of error for comparing models.
 
         A log with a target shows where the joint went. A residual torque stands for the position
-        error that
-        requires it: the likelihood of the motion contains the determinant of this map in addition
-        to the residual torques. Without it, a drive that hardly acts, with little residual, would
-        explain any motion.
+        error that requires it: the likelihood of the motion contains the determinant of this
+        map in addition to the residual torques. Without it, a drive that hardly acts, with
+        little residual, would explain any motion.
         """
         return self.gain * self.holding
 
@@ -127,9 +126,8 @@ class Fit:
         """Parameters that can change in both directions, shape (p,).
 
         A time offset at the end of its sample is no sampling offset any more and cannot. And the
-        residual must
-        change with the parameter within the range of one search: the numbers of a law without a
-        friction level change almost nothing.
+        residual must change with the parameter within the range of one search: the numbers of a
+        law without a friction level change almost nothing.
         """
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)

@@ -235,8 +235,7 @@ def _free(b: Balance) -> Array:
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:
     """Mean power of friction, in N m rad/s or units of the drive, its standard error, and the
-    residual as a
-    fraction of the drive's rms.
+    residual as a fraction of the drive's rms.
     """
     X = _free(b)
     beta, cov = _regression(X, b.drive, b.block)

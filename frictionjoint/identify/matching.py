@@ -1,8 +1,7 @@
 """Checks that logs and model have the same joints, and that every relevant position is known.
 
 A joint that no log measures is held in the torque balance. If its position changes the torque of
-the
-examined joint, it must be given: a guess would appear as friction.
+the examined joint, it must be given: a guess would appear as friction.
 """
 
 import difflib

@@ -58,9 +58,8 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
     They are: the time of a measured drive relative to its position, or of a command relative to its
     target, unless an effect states it, because channels are read one after the other. For a target
     with a delay of its own, the offset is that of the controller's tick. The age of a velocity, in
-    a controller's damping
-    or in a simulation, is assumed to be zero while an inertia or a gain is searched for: logs
-    cannot distinguish them.
+    a controller's damping or in a simulation, is assumed to be zero while an inertia or a gain
+    is searched for: logs cannot distinguish them.
     """
     if any(isinstance(t, Timing) for t in terms):
         return terms

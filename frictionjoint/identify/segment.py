@@ -71,8 +71,7 @@ class Segment:
         driven_along: cached path of a law; see `path`.
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
         saturated: shape (n,), 1 while a measured drive is at its largest value, -1 at its smallest,
-            0
-            elsewhere; None: it is at neither.
+            0 elsewhere; None: it is at neither.
         turned_by_another: start and end of each part that the mask leaves out because another drive
             turns the joint there, s in the log's time.
     """

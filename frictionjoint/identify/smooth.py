@@ -95,8 +95,8 @@ class SplineTerm(SmoothTerm):
         odd: multiplied by H, the direction of friction.
         means, slopes: of the columns over the logs, subtracted. A constant is a bias, a named
             effect, and a curve that contained it would beat every other effect. A part linear in
-            the load is a gain,
-            in the velocity viscous friction: a curve that contained it would leave both
+            the load is a gain, in the velocity viscous friction: a curve that contained it
+            would leave both
                 undetermined, and
             their difference would be a bias wherever the mean is not zero.
     """
@@ -150,8 +150,7 @@ class SplineTerm(SmoothTerm):
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
         """The same curve without its mean over the kept samples, and without the slope that the
-        model
-        contains; an odd one has neither.
+        model contains; an odd one has neither.
         """
         if self.odd:
             return self

@@ -1,20 +1,25 @@
-"""Standard errors for residuals that are neither white nor all noise.
+"""Standard errors for residuals that are neither white nor pure noise.
 
-Three estimates of the parameters' covariance are made and the widest is kept in every direction:
+Three estimates of the parameters' covariance are computed, and in every direction the widest is
+used:
 
-* the sandwich summed over blocks of time (White 1980, by cluster): samples of a block are
-  correlated in any way, blocks are not;
-* the jackknife that leaves out one log at a time: what is common to a log (a temperature, a way of
-  moving that the law describes badly) is a draw of its own;
-* the jackknife that leaves out one regime of speed and direction at a time: where the law has the
-  wrong form, its error is the same whenever the joint moves in the same way, however often that
-  is recorded, and no resampling of time sees it.
+* the sandwich summed over blocks of time (White 1980, by cluster): samples of a block may be
+correlated in
+  any way, blocks are independent;
+* the jackknife that leaves out one log at a time: effects common to a log (a temperature, a motion
+that
+  the law describes badly) are one draw each;
+* the jackknife that leaves out one regime of speed and direction at a time: if the law has the
+wrong form,
+  its error is the same whenever the joint moves in the same way, however often that is recorded,
+  and resampling of time does not show it.
 
-Covered is thus noise with memory, and a law whose error differs between logs or speeds. Not
-covered is what is wrong in every log and at every speed alike: a torque scale, a mass the MJCF has
-wrong, an effect that is missing; nor the choice of the effects, nor that of the law's form. What
-differs between logs is estimated from few of them: a 95% interval takes Student's quantile for one
-log less than there are (4.3 standard errors with three), not two.
+They cover noise with memory, and a law whose error differs between logs or speeds. They do not
+cover errors common to all logs and speeds: a wrong torque scale, a wrong mass in the MJCF, a
+missing effect; nor the choice of effects or of the law's form. The variation between logs is
+estimated from few of
+them: a 95% interval uses Student's quantile with one degree of freedom less than logs (4.3 standard
+errors with three), not two.
 """
 
 import numpy as np
@@ -36,12 +41,12 @@ _RCOND = 1e-10
 
 
 def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int64]) -> Array:
-    """Covariance of the parameters in the order of the jacobian, shape (p, p).
+    """Covariance of the parameters in the order of the Jacobian, shape (p, p).
 
-    Directions the logs say nothing about get an infinite variance.
+    Undetermined directions have infinite variance.
 
     Args:
-        prepared: the logs the fit is of.
+        prepared: the fitted logs.
         block_of_sample: blocks of time, shape (n,).
     """
     J = with_load(fitted.jacobian, fitted.layout) * fitted.weight[:, None]
@@ -98,7 +103,8 @@ def _parts(Y: Array, e: Array, group: NDArray[np.int64]) -> list[tuple[Array, Ar
 
 
 def _wider(first: Array, second: Array) -> Array:
-    """The least covariance above two others along the axes in which both are diagonal."""
+    """The smallest covariance that is at least two others along the axes in which both are
+    diagonal."""
     squares, U = eigh(first)
     floor = max(float(squares.max()), float(np.trace(second))) * _RCOND
     L = U * np.sqrt(np.maximum(squares, floor))

@@ -159,8 +159,7 @@ def missing_width(
 
     An error common to all logs is in no variation of the numbers, but in the errors on left-out
     kinds, beyond the rounding of the encoder. A log errs as a whole, so for few logs the factor is
-    as uncertain
-    as a variance of as many numbers: the band is Student's.
+    as uncertain as a variance of as many numbers: the band is Student's.
 
     Args:
         cov: covariance of the numbers for a factor on the logs' errors, shape (p, p). errors: on

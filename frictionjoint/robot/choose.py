@@ -148,8 +148,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
 
     Args:
         screened: its effects common to all joints are kept together with the causes. Effects of
-            single
-            joints are not: they would compensate for the harm of a cause.
+            single joints are not: they would compensate for the harm of a cause.
         without: the same for each cause removed in turn.
     Returns:
         index of each, and the ratio of the sums of squares without and with it to first order, by

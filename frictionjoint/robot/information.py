@@ -1,9 +1,8 @@
 """How well logs determine a robot's rigid body: its regressor with friction projected out.
 
 Parameters are scaled by their own size, so that a direction of the parameter space is weak or
-strong
-in any units: the mass of a link by its mass, first moments by mass times size, inertias by mass
-times size squared, a rotor by the inertia about its joint.
+strong in any units: the mass of a link by its mass, first moments by mass times size, inertias
+by mass times size squared, a rotor by the inertia about its joint.
 """
 
 from collections.abc import Sequence

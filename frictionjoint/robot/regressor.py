@@ -85,8 +85,7 @@ class Regressor:
 
 class _Motion(NamedTuple):
     """Motion of a body in its own frame, shape (3, n): acceleration of its origin minus gravity,
-    angular
-    velocity and acceleration.
+    angular velocity and acceleration.
     """
 
     a: Array

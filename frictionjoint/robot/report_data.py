@@ -49,8 +49,7 @@ class JointResult:
     @property
     def worse(self) -> tuple[str, ...]:
         """Errors that are larger after on held-out logs: beyond the interval and by a noticeable
-        part of
-        their squares, as no shared cause may add to a joint.
+        part of their squares, as no shared cause may add to a joint.
         """
         pairs = {
             "torque_rms": (self.before_torque.held_out, self.report.after_torque.held_out),

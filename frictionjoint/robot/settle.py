@@ -124,8 +124,7 @@ def screened(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Screened:
     """Columns of the causes in the model, of some effects of single joints by label, and of the
-    common
-    effects that were fitted with the laws.
+    common effects that were fitted with the laws.
     """
     return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
 

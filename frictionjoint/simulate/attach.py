@@ -68,8 +68,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     MuJoCo has one passive callback, and it serves every model with friction in the process; models
     without friction are unaffected. So several models may be attached at once and detached in any
     order, and a model that is compiled or copied meanwhile has its friction too. An existing
-    passive callback
-    keeps working: it is called before ours.
+    passive callback keeps working: it is called before ours.
 
     Args:
         model: with friction, see `install`.

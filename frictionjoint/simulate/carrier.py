@@ -120,8 +120,7 @@ def install(
     Existing user data of the model stays in front. An elastic joint, or one with backlash, gets
     another joint behind it (``frictionjoint.simulate.mechanism``), a delayed instrument delayed
     sensors (``frictionjoint.simulate.instruments``). If a joint has ``frictionloss`` or ``damping``
-    of its own,
-    friction would count twice: a warning says so.
+    of its own, friction would count twice: a warning says so.
 
     Args:
         spec: changed in place, only if every joint is suitable.

@@ -2,8 +2,7 @@
 
 mjlab initialises its actuators with the compiled model and mujoco_warp's model and data. The
 actuators here are mjlab's own, delay and limits included, and turn friction on at that moment. One
-of them is
-enough for a scene: it serves every joint with friction in it.
+of them is enough for a scene: it serves every joint with friction in it.
 
 A CUDA graph that mjlab captured before does not contain the friction: call
 ``env.sim.create_graph()``

@@ -1,4 +1,4 @@
-"""An mjModel known by its address alone, as a callback in C hands it over."""
+"""An mjModel given by its address alone, as a C callback receives it."""
 
 from typing import Any
 

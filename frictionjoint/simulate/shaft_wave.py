@@ -1,12 +1,12 @@
-"""Friction of a shaft that two joints turn, which rises and falls with its turn.
+"""Friction of a shaft that two joints turn, with a level that varies with its angle.
 
-A tendon's ``frictionloss`` is one number. What its level has beyond that stands in ``<custom>``
+A tendon's ``frictionloss`` is one number. The deviation of its level is stored in ``<custom>``
 ``<numeric name="frictionjoint-shaft:TENDON">`` and acts through the passive callback on both
-joints. At rest it is nothing: there the tendon's own level holds. A block is
+joints. At rest it is zero, and the tendon's own level acts. A block is
 
     0 MAGIC   1 version   2 resolved   3, 4 qpos and dof address of one joint   5, 6 of the other
     7 turns of the shaft per turn of the other   8 waves along the shaft, 1/rad
-    9, 10 sine and cosine, N m   11 speed at which the friction turns over, rad/s
+    9, 10 sine and cosine, N m   11 speed at which the friction reverses, rad/s
 
 Slots 2 to 6 belong to one compiled model, as those of a joint's block (`carrier`).
 """
@@ -31,12 +31,12 @@ _SIZE = 12
 
 @dataclass(frozen=True)
 class ShaftWave:
-    """What a tendon's friction level has beyond its mean.
+    """Deviation of a tendon's friction level from its mean.
 
     Attributes:
-        ratio: turns of the shaft per turn of the tendon's second joint; 1 of its first.
+        ratio: turns of the shaft per turn of the tendon's second joint; 1 for its first.
         waves: along the shaft, 1/rad. sin, cos: of the wave, N m.
-        turns_over: speed at which the friction turns over, rad/s.
+        turns_over: speed at which the friction reverses, rad/s.
     """
 
     ratio: float
@@ -54,7 +54,7 @@ def add_wave(spec: mujoco.MjSpec, tendon: str, wave: ShaftWave) -> None:
 
 
 def remove_waves(spec: mujoco.MjSpec) -> None:
-    """Take the waves of all tendons out of a spec; changed in place."""
+    """Remove the waves of all tendons from a spec; changed in place."""
     for numeric in [n for n in spec.numerics if SHAFT_TAG in n.name]:
         spec.delete(numeric)
 
@@ -68,7 +68,7 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
     """Write addresses into a model's own blocks.
 
     Raises:
-        ModelError: a block that is none, or without a tendon over two hinges or slides.
+        ModelError: a damaged block, or one without a tendon over two hinges or slides.
     """
     tendons = names_of(model, "tendon")
     for name, at in wave_blocks(model).items():
@@ -101,7 +101,7 @@ def said_of_waves(model: mujoco.MjModel) -> list[str]:
 
 @compiled
 def resist(P: Vector, block: int, qpos: Vector, qvel: Vector, passive: Vector) -> None:
-    """Take the shaft's friction beyond its tendon's mean level from both joints' torques, N m."""
+    """Subtract the deviation of the shaft's friction from both joints' torques, N m."""
     ratio = P[block + _RATIO]
     one, other = int(P[block + _QPOS]), int(P[block + _OTHER_QPOS])
     dof, other_dof = int(P[block + _DOF]), int(P[block + _OTHER_DOF])

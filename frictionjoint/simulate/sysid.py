@@ -3,14 +3,15 @@
     parameters = sysid.ParameterDict()
     for p in friction_parameters("elbow", start, {"Fc": (0.1, 3.0), "sigma2": (0.0, 2.0)}):
         parameters.add(p)                            # with masses, gains, delays of your own
-    build = build_model({"elbow": start}) residual = sysid.build_residual_fn(
+    build = build_model({"elbow": start})
+    residual = sysid.build_residual_fn(
         models_sequences=[sequences], build_model=build, custom_rollout=rollout
     )
     with frictionjoint.attach(build(parameters, sequences.spec)):
         found, _ = sysid.optimize(parameters, residual)
     identified(start, found, "elbow")                # FrictionParameters
 
-The spec carries no friction; each model built from it does.
+The spec has no friction; each model built from it does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,15 +40,15 @@ FREE = ("Fc", RATIO, "Vs", "sigma2", "sigma1", "n")
 def friction_parameters(
     joint: str, start: FrictionParameters, ranges: Mapping[str, tuple[float, float]]
 ) -> list[sysid.Parameter]:
-    """Parameters named "joint:Fc" and so on, starting from `start`, alike in both directions.
+    """Parameters named "joint:Fc" and so on, starting from `start`, equal in both directions.
 
     Args:
         joint: name of the joint.
-        start: first guess; what is not in `ranges` stays as it is there.
-        ranges: bounds by name: "Fc" (N m), "Fs_over_Fc" (1), "Vs" (rad/s), "sigma1", "sigma2"
-            (N m s/rad), "n" (1). The transition curve grows with Fs, its displacements stay.
+        start: first guess; parameters that are not in `ranges` keep its values.
+        ranges: bounds by name: "Fc" (N m), "Fs_over_Fc" (1), "Vs" (rad/s), "sigma1", "sigma2" (N m
+            s/rad), "n" (1). The transition curve grows with Fs, its displacements stay.
     Raises:
-        ParameterError: an unknown name, or bounds that allow what the law does not.
+        ParameterError: an unknown name, or bounds that allow values the law does not.
     """
     values = {name: getattr(start, f"{name}_pos") for name in ("Fc", "Vs", "sigma2")}
     values |= {RATIO: start.Fs_pos / start.Fc_pos, "sigma1": start.sigma1, "n": start.n}
@@ -95,10 +96,10 @@ def _moved(start: FrictionParameters, values: Mapping[str, float]) -> FrictionPa
 
 
 def build_model(start: Mapping[str, FrictionParameters]) -> sysid.BuildModelFn:
-    """For ``build_residual_fn(build_model=...)``: a model with the parameters' friction.
+    """Function for ``build_residual_fn(build_model=...)``: a model with the parameters' friction.
 
     Args:
-        start: by joint name; parameters that are not free stay as they are here.
+        start: by joint name; parameters that are not free keep these values.
     """
 
     def build(parameters: sysid.ParameterDict, spec: mujoco.MjSpec) -> mujoco.MjModel:
@@ -120,10 +121,11 @@ def rollout(
     param_dicts: Sequence[sysid.ParameterDict],
     **mappings: Any,
 ) -> list[sysid.SystemTrajectory]:
-    """For ``build_residual_fn(custom_rollout=...)``: every rollout from joints never moved.
+    """Function for ``build_residual_fn(custom_rollout=...)``: every rollout starts with joints
+    never moved.
 
     sysid's own rollout starts from a full-physics state, which lacks user data, on `datas` that
-    still hold the friction memory of the rollout before.
+    still contain the friction memory of the previous rollout.
     """
 
     def one(i: int) -> sysid.SystemTrajectory:

@@ -28,18 +28,17 @@ _NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
 class FrictionTorque:
     """Friction of one joint over the last step; N m, or N for a slide.
 
-    Torques are positive where they oppose positive motion; the joint feels minus `total`.
+    Torques are positive against positive motion; minus `total` acts on the joint.
 
     Attributes:
-        total: the sum of the parts that follow.
-        hysteresis: Fh, what the bristles hold.
+        total: the sum of the following parts.
+        hysteresis: Fh, the torque of the bristles.
         damping: sigma1 dz/dt. viscous: sigma2 v.
-        implicit: what the torque over the step adds to these three, which are those of its
-            beginning; 0 with RK4.
+        implicit: change of these three over the step; they are those of its beginning; 0 with RK4.
         effects: torque of each effect by name; a second one of a name is "name_2".
-        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests: a joint
+        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests; a joint
             that drifts does not stick.
-        temperature: deg C, of a joint with `heating` or an effect of it; else None.
+        temperature: deg C, of a joint with `heating` or a temperature-dependent effect; else None.
         time: s, of the evaluation; NaN before the first one.
     """
 
@@ -55,15 +54,15 @@ class FrictionTorque:
 
 
 def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorque]:
-    """Friction torque of every joint that carries friction, by name of the joint.
+    """Friction torque of every joint with friction, by name of the joint.
 
-    After ``mj_step`` it returns the torque that acted over the step that began at `time`; after
+    After ``mj_step`` it is the torque that acted over the step that began at `time`; after
     ``mj_forward`` the torque that a step from here would have.
 
     Args:
         model: attached, or while `enable` is in force. data: of that model.
     Raises:
-        ModelError: the model carries no friction.
+        ModelError: the model has no friction.
         TypeError: no MjModel or MjData.
     """
     require_model(model, "torque")

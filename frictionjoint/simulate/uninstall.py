@@ -1,4 +1,4 @@
-"""Take friction out of a model again."""
+"""Remove friction from a model."""
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -17,17 +17,16 @@ from frictionjoint.simulate.shaft_wave import remove_waves
 
 
 def uninstall(spec: mujoco.MjSpec) -> list[str]:
-    """Take all friction, and the user data and joints it needs, out of a spec.
+    """Remove all friction, and the user data and joints it needs, from a spec.
 
-    What else came with it stays: native friction that was cleared, an armature that was fitted, a
-    motor, late sensors.
+    Other changes stay: cleared native friction, a fitted armature, a motor, delayed sensors.
 
     Args:
         spec: changed in place.
     Returns:
-        names of the joints that carried friction.
+        names of the joints that had friction.
     Raises:
-        ModelError: no joint does, or a block is damaged.
+        ModelError: no joint has friction, or a block is damaged.
         TypeError: no spec.
     """
     require_spec(spec, "uninstall")
@@ -46,13 +45,13 @@ def carrying(spec: mujoco.MjSpec) -> list[str]:
 
 
 def _carrier(numeric: str) -> str | None:
-    """The joint whose friction a numeric holds, by its name; None for another numeric."""
+    """The joint whose friction a numeric contains; None for another numeric."""
     prefix, tag, rest = numeric.partition(TAG)
     return prefix + rest if tag else None
 
 
 def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
-    """Take the friction that joints carry out of a spec; changed in place.
+    """Remove the friction of joints from a spec; changed in place.
 
     Raises:
         ModelError: a block is damaged.
@@ -79,13 +78,13 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
 def before_friction(
     model: str | Path, joints: Collection[str]
 ) -> tuple[str | Path, tuple[str, ...]]:
-    """A model as it was before joints got friction, for a loop that finds it anew.
+    """A model as it was before joints got friction, to identify it again.
 
     Args:
         model: path or text of an MJCF or URDF.
     Returns:
-        the model itself where none of the joints carries friction, else an MJCF's text; and which
-        of them did.
+        the model itself if none of the joints has friction, else an MJCF's text; and which of them
+        did.
     Raises:
         ModelError: it does not compile, or a block is damaged.
     """
@@ -98,7 +97,7 @@ def before_friction(
 
 
 def said_of(joints: Sequence[str]) -> str:
-    """What a report says of friction that was taken out, a sentence."""
+    """A sentence for the report on removed friction."""
     which = "joint" if len(joints) == 1 else "joints"
     return (
         f"The model contains friction at {which} {few(joints)} from an earlier run: it is ignored "

@@ -1,4 +1,4 @@
-"""MuJoCo's viewer with the friction that a model carries."""
+"""MuJoCo's viewer with the friction of a model."""
 
 import importlib
 import warnings
@@ -12,13 +12,13 @@ from frictionjoint.simulate.carrier import load_model
 
 
 def view(path: str | Path) -> None:
-    """Open the viewer on an MJCF that carries friction, until its window is closed.
+    """Open the viewer on an MJCF with friction, until its window is closed.
 
     Models that are dragged into the window have their friction too.
 
     Raises:
         ModelError: as `load_model`.
-        FrictionJointError: no viewer, or no display to open it on.
+        FrictionJointError: no viewer, or no display.
     """
     model = load_model(path)
     try:

@@ -1,9 +1,9 @@
 """Friction in mujoco_warp: many worlds at once, on a GPU or on the CPU.
 
 mujoco_warp calls ``Model.callback.passive`` where MuJoCo calls ``mjcb_passive``. `attach_warp` puts
-the friction that an MJCF carries there. The state of every world lives in one warp array of the
-`WarpFriction` it returns, not in ``userdata``; the rule that commits it is the same: a later time
-commits the last evaluated point, the same time evaluates again, an earlier time starts afresh.
+the friction of an MJCF there. The state of every world is in one warp array of the returned
+`WarpFriction`, not in ``userdata``; the rule that commits it is the same: a later time commits the
+last evaluated point, the same time evaluates again, an earlier time resets.
 """
 
 import warnings
@@ -52,12 +52,13 @@ class WarpFriction:
     Usable in a ``with`` block, which ends with `detach`.
 
     Attributes:
-        joints: names of the joints that carry friction, in the order of `torque`.
-        joint_rows: where each joint's numbers begin in a world's state.
+        joints: names of the joints with friction, in the order of `torque`.
+        joint_rows: index at which each joint's numbers begin in a world's state.
         parameters: warp array of doubles, the friction blocks' numbers: shape (1, n) while all
-            worlds share them, (nworld, n) after `set_parameters` with one set a world.
-        state: warp array of doubles, shape (nworld, m): what a world remembers, clocks included.
-            Copy it, with the data, to save a simulation; it takes no part in ``mujoco_warp``'s own.
+            worlds share them, (nworld, n) after `set_parameters` with one set per world.
+        state: warp array of doubles, shape (nworld, m): the memory of each world, clocks included.
+            Copy it, with the data, to save a simulation; it is not part of ``mujoco_warp``'s own
+            state.
     """
 
     def __init__(self, m: Any, d: Any, mjm: mujoco.MjModel) -> None:
@@ -166,21 +167,21 @@ class WarpFriction:
     def set_parameters(
         self, joint: str, parameters: Friction | JointFriction | Sequence[Friction | JointFriction]
     ) -> None:
-        """Another friction for a joint, in all worlds or in each its own.
+        """Change the friction of a joint, in all worlds or separately in each.
 
-        What the worlds remember stays. A graph captured before keeps the old parameters. What acts
-        by the model itself, elasticity, backlash and delays, stays as it was compiled.
+        The worlds' memory stays. A graph captured before keeps the old parameters. Parts of the
+        model itself, elasticity, backlash and delays, stay as they were compiled.
 
         Args:
-            joint: carries friction already.
-            parameters: one, or one a world: the law's, with as many knots, or a `JointFriction`
-                of `report.samples`, whose effects are those that the model carries.
+            joint: with friction.
+            parameters: one, or one per world: the law's, with as many knots, or a `JointFriction`
+                of `report.samples`, with the model's effects.
         Raises:
             ModelError: no friction on that joint, another number of worlds, another law, another
                 number of knots or other effects.
         """
         if joint not in self.joints:
-            raise ModelError(f"joint {joint!r} has no friction: {', '.join(self.joints)} do")
+            raise ModelError(f"joint {joint!r} has no friction, {', '.join(self.joints)} have")
         made, nworld = self._layout, self._data.nworld
         at = self.joints.index(joint)
         rows = self.parameters.numpy()
@@ -199,12 +200,12 @@ class WarpFriction:
         self.parameters = turned.transpose()
 
     def torque(self) -> Any:
-        """The friction torques that acted over the last step, opposing positive motion.
+        """Friction torques over the last step, positive against positive motion.
 
-        After ``mujoco_warp.forward`` those that a step from here has.
+        After ``mujoco_warp.forward`` those that a step from here would have.
 
-        Returns: warp array of floats on the model's device, shape (nworld, number of `joints`),
-        N m (N for a slide joint); overwritten by the next call.
+        Returns: warp array of floats on the model's device, shape (nworld, number of `joints`), N m
+        (N for a slide joint); overwritten by the next call.
         """
         d = self._data
         self._wp.launch(
@@ -227,14 +228,14 @@ class WarpFriction:
         return self._torque
 
     def reset(self, world_mask: Any = None) -> None:
-        """Worlds forget: at rest and never moved from their next evaluation on.
+        """Reset the friction of worlds: at rest and never moved from their next evaluation on.
 
-        ``mujoco_warp.reset_data`` sets the time back, which does the same to worlds whose time
-        has run; this one is for worlds that go on at their time.
+        ``mujoco_warp.reset_data`` sets the time back, which has the same effect; this method is for
+        worlds whose time continues.
 
         Args:
             world_mask: shape (nworld,), booleans, as an array of numpy or of warp on the model's
-                device; all worlds without it.
+                device; None: all worlds.
         Raises:
             ModelError: a mask of another shape.
         """
@@ -259,7 +260,7 @@ class WarpFriction:
         )
 
     def detach(self) -> None:
-        """Friction acts no longer; the callback it found returns. A captured graph keeps it."""
+        """Stop the friction and restore the previous callback. A captured graph keeps it."""
         self._attached = False
         if self._model.callback.passive == self._call:
             self._model.callback.passive = self._previous
@@ -309,18 +310,18 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
 
 
 def attach_warp(m: Any, d: Any, mjm: mujoco.MjModel) -> WarpFriction:
-    """Let the friction that a model carries act in `mujoco_warp`, from the next step on.
+    """Turn on the friction of a model in `mujoco_warp`, from the next step on.
 
-    A passive callback that is there already is called first.
+    An existing passive callback is called first.
 
     Args:
         m: ``mujoco_warp.Model``, from ``put_model(mjm)``.
-        d: ``mujoco_warp.Data`` of any number of worlds; the friction belongs to this one.
-        mjm: carries friction, see `install`.
+        d: ``mujoco_warp.Data`` with any number of worlds; the friction belongs to this one.
+        mjm: with friction, see `install`.
     Raises:
         WarpMissingError: mujoco_warp is not installed.
         ModelError: no or damaged friction in the model, a model and data that do not belong
-            together, an integrator or flags that it cannot work with, or attached already.
+            together, an unsupported integrator or flag, or attached already.
         TypeError: `mjm` is no MjModel.
     """
     require_model(mjm, "attach_warp")

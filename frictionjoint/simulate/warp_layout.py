@@ -1,4 +1,4 @@
-"""Where the joints and motors of a model with friction lie in the arrays of its kernels."""
+"""Addresses of the joints and motors of a model with friction in the arrays of its kernels."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

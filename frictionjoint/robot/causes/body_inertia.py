@@ -29,8 +29,7 @@ _BELOW = np.tril_indices(4, -1)
 @dataclass(frozen=True)
 class BodyInertia(Cause):
     """Numbers: the logarithm of the mass over the model's; in addition the shift of the centre, m;
-    or the
-    logarithms of T's diagonal and its entries below.
+    or the logarithms of T's diagonal and its entries below.
 
     Attributes:
         body: number and name. form: which of its parameters are wrong.
