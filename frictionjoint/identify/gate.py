@@ -41,7 +41,7 @@ SURE = 5.0
 _MEANINGFUL, _RIGHT = 0.8, 0.3
 # Change of a drive, of its magnitude, that counts; fraction of the samples that reversals may take;
 # fraction of the top speed that counts as motion.
-_ONE_SIZE, _REVERSALS, _MOVES = 1e-3, 0.1, 0.1
+_ONE_SIZE, _REVERSALS, _MOVES = 1e-3, 0.2, 0.1
 # Fraction of the samples that must move in the rarer direction to tell a bias from friction.
 _BOTH_WAYS = 0.02
 # Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
@@ -111,8 +111,6 @@ def check_signs(prepared: Prepared) -> None:
     """
     balance = _balance(prepared)
     names = few([s.name for s in prepared.segments])
-    if prepared.gain_unknown:
-        _check_drive_changes(prepared, names)
     _check_signs(prepared, balance, _load_factors(balance), names)
 
 
@@ -184,6 +182,8 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
     inertia of a free oscillation cancel. So the balance of the other logs must agree that its sign
     is wrong.
     """
+    if prepared.gain_unknown:
+        _check_drive_changes(prepared, names)
     if np.max(load.factors + SURE * load.errors) < 0.0:
         raise LogError(turned_round(prepared, names, *load.factors))
     logs = [(names, balance, True)]
