@@ -7,10 +7,11 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.simulate.carrier import SimulatedEffect
 from frictionjoint.simulate.motor import Motor, add_motor
-from frictionjoint.simulate.uninstall import before_friction, carrying
+from frictionjoint.simulate.uninstall import carrying
 
 FRICTION = fj.FrictionParameters.symmetric(
     Fs=0.6, Fc=0.4, Vs=0.1, sigma2=0.3, n=2, knots=((1e-3, 0.4), (1e-2, 1.2))

@@ -9,12 +9,13 @@ from test_one_joint import JOINT, LAW, MODEL, STEP, N, block
 
 from frictionjoint.control import kernel as k
 from frictionjoint.effects import motor_temperature
+from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import SimulatedEffect, install
 from frictionjoint.simulate.motor import Motor, add_motor
-from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+from frictionjoint.simulate.one_joint import JointModel, Run, simulate
 from frictionjoint.simulate.thermal import set_temperature, temperature
 
 T0, A = 30.0, 0.02

@@ -9,12 +9,13 @@ import pytest
 
 from frictionjoint.control import kernel as k
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import SimulatedEffect, install
 from frictionjoint.simulate.motor import Motor, add_motor
-from frictionjoint.simulate.one_joint import JointModel, Run, load_of, simulate
+from frictionjoint.simulate.one_joint import JointModel, Run, simulate
 
 MODEL = Path(__file__).resolve().parents[1] / "models/xl330_pendulum.xml"
 JOINT = "pendulum"

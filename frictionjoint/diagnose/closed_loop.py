@@ -22,6 +22,7 @@ from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
@@ -30,7 +31,7 @@ from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.one_joint import JointModel, Load, Run, load_of, simulate
+from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 
 # s, longest step of a simulation
 _STEP = 1e-3

@@ -7,11 +7,11 @@ from pathlib import Path
 import mujoco
 
 from frictionjoint.errors import ModelError
+from frictionjoint.identify.earlier_friction import said_of
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.uninstall import said_of
 
 
 class Bodies:

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
+from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.carrier import blocks
 from frictionjoint.simulate.native_friction import native_friction
-from frictionjoint.simulate.uninstall import before_friction
 
 # of a joint's range, how far a limit may give way: a joint that moves beyond does not meet it
 _GIVES_WAY = 0.1

@@ -15,6 +15,7 @@ from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.diagnose.report_data import Evidence
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError, LogError
+from frictionjoint.identify.earlier_friction import before_friction, said_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
@@ -40,7 +41,6 @@ from frictionjoint.robot.report_data import (
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers
-from frictionjoint.simulate.uninstall import before_friction, said_of
 from frictionjoint.threads import one_thread
 
 

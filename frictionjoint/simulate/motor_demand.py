@@ -93,13 +93,13 @@ def asked_torque(
     return total
 
 
-def controls(model: mujoco.MjModel | ModelView) -> tuple[Any, ...]:
+def controls(model: mujoco.MjModel | ModelView) -> tuple[int, bool, Any, Any, Any]:
     """Number of actuators, whether they differ from the controls, and the three arrays of that."""
     if not hasattr(model, "nactuator"):
         none = np.zeros(0, dtype=np.int32)
         return model.nu, False, none, none, none
-    where = model.actuator_ctrladr, model.actuator_ctrlnum, model.actuator_outadr
-    return model.nactuator, True, *where
+    first, count = model.actuator_ctrladr, model.actuator_ctrlnum
+    return model.nactuator, True, first, count, model.actuator_outadr
 
 
 def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:

@@ -6,7 +6,6 @@ measured motion. Limits and contacts are left out.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -18,15 +17,12 @@ from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.effects.signals import TEMP
-from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import SimulatedEffect
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
-# positions at which a load is evaluated: three determine its mean and its first harmonic
-_TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
 # steps from one evaluation of the friction to the next along a measured motion, which is smooth; a
 # law is driven by displacement, and each step at one speed is exact
 _STRIDE = 4
@@ -35,7 +31,7 @@ _STRIDE = 4
 _STRAIN, _FURTHEST, _HALVINGS = 1e-9, 1.0, 40
 # rows of `Load.numbers`
 INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
-_ROWS = 10
+ROWS = 10
 
 
 @dataclass(frozen=True)
@@ -54,42 +50,6 @@ class Load:
     armature: float
     stiffness: float
     rest: float
-
-
-def load_of(
-    body: RigidBody,
-    velocity: Array | None = None,
-    others: Mapping[str, tuple[Array, Array, Array]] | None = None,
-) -> Load:
-    """Load of a joint, along the measured motion of other joints if there are any.
-
-    Args:
-        velocity: of the joint, shape (n,). others: position, velocity and acceleration by name.
-    """
-    j = body.joint_id
-    v = velocity if others and velocity is not None else np.zeros(1)
-    none, one = np.zeros(len(v)), np.ones(len(v))
-    stiffness = float(np.ravel(body.model.jnt_stiffness[j])[0])
-    rest = float(body.model.qpos_spring[body.model.jnt_qposadr[j]])
-    found = np.zeros((_ROWS, len(v)))
-    turns = _TURNS if not body.slide else (0.0,)
-    torques = [body.torque(np.full(len(v), q), v, none, others) for q in turns]
-    found[INERTIA] = body.torque(none, v, one, others).load - torques[0].load
-    loads = [x.load - stiffness * (q - rest) for x, q in zip(torques, turns, strict=True)]
-    if body.slide:
-        found[REST] = loads[0]
-    else:
-        found[REST], found[COS], found[SIN] = _harmonic(loads)
-        found[GX : GX + 3] = _harmonic([x.gx for x in torques])
-        found[GY : GY + 3] = _harmonic([x.gy for x in torques])
-    return Load(found, body.armature, stiffness, rest)
-
-
-def _harmonic(x: list[Array]) -> tuple[Array, Array, Array]:
-    """Mean, cosine and sine of a quantity known at `_TURNS`."""
-    cosine = sum(2.0 / 3.0 * math.cos(q) * y for q, y in zip(_TURNS, x, strict=True))
-    sine = sum(2.0 / 3.0 * math.sin(q) * y for q, y in zip(_TURNS, x, strict=True))
-    return (x[0] + x[1] + x[2]) / 3.0, np.asarray(cosine), np.asarray(sine)
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,12 @@
 """Remove friction from a model."""
 
-from collections.abc import Collection, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
 from frictionjoint.arguments import require_spec
-from frictionjoint.errors import ModelError, few
-from frictionjoint.model_files import read_spec
-from frictionjoint.model_text import model_text
+from frictionjoint.errors import ModelError
 from frictionjoint.simulate.assumed import remove_assumed
 from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
@@ -73,33 +70,3 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
         remove_assumed(spec, joint)
     # the rows lie behind the user's own data
     spec.nuserdata = max(0, spec.nuserdata - rows)
-
-
-def before_friction(
-    model: str | Path, joints: Collection[str]
-) -> tuple[str | Path, tuple[str, ...]]:
-    """A model as it was before joints got friction, to identify it again.
-
-    Args:
-        model: path or text of an MJCF or URDF.
-    Returns:
-        the model itself if none of the joints has friction, else an MJCF's text; and which of them
-        did.
-    Raises:
-        ModelError: it does not compile, or a block is damaged.
-    """
-    spec = read_spec(model)
-    there = [name for name in carrying(spec) if name in joints]
-    if not there:
-        return model, ()
-    take_out(spec, there)
-    return model_text(spec, model), tuple(there)
-
-
-def said_of(joints: Sequence[str]) -> str:
-    """A sentence for the report on removed friction."""
-    which = "joint" if len(joints) == 1 else "joints"
-    return (
-        f"The model contains friction at {which} {few(joints)} from an earlier run: it is ignored "
-        "here and identified again."
-    )
