@@ -23,9 +23,9 @@ from frictionjoint.threads import one_thread, side_by_side
 # samples that a coarse look is at
 _COARSE = 1500
 # steps that every form is followed for, and the best of them to the end
-_STEPS, _LAST_STEPS = 5, 15
+_STEPS, _LAST_STEPS = 8, 15
 # cost over the best one's up to which a form is followed further
-_NEAR_BEST, _FINALISTS = 1.3, 2
+_NEAR_BEST, _FINALISTS = 2.0, 2
 # part of an error that damping must leave at most to be known before any law
 _DAMPED = 0.5
 # linear fits of which each weighs the logs for the next

@@ -1,0 +1,92 @@
+"""The law alone: found from where a linear fit shows it, also where a bristle is another law.
+
+The friction is LuGre's (Canudas de Wit et al. 1995), integrated here along a given motion.
+"""
+
+import numpy as np
+import pytest
+
+from frictionjoint.identify.base_fit import base_fit
+from frictionjoint.identify.last_freedoms import with_last_freedoms
+from frictionjoint.identify.law_start import LawStart, falls
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.log import JointLog
+
+INERTIA, STEP, EVERY, SECONDS = 0.05, 1e-4, 20, 12.0
+JOINT = f"""<mujoco><worldbody><body><joint name="j" axis="0 0 1"/>
+<inertial mass="1" pos="0 0 0" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/>
+</body></worldbody></mujoco>"""
+
+
+def log(Fs, Fc, Vs, stiffness, damping, viscous, noise, seed):
+    """A log of 500 Hz; Vs is that of positive and of negative motion."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, SECONDS, STEP)
+    rates = np.array([0.11, 0.37, 0.9]) * rng.uniform(0.9, 1.1, 3)
+    angle = 2.0 * np.pi * rates[:, None] * t + rng.uniform(0.0, 6.28, (3, 1))
+    size = np.array([[0.5], [0.15], [0.05]])
+    q = np.sum(size * np.sin(angle), axis=0)
+    v = np.gradient(q, t)
+    a = np.gradient(v, t)
+    level = Fc + (Fs - Fc) * np.exp(-((v / np.where(v > 0.0, *Vs)) ** 2))
+    rubs = stiffness * np.abs(v) / level
+    z, friction = 0.0, np.empty_like(t)
+    for k in range(len(t)):
+        before, z = z, (z + STEP * v[k]) / (1.0 + STEP * rubs[k])
+        friction[k] = stiffness * z + damping * (z - before) / STEP
+    torque = INERTIA * a + friction + viscous * v
+    some = slice(None, None, EVERY)
+    measured = torque[some] + noise * rng.standard_normal(len(t[some]))
+    return JointLog(name=f"{seed}", joint="j", time=t[some], position=q[some], torque=measured)
+
+
+def fitted(*logs):
+    prepared, found = base_fit(prepare(list(logs), RigidBody(JOINT, "j")), "integrated")
+    found = with_last_freedoms(prepared, found)
+    return found, law_parameters(found)
+
+
+def test_a_bristle_is_found_with_its_own_numbers():
+    """It is the form of 2002 with n = 1 and a straight curve, whatever other forms come near."""
+    own = {"stiffness": 800.0, "damping": 0.3, "viscous": 0.1, "noise": 3e-3}
+    found, law = fitted(*(log(0.8, 0.5, (0.05, 0.05), seed=i, **own) for i in (1, 2)))
+    assert (law.variant, law.n) == ("lampaert2002", 1.0)
+    assert law.Fs_pos == pytest.approx(0.8, rel=0.05)
+    assert law.Fc_pos == pytest.approx(0.5, rel=0.02)
+    assert law.Vs_pos == law.Vs_neg == pytest.approx(0.05, rel=0.1)
+    assert law.sigma2_pos == pytest.approx(0.1, rel=0.05)
+    assert law.stiffness == pytest.approx(800.0, rel=0.1)
+    assert found.rms_in_motion < 1.2 * 3e-3
+
+
+def test_a_contact_that_is_damped_much_hides_no_friction():
+    """Breakaway is ten times what the joint slides with, and hardly shows for the damping."""
+    own = {"stiffness": 500.0, "damping": 8.0, "viscous": 0.02, "noise": 1e-4}
+    found, law = fitted(*(log(0.5, 0.05, (0.02, 0.02), seed=i, **own) for i in (1, 2)))
+    assert law.Fc_pos == pytest.approx(0.05, rel=0.03)
+    assert law.sigma2_pos == pytest.approx(0.02, rel=0.03)
+    assert law.Fs_pos > 3.0 * law.Fc_pos
+    assert law.sigma1 == pytest.approx(8.0, rel=0.3)
+    assert found.rms_in_motion < 0.04 * 0.05
+
+
+def test_a_stribeck_velocity_may_differ_by_direction():
+    own = {"stiffness": 3000.0, "damping": 0.3, "viscous": 0.1, "noise": 2e-3}
+    found, law = fitted(*(log(0.8, 0.5, (0.12, 0.03), seed=i, **own) for i in (1, 2)))
+    assert law.Vs_pos == pytest.approx(0.12, rel=0.15)
+    assert law.Vs_neg == pytest.approx(0.03, rel=0.15)
+    assert found.rms_in_motion < 1.3 * 2e-3
+
+
+@pytest.mark.parametrize("delta", [0.8, 1.0, 2.0])
+def test_a_start_has_the_stribeck_curve_of_the_elements_levels(delta):
+    """A level that falls with speed in any of these ways is found again from its sampled falls."""
+    speed = np.geomspace(1e-3, 0.5, 200)
+    wanted = 0.5 + 0.4 * np.exp(-((speed / 0.05) ** delta))
+    shares = np.linalg.lstsq(falls(speed), wanted, rcond=None)[0]
+    start = LawStart.of(np.array([1e-3]), shares[:, None], 2.0)
+    assert start.excess == pytest.approx(0.8, rel=0.3)
+    assert start.Vs == pytest.approx(0.1, rel=0.4)
+    assert start.length == pytest.approx(1e-3, rel=0.01)
