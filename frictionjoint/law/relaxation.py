@@ -359,7 +359,7 @@ def any_advance(r: float, a: float, n: float) -> float:
     return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
 
 
-@compiled
+@in_line
 def advance(r: float, a: float, n: float) -> float:
     """r after the displacement a >= 0.
 

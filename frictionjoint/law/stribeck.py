@@ -15,6 +15,8 @@ FS, FC, VS, DELTA, SIGMA2 = range(5)
 ZERO = 746.0
 # and below this it is three terms of its series
 SLOW = 1e-5
+# from here on it is lost beside a Coulomb torque that is not next to nothing
+FAST, SMALL_PART = 50.0, 1e-5
 
 
 @in_line
@@ -33,6 +35,6 @@ def stribeck_level(P: Vector, d: int, speed: float) -> float:
         x = x**delta
     if x < SLOW:
         return Fs - (Fs - Fc) * (x - 0.5 * x * x)
-    if x > ZERO:
+    if x > ZERO or (x > FAST and Fc > SMALL_PART * Fs):
         return Fc
     return Fc + (Fs - Fc) * math.exp(-x)

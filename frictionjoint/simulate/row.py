@@ -147,7 +147,7 @@ def shared_out(
     implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
     # half of a damper that is weak for the step acts at the velocity before it, so that its torque
     # is that of the step's middle; a strong one must be implicit, and then stops the joint
-    explicit = 0.5 * inertia / (inertia + h * D) if inertia > 0.0 else 0.0
+    explicit = 0.5 * inertia / (inertia + h * D) if D > 0.0 and inertia > 0.0 else 0.0
     return constant + explicit * D * v, implicit * h * K + (1.0 - explicit) * D
 
 

@@ -98,11 +98,18 @@ def usual_torque(
         or not (math.fabs(q) <= ASTRAY and math.fabs(v) <= ASTRAY)
     ):
         return np.nan
-    at, was, constant, gain = X[front + 1], X[front + 2], X[front + 3], X[front + 4]
-    Fh, Fb, turned = X[a + FH], X[a + FB], X[a + DIRECTION]
-    n_min, n_max, virgin, rate = X[a + N_MIN], X[a + N_MAX], X[a + VIRGIN], X[a + RATE]
     first = p + 1
     stiffest, sigma1 = P[first + KNOTS + 3], P[first + SIGMA1]
+    at = X[front + 1]
+    dq = q - at
+    dx = math.fabs(dq)
+    side = first + POSITIVE if dq > 0.0 else first + NEGATIVE
+    moves = dx * stiffest > NOTHING * P[side + FS]
+    # first, as nothing else needs to be kept over a call
+    S = stribeck_level(P, side, dx / dt) if moves else 0.0
+    was, constant, gain = X[front + 2], X[front + 3], X[front + 4]
+    Fh, Fb, turned = X[a + FH], X[a + FB], X[a + DIRECTION]
+    n_min, n_max, virgin, rate = X[a + N_MIN], X[a + N_MAX], X[a + VIRGIN], X[a + RATE]
     stack = x + FRONT + 2 * HEADER
     if (
         n_min >= CAPACITY
@@ -114,11 +121,8 @@ def usual_torque(
         return np.nan
     f, b, way, lows, highs, slip = Fh, Fb, turned, n_min, n_max, rate
     known, tangent = False, 0.0
-    dq = q - at
     place, bent = at, stiffest * dq
-    side = first + POSITIVE if dq > 0.0 else first + NEGATIVE
-    dx = math.fabs(dq)
-    if dx * stiffest > NOTHING * P[side + FS]:
+    if moves:
         place, bent = q, 0.0
         way = math.copysign(1.0, dq)
         top = np.inf
@@ -138,7 +142,6 @@ def usual_torque(
         elif n_min > 1.0:
             top = -X[stack + int(n_min) - 1]
         wiped = virgin == 0.0 and lows == 1.0 and highs == 1.0
-        S = stribeck_level(P, side, dx / dt)
         f, slip, K = undisturbed(P, first, way * f, way * b, wiped, 1.0, top, S, dx)
         if f != f:
             return np.nan
