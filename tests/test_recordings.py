@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from command_line import run
 
+from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured import JointLog
@@ -210,3 +212,16 @@ def test_a_difference_is_laid_to_what_explains_it_and_to_nothing_else() -> None:
     assert found.slope == pytest.approx(-0.01, rel=0.1)
     y = 1.0 + 0.1 * rng.standard_normal(8)
     assert between(y, stderr, {"load": other, "temperature_c": warm}).cause == ""
+
+
+def test_a_known_controller_stands_for_a_drive_that_was_not_logged() -> None:
+    log, kp = recording(7), 40.0
+    controller = Controller(output="torque_nm", kp=kp, source="test")
+    target = log.position + log.torque / kp
+    bare = JointLog(name="a", joint="elbow", time=log.time, position=log.position, target=target)
+    made = with_known_drive(bare, controller)
+    np.testing.assert_allclose(made.torque, log.torque, atol=1e-6)
+    found, measured = estimate(known(), made), estimate(known(), log)
+    np.testing.assert_allclose(found.value, measured.value, rtol=1e-3)
+    assert with_known_drive(bare, replace(controller, kp="unknown")).torque is None
+    assert with_known_drive(log, controller) is log

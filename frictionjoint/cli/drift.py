@@ -10,6 +10,7 @@ from rich.table import Table
 from frictionjoint.cli.logs import (
     LOG_FORMATS,
     NO_OPTIONS,
+    ControllerFile,
     Fixed,
     LogOptions,
     log_paths,
@@ -33,6 +34,7 @@ def drift(
         typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot."),
     ] = None,
     fixed: Fixed = None,
+    controller: ControllerFile = None,
     options: LogOptions = NO_OPTIONS,
     as_json: Json = False,
 ) -> None:
@@ -45,6 +47,9 @@ def drift(
     """
     from dataclasses import replace
 
+    from frictionjoint.control.controller_file import controller_of
+    from frictionjoint.control.reconstruct import with_known_drive
+    from frictionjoint.model_files import compile_model
     from frictionjoint.recordings.drift import drift as compared
     from frictionjoint.recordings.drift import known_of
 
@@ -53,7 +58,9 @@ def drift(
         known = replace(known_of(report, joint), fixed=poses(fixed))
         reading = options.reading(known.joint, paths)
         say("comparing")
-        rows = compared(known, [reading.read(path) for path in paths.logs])
+        drives = controller_of(controller, known.joint, [compile_model(known.model)])
+        new = [with_known_drive(reading.read(path), drives) for path in paths.logs]
+        rows = compared(known, new)
     changed = [x.name for x in rows if x.state == "changed"]
     if as_json:
         content = {

@@ -194,6 +194,13 @@ def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
     return replace(log, **{kind: drive})  # type: ignore[arg-type]
 
 
+def with_known_drive(log: JointLog, controller: Controller | None) -> JointLog:
+    """The log with the drive of a controller that is known in numbers; others as they are."""
+    if controller is None or UNKNOWN in (controller.kp, controller.supply_v):
+        return log
+    return log if log.target is None else with_drive(log, controller)
+
+
 def difference(log: JointLog, controller: Controller) -> float | None:
     """Median difference of the measured drive from the controller's, relative to its rms.
 

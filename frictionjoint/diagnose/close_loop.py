@@ -10,7 +10,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
-from frictionjoint.control.reconstruct import check_drive
+from frictionjoint.control.reconstruct import check_drive, with_known_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.closed_loop import found_controller
@@ -131,7 +131,8 @@ def close_loop(
     from frictionjoint.recordings.in_report import with_recordings  # it compares whole models
 
     progress("comparing the recordings")
-    return with_recordings(report, [*logs, *([] if split else held_out)], fixed)
+    recordings = [*logs, *([] if split else held_out)]
+    return with_recordings(report, [with_known_drive(x, known) for x in recordings], fixed)
 
 
 @one_thread
