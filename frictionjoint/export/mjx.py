@@ -6,6 +6,7 @@ raises for is left out here, and each of these is named.
 """
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 import mujoco
 
@@ -67,8 +68,8 @@ def _of(value: object, names: tuple[str, ...]) -> list[str]:
 
 def _delete(
     spec: mujoco.MjSpec,
-    elements: Iterable[object],
-    kinds: Callable[[object], list[str]] = lambda x: [""],
+    elements: Iterable[Any],
+    kinds: Callable[[Any], list[str]] = lambda x: [""],
     what: str = "",
 ) -> list[str]:
     """Delete elements of some kinds, and name them."""

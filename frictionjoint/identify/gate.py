@@ -199,10 +199,8 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
 
 def _check_drive_changes(prepared: Prepared, names: str) -> None:
     """A drive of one magnitude and unknown scale equals friction of that level at any speed."""
-    drive, v = (
-        np.concatenate([x(s) for s in prepared.segments])
-        for x in (lambda s: s.drive, lambda s: s.signals[:, V])
-    )
+    drive = np.concatenate([s.drive for s in prepared.segments])
+    v = np.concatenate([s.signals[:, V] for s in prepared.segments])
     along = (drive * np.sign(v))[np.abs(v) > _MOVES * np.max(np.abs(v))]
     size = float(np.median(along)) if len(along) else 0.0
     # around a reversal a resampled drive has other values
