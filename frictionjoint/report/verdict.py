@@ -70,8 +70,17 @@ def _missing(s: Summary) -> str:
         text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if s.laws[0] != s.laws[1]:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
+    if sure and s.role == "held_out" and not _falls(s):
+        text += "; on held-out logs the error falls by no more than chance explains"
     partly = s.verdict == "partly-explained" or rest
     return text + "." + (rest or (times if partly else ""))
+
+
+def _falls(s: Summary) -> bool:
+    """Whether any stated error falls by more than chance."""
+    names = {e.quantity for e in s.errors if not e.quantity.endswith(", rms")}
+    changes = [compared(s.error(n, "before"), s.error(n, "after"), s.role) for n in names]
+    return any(change in ("falls", "falls by") for change in changes)
 
 
 def _doubts(s: Summary) -> str:
