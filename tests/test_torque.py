@@ -5,6 +5,8 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
@@ -161,6 +163,37 @@ def test_a_joint_that_drifts_does_not_stick(law, load):
     went = abs(data.qpos[0] - begin)
     assert all(still) if load < 1.0 else not any(still)
     assert went < 1e-6 if load < 1.0 else went > 1e-4
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    law=st.sampled_from(fj_laws()),
+    load=st.floats(0.0, 2.0),
+    swing=st.floats(0.0, 1.0),
+    inertia=st.floats(-3.0, 0.0).map(lambda x: 10.0**x),
+)
+def test_a_joint_that_goes_on_and_on_is_never_said_to_stick(law, load, swing, inertia):
+    """Under any steady load with a swing on it, as long as it is said to stick it only bends."""
+    spec = mujoco.MjSpec.from_string(JOINT.format(armature=inertia))
+    fj.install(spec, {"j": law})
+    m, sticks, places = spec.compile(), [], []
+    data = mujoco.MjData(m)
+    with fj.attach(m):
+        for k in range(1200):
+            data.qfrc_applied[0] = load + swing * np.sin(0.05 * k)
+            mujoco.mj_step(m, data)
+            sticks.append(fj.torque(m, data)["j"].sticks)
+            places.append(data.qpos[0])
+    late = slice(800, None)
+    went = np.diff(places[late])
+    # the bristles of these laws bend by less than this, rad
+    begin = 0
+    for k, stuck in enumerate([*sticks[801:], False]):
+        if not stuck:
+            assert abs(went[begin:k].sum()) < 1e-3
+            begin = k + 1
+    if load - swing > 1.1:
+        assert not any(sticks[late])
 
 
 @pytest.mark.parametrize("law", LAWS)
