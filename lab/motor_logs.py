@@ -95,6 +95,8 @@ def damiao(clone: Clone, out: Path) -> None:
         with np.load(io.BytesIO(clone.read(path))) as log:
             own = np.column_stack([log[key][:, i] for key in ("q", "qd", "tau_measured")])
             new = news(log["time"], own)
+            if i == 0:  # it rests before and after
+                new = new[np.abs(log["time"][new] - log["time"][0] - 50.0) < 30.0]
             columns = {"time_s": log["time"][new] - log["time"][0]}
             for j, other in enumerate(DAMIAO_JOINTS):
                 columns[f"{other}.position_rad"] = log["q"][new, j]

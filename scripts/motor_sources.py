@@ -118,27 +118,6 @@ def fr3(size: str, *joints: str) -> Source:
     )
 
 
-def go2(place: str, *kinds: str) -> Source:
-    """Legs of a Go2 that hangs with its legs in the air."""
-    joints = [f"{leg}_{kind}_joint" for kind in kinds for leg in ("FL",)]
-    return Source(
-        f"Unitree Go2, {place}",
-        ("go2/traj_0.csv",),
-        0.3,
-        ("go2.xml",),
-        None,
-        "https://github.com/iit-DLSLab/sim2real-robot-identification/tree/06739ea0",
-        "BSD-3-Clause",
-        controller="go2.controller.toml",
-        remark="The log holds target and position; torque is that of the authors' gains, 20 N m "
-        "per rad and 1.5 N m s per rad, which this recording does not state. Friction scales with "
-        "them.",
-        conditions="Base held, legs in the air, 23 s at 200 Hz.",
-        refine=False,
-        units=dict.fromkeys(joints, ()),
-    )
-
-
 def kr300(axis: int) -> Source:
     """An axis of a KUKA of the KR300 class."""
     return Source(
@@ -234,6 +213,9 @@ SOURCES = {
         "BSD-3-Clause",
         conditions="Bare flange, 27.5 s at 125 Hz.",
     ),
+    # joint 2, the other DM-J8009P, lost a quarter of its messages; joint 1 has a ripple of 252 per
+    # turn of its rotor, twelve times its 21 pole pairs
+    "dm8009": damiao("DM-J8009P-2EC", "54 N m", {"second": 1}),
     "dm4340": damiao("DM-J4340P-2EC", "28 N m", {"fourth": 3}),
     "dm4310": damiao("DM-J4310-2EC", "10 N m", {"sixth": 5, "sixthoutput": 6, "seventh": 7}),
     "ak80_6": Source(
@@ -250,7 +232,21 @@ SOURCES = {
     "ur10e_size4": ur10e("size 4", "j1", "j2"),
     "ur10e_size3": ur10e("size 3", "j3"),
     "ur10e_size2": ur10e("size 2", "j4", "j5"),
-    "go2_calf": go2("calf", "calf"),
+    "go2_calf": Source(
+        "Unitree Go2, calf",
+        ("go2/traj_0.csv",),
+        0.3,
+        ("go2.xml",),
+        "FL_calf_joint",
+        "https://github.com/iit-DLSLab/sim2real-robot-identification/tree/06739ea0",
+        "BSD-3-Clause",
+        controller="go2.controller.toml",
+        remark="The log holds target and position; torque is that of the authors' gains, 20 N m "
+        "per rad and 1.5 N m s per rad, which this recording does not state. Friction scales with "
+        "them.",
+        conditions="Base held, legs in the air, 23 s at 200 Hz.",
+        refine=False,
+    ),
     **{f"kr300_axis{i}": kr300(i) for i in range(1, 7)},
     "sts3250": Source(
         "Feetech STS3250 servo, 12 V",

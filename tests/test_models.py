@@ -29,7 +29,6 @@ JOINTS = {
     "kinova_gen3_joint7": ["joint_7"],
     "ak80_double_pendulum": ["joint1", "joint2"],
     "fr3": [f"joint{i}" for i in range(1, 8)],
-    "so101": ["Rotation", "Pitch", "Elbow", "Wrist_Pitch", "Wrist_Roll", "Jaw"],
     "ur10e": [f"j{i}" for i in range(1, 7)],
     "am_d02": ["second", "third", "fourth", "fifth", "sixth", "sixthoutput", "seventh"],
     "go2": [
@@ -41,7 +40,6 @@ MASS |= {
     "ur10e": 28.7,
     "am_d02": 3.810741,
     "go2": 8.285408,
-    "so101": 0.497006,
     "fr3": 16.254813,
     "ak80_double_pendulum": 1.163726,
 }

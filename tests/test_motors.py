@@ -197,7 +197,15 @@ def test_the_library_holds_what_users_ask_for():
     joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6, "kr300_axis": 6}
     wanted = {f"{stem}{i}" for stem, n in joints.items() for i in range(1, n + 1)}
     wanted |= {"xl330", "sts3215", "sts3250", "emps", "odrive_bldc", "ri50", "ak80_6"}
-    wanted |= {"dm4310", "dm4340", "go2_calf", "kinova_gen3_small", "fr3_large", "fr3_small"}
+    wanted |= {
+        "dm4310",
+        "dm4340",
+        "dm8009",
+        "go2_calf",
+        "kinova_gen3_small",
+        "fr3_large",
+        "fr3_small",
+    }
     wanted |= {f"ur10e_size{i}" for i in (2, 3, 4)}
     assert names == wanted
     assert len(names) >= 40
