@@ -330,7 +330,14 @@ def page(library: Sequence[Motor]) -> str:
 
 def remarks_page(library: Sequence[Motor]) -> str:
     """Remarks by machine: on all of its joints, then on single ones."""
-    lines = ["# Remarks on the library of motors", ""]
+    lines = [
+        "# Remarks on the library of motors",
+        "",
+        "A number is not determined if its standard error is more than half of its value. Of "
+        "several units of one actuator the entry is the one whose torque is explained best; their "
+        "tables include different loads and the errors of the fits.",
+        "",
+    ]
     for title, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
         joints = {motor.name: _sentences(motor.remark) for motor in group}
         of_all = [x for x in next(iter(joints.values())) if all(x in y for y in joints.values())]
