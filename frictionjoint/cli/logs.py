@@ -17,8 +17,8 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
 # texts of options
 LOG_FORMATS = (
-    "CSV, Parquet, npz, mat, ROS 2 bag, LeRobot data set (DATASET#0-7: episodes), or a folder of "
-    "logs."
+    "CSV, Parquet, npz, mat, HDF5, ROS bag, LeRobot data set (DATASET#0-7: episodes), or a folder "
+    "of logs."
 )
 LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 

@@ -107,8 +107,6 @@ def mat_names(path: Path) -> list[str]:
         if matlab.is_level_5(path):
             return matlab.variable_names(path)
         return [name for name, _, _ in whosmat(path)]
-    except NotImplementedError:
-        raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
     except Exception as error:
         raise corrupt(path, error) from None
 
@@ -143,8 +141,6 @@ def _load_mat(path: Path, names: list[str]) -> dict[str, Any]:
             content = loadmat(path, variable_names=names)
     except matlab.NotNumbersError as error:
         raise LogError(f"{path.name}, {error}") from None
-    except NotImplementedError:
-        raise LogError(f"{path.name}: MATLAB 7.3 file, save it with -v7") from None
     except Exception as error:
         raise corrupt(path, error) from None
     missing = [name for name in names if name not in content]

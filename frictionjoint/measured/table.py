@@ -1,4 +1,4 @@
-"""Logs in tables: CSV and other text, Parquet, npz and MATLAB files with one column per quantity.
+"""Logs in tables: CSV and other text, Parquet, npz, MATLAB and HDF5 files, a column per quantity.
 
 Memory: only the columns of the chosen joint and the positions and velocities of the others are
 read, 8 bytes per row each; at most three times that is used while reading. Measured: four columns
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import parquet, text_table
+from frictionjoint.measured import hdf5, parquet, text_table
 from frictionjoint.measured.arrays import (
     mat_columns,
     mat_names,
@@ -44,7 +44,7 @@ from frictionjoint.measured.mend import (
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 from frictionjoint.measured.validate import check_columns, check_leaps, check_moves, check_rows
 
-TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat")
+TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *hdf5.ENDINGS)
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
 
@@ -211,6 +211,19 @@ def log_of(
     )
 
 
+def _in_hdf5(path: Path) -> bool:
+    """Whether a file holds HDF5; MATLAB 7.3 does."""
+    kind = path.suffix.lower()
+    return kind in hdf5.ENDINGS or (kind == ".mat" and hdf5.is_hdf5(path))
+
+
+def _array_names(path: Path) -> list[str]:
+    """Names of the arrays of a file that holds arrays."""
+    if _in_hdf5(path):
+        return hdf5.hdf5_names(path)
+    return npz_names(path) if path.suffix.lower() == ".npz" else mat_names(path)
+
+
 def _has_header(path: Path) -> bool:
     """Whether a file is text with named columns."""
     return path.suffix.lower() in text_table.ENDINGS and not is_bare(path)
@@ -223,8 +236,8 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
         columns: the requested ones, see `read_table`; of matrices, these parts are named.
     """
     kind = path.suffix.lower()
-    if kind in (".npz", ".mat"):
-        names = npz_names(path) if kind == ".npz" else mat_names(path)
+    if _in_hdf5(path) or kind in (".npz", ".mat"):
+        names = _array_names(path)
         asked = dict.fromkeys((columns or {}).values())
         return [*names, *(x for x in asked if x not in names and whole(x) in names)]
     if kind in text_table.ENDINGS:
@@ -235,6 +248,8 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
     """Only the requested columns, each of shape (n,); the time column may contain dates."""
     kind = path.suffix.lower()
+    if _in_hdf5(path):
+        return hdf5.hdf5_columns(path, names)
     if kind == ".npz":
         return npz_columns(path, names)
     if kind == ".mat":
