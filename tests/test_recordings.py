@@ -225,3 +225,19 @@ def test_a_known_controller_stands_for_a_drive_that_was_not_logged() -> None:
     np.testing.assert_allclose(found.value, measured.value, rtol=1e-3)
     assert with_known_drive(bare, replace(controller, kp="unknown")).torque is None
     assert with_known_drive(log, controller) is log
+
+
+def test_a_recording_states_its_speed_and_direction() -> None:
+    """Where recordings have one speed each, they may differ by it and not by the joint."""
+    k, rng = known(), np.random.default_rng(8)
+    found = []
+    for speed in (0.2, 0.5, 1.0, 1.5, 2.0, -0.3, -0.8, -1.2, -1.8):
+        t = 0.004 * np.arange(1500)
+        v = speed + 0.02 * np.cos(5.0 * t)
+        friction = (FC + 0.05 * abs(speed)) * np.sign(v) + SIGMA2 * v
+        q = np.cumsum(v) * 0.004
+        torque = friction - 0.5 * 9.81 * 0.2 * np.cos(q) + rng.normal(0.0, 0.005, len(t))
+        log = JointLog(name=f"at {speed}", joint="elbow", time=t, position=q, torque=torque)
+        found.append(estimate(k, log))
+    assert [round(x.direction) for x in found] == [1, 1, 1, 1, 1, -1, -1, -1, -1]
+    np.testing.assert_allclose([x.speed for x in found[:5]], (0.2, 0.5, 1.0, 1.5, 2.0), rtol=0.05)

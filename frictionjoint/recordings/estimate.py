@@ -48,7 +48,8 @@ class Estimates:
         informed: part of what is known of each number that comes from the recording and not from
             the prior, 0 to 1, shape (p,).
         temperature, load: means that may explain a difference, deg C and of the torque's size; NaN
-            where not known.
+            where not known. speed: mean, rad/s or m/s. direction: -1 to 1; in one direction
+            friction and a bias are the same.
     """
 
     log: str
@@ -58,6 +59,8 @@ class Estimates:
     informed: Array
     temperature: float
     load: float
+    speed: float
+    direction: float
 
 
 @dataclass(frozen=True)
@@ -104,17 +107,20 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     if not numbers:
         raise ParameterError("the friction has no number to compare: all are zero or shapes")
     prior = np.maximum(_PRIOR * np.abs(known.values), _ERRORS * known.stderr)
-    rows, residuals, blocks_of, loads = [], [], [], []
+    rows, residuals, blocks_of, loads, speeds = [], [], [], [], []
     for part in split_at_gaps(log):
-        J, r, seconds, load = _linear(known, part, numbers)
+        J, r, seconds, load, v = _linear(known, part, numbers)
         rows.append(J)
         residuals.append(r)
         blocks_of.append((seconds // _block(seconds)).astype(int) + 1000 * len(rows))
         loads.append(load)
+        speeds.append(v)
     J, r, block = np.concatenate(rows), np.concatenate(residuals), np.concatenate(blocks_of)
     if len(r) < 10 * len(numbers):
         raise LogError(f"{log.name}: too little motion with a known drive to compare")
     step, cov, informed = _solve(J, r, block, prior)
+    v = np.concatenate(speeds)
+    speed = float(np.mean(np.abs(v)))
     temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
     return Estimates(
         log=log.name,
@@ -124,6 +130,8 @@ def estimate(known: Known, log: JointLog) -> Estimates:
         informed=informed,
         temperature=temperature,
         load=float(np.mean(np.abs(np.concatenate(loads)))),
+        speed=speed,
+        direction=float(np.mean(v)) / speed if speed else 0.0,
     )
 
 
@@ -153,8 +161,8 @@ def _solve(J: Array, r: Array, block: Array, prior: Array) -> tuple[Array, Array
 
 def _linear(
     known: Known, log: JointLog, numbers: Sequence[Number]
-) -> tuple[Array, Array, Array, Array]:
-    """Derivatives of the residual by each number, the residual, its times and the torque."""
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Derivatives of the residual by each number, the residual, its times, torque and velocity."""
     if all(getattr(log, kind) is None for kind in ("torque", "voltage", "current")):
         raise LogError(f"{log.name}: no measured drive, which recordings are compared by")
     recording = Recording.of({known.joint: log})
@@ -173,7 +181,7 @@ def _linear(
         return recording.filter(along.needed[known.joint]), acted
 
     base, acted = needed(None)
-    q = recording.motion[known.joint][0]
+    q, velocity = recording.motion[known.joint][:2]
     law = friction_torque(own.parameters, recording.time, q)
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
@@ -191,7 +199,7 @@ def _linear(
     every = max(1, int(1.0 / (_PER_PERIOD * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
     J = np.column_stack(columns)[kept]
-    return J, (base - acted)[kept], recording.time[kept], acted[kept]
+    return J, (base - acted)[kept], recording.time[kept], acted[kept], velocity[kept]
 
 
 def _with_friction(known: Known, friction: JointFriction) -> str:

@@ -82,6 +82,8 @@ def _over(found: Sequence[Estimates], i: int) -> Between:
     value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
     causes = {
         "temperature_c": np.array([x.temperature for x in found]),
+        "speed": np.array([x.speed for x in found]),
+        "direction": np.array([x.direction for x in found]),
         "order of the recordings": np.arange(len(found), dtype=float),
         "torque": np.array([x.load for x in found]),
     }
