@@ -25,6 +25,7 @@ from typing import Any
 import mujoco
 from motor_sources import SOURCES, Presliding, Source
 
+from frictionjoint.effects.catalogue import title
 from frictionjoint.motors.library import Motor, list_motors, motor_text
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.numbers import (
@@ -312,14 +313,14 @@ def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
 def page(library: Sequence[Motor]) -> str:
     """The table of all motors, and what to know of each."""
     lines = [
-        "| motor | law | effects | verdict | torque | replay | loop | licence of the logs |",
-        "|---|---|---|---|---|---|---|---|",
+        "| motor | effects | verdict | torque | replay | loop | licence of the logs |",
+        "|---|---|---|---|---|---|---|",
     ]
     for motor in library:
-        effects = ", ".join(x.effect.name for x in motor.friction.effects) or "none"
+        effects = ", ".join(title(x.effect.name) for x in motor.friction.effects) or "none"
         metre = "m" if motor.unit == "N" else "rad"
         verdict = motor.verdict.replace("-", " ")
-        cells = [f"`{motor.name}`", motor.friction.parameters.law, effects, verdict]
+        cells = [f"`{motor.name}`", effects, verdict]
         for kind, unit in (("torque", motor.unit), ("replay", metre), ("closed_loop", metre)):
             ends = [motor.fit.get(f"{kind}_held_out{when}") for when in ("_before", "")]
             shown = " to ".join(f"{x:.3g}" for x in ends if x is not None)
@@ -338,12 +339,12 @@ def remarks_page(library: Sequence[Motor]) -> str:
         "tables include different loads and the errors of the fits.",
         "",
     ]
-    for title, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
+    for machine, group in groupby(library, lambda x: x.title.removesuffix(f", {x.joint}")):
         joints = {motor.name: _sentences(motor.remark) for motor in group}
         of_all = [x for x in next(iter(joints.values())) if all(x in y for y in joints.values())]
         first = next(motor for motor in library if motor.name in joints)
         about = [f"[Logs]({first.source}).", first.conditions, *of_all]
-        lines += [f"## {title}", "", " ".join(filter(None, about)), ""]
+        lines += [f"## {machine}", "", " ".join(filter(None, about)), ""]
         own = {name: [x for x in said if x not in of_all] for name, said in joints.items()}
         told = [f"* `{name}`: {' '.join(said)}" for name, said in own.items() if said]
         lines += [*told, ""] if told else []

@@ -11,6 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ModelError, few
 from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
 from frictionjoint.identify.held import resolve as resolve_poses
@@ -165,7 +166,7 @@ def friction_words(model: mujoco.MjModel, joint: str) -> str:
     said = []
     if joint in blocks(model):
         carried = read_friction(model)[joint]
-        effects = "".join(f", {e.effect.name}" for e in carried.effects)
+        effects = "".join(f", {title(e.effect.name)}" for e in carried.effects)
         said.append(f"frictionjoint law {carried.parameters.law}{effects}")
     native = native_friction(model, [joint]).get(joint)
     if native:
