@@ -8,7 +8,7 @@ from collections.abc import Iterator
 def plain(body: list[ast.stmt], fresh: Iterator[str]) -> list[ast.stmt]:
     """Assignments one by one: of ``x += y``, ``x = y = a``, ``x, y = a, b`` and ``x: int = a`` too.
 
-    ``x, y = f(a)`` stays as it is.
+    ``x, y = f(a)`` stays as it is where x and y are names.
 
     Args:
         fresh: names for values that must be kept until others have been computed.
@@ -54,6 +54,15 @@ def _one_by_one(
     for to in targets:
         if isinstance(to, ast.Tuple) and isinstance(value, ast.Tuple):
             yield from _side_by_side(list(zip(to.elts, value.elts, strict=True)), fresh)
+        elif isinstance(to, ast.Tuple):
+            names = [
+                x if isinstance(x, ast.Name) else ast.Name(next(fresh), ast.Store())
+                for x in to.elts
+            ]
+            yield _assignment(ast.Tuple([*names], ast.Store()), value)
+            for place, name in zip(to.elts, names, strict=True):
+                if place is not name:
+                    yield _assignment(place, _loaded(name))
         else:
             yield _assignment(to, value)
 
