@@ -78,12 +78,12 @@ def test_the_first_step_after_a_velocity_is_set_only_brakes():
     assert 0.0 <= data.qvel[0] < 0.2
 
 
-@pytest.mark.parametrize("ratio", [0.3, 1.0, 3.0, 8.0, 20.0])
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 3.0, 8.0, 20.0, 1000.0])
 def test_a_closed_linkage_does_not_creep(ratio):
     assert speed_of_linkage(with_friction(LINKAGE, 0.5, ratio), 7.0) < 1e-9
 
 
-@pytest.mark.parametrize("ratio", [1.0, 4.0, 10.0, 30.0])
+@pytest.mark.parametrize("ratio", [1.0, 4.0, 10.0, 30.0, 1000.0])
 def test_legs_stand_still_on_contacts(ratio):
     speed, sunk = speed_of_table(with_friction(table(), 8.0, ratio), 6.0)
     assert speed < 1e-8
@@ -170,7 +170,7 @@ def test_motors_of_the_static_law_rest_under_load(motor):
 trees = {
     "seed": st.integers(0, 2**32 - 1),
     "ratio": st.floats(-1.0, 2.0).map(lambda x: 10.0**x),
-    "damping": st.floats(-2.0, 2.0).map(lambda x: 10.0**x),
+    "damping": st.floats(-2.0, 3.0).map(lambda x: 10.0**x),
 }
 
 

@@ -21,7 +21,7 @@ from frictionjoint.simulate.native_friction import MEND, native_friction, tendon
 
 # Largest h sqrt(K/J) and h sigma/J at which joints are tested to hold: with friction implicit in
 # the step, and with RK4, whose stages are explicit and stable up to about 2.8.
-_IMPLICIT, _EXPLICIT = 100.0, 2.0
+_IMPLICIT, _EXPLICIT = 1000.0, 2.0
 # a presliding spring that turns over within a step
 _RESOLVED = 1.0
 
