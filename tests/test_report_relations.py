@@ -10,7 +10,8 @@ import re
 import pytest
 from reports import COGGING, LAW, empty, estimate, good, robot
 
-from frictionjoint.effects.catalogue import title
+from frictionjoint.effects.catalogue import DRIVE_EFFECTS, SIMULATED, title
+from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.report.numbers import friction_card, result_estimates
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
 from frictionjoint.report.summary import summarise
@@ -282,3 +283,26 @@ def test_a_robot_has_the_figures_of_its_joints():
     assert "rotor inertia of elbow" in line(s, "Could also be").lower()
     told = robot_text(ROBOT).splitlines()
     assert sum(x.startswith("* ") for x in told) <= 6
+
+
+def test_breakaway_is_open_where_the_stribeck_velocity_is():
+    loose = LAW | {f"Vs_{s}": estimate(0.05, 0.04, "rad/s") for s in ("pos", "neg")}
+    card = {x.name: x.status for x in summarise(good(after__parameters=loose)).friction}
+    assert card["Vs"] == card["Fs"] == "not determined"
+    assert card["Fc"] == "determined"
+
+
+def test_a_size_names_its_quantity():
+    for effect in (*SIMULATED, *DRIVE_EFFECTS):
+        assert effect.title
+        for number in (*effect.coefficients, *effect.shape):
+            words = quantity_of(effect.name, number)
+            assert len(words) > 4, f"{effect.name}: {words}"
+
+
+def test_what_held_out_logs_leave_to_chance_is_said():
+    pairs = {"before": [0.02, 0.25], "after": [0.02, 0.24]}
+    replay = {"before": [0.001, 0.04], "after": [0.001, 0.04]}
+    s = summarise(good(intervals={"torque_rms": pairs, "replay_rms": replay}))
+    assert "no more than chance" in line(s, "Missing")
+    assert "no more than chance" not in line(summarise(good()), "Missing")

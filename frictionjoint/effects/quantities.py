@@ -4,6 +4,8 @@ _QUANTITIES = {
     "added": "of which your model lacks",
     "ambient": "ambient temperature",
     "bias": "torque",
+    "cx": "direction, x",
+    "cy": "direction, y",
     "damping_ratio": "damping ratio",
     "deadband": "half width",
     "emf": "voltage per speed",
