@@ -7,9 +7,8 @@ package under test takes part. The columns have the names of an invented recorde
 """
 
 import sys
+from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from tests.plants.plant import (
@@ -19,8 +18,8 @@ from tests.plants.plant import (
     Instrument,
     Motion,
     PlantSpec,
-    pretty,
     simulate,
+    write,
 )
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -42,19 +41,17 @@ SPEC = PlantSpec(
 )
 NAMES = ("ramps.csv", "pick_and_place.csv", "multisine.csv")
 COLUMNS = {"stamp": "time_s", "q_meas": "position_rad", "tau_meas": "torque_nm"}
+DIGITS = {"stamp": "%.4f", "q_meas": "%.6f", "tau_meas": "%.3f"}
 
 
 def main() -> None:
     """Simulate the joint; write three logs and the model that its user has."""
     trial = simulate(SPEC)
+    logs = [{name: log[ours] for name, ours in COLUMNS.items()} for log in trial.logs]
     folder = ROOT / "examples" / "recording"
-    folder.mkdir(exist_ok=True)
-    (folder / "arm.xml").write_text(pretty(trial.mjcf).replace('name="joint"', 'name="elbow"'))
-    for name, log in zip(NAMES, trial.logs, strict=True):
-        table = np.column_stack([log[ours] for ours in COLUMNS.values()])
-        header = ",".join(COLUMNS)
-        form = ("%.4f", "%.6f", "%.3f")
-        np.savetxt(folder / name, table, fmt=form, delimiter=",", header=header, comments="")
+    write(replace(trial, logs=logs), folder, NAMES, DIGITS)
+    model = (folder / "joint.xml").rename(folder / "arm.xml")
+    model.write_text(model.read_text().replace('name="joint"', 'name="elbow"'))
 
 
 if __name__ == "__main__":

@@ -144,8 +144,8 @@ def test_a_model_says_what_it_carries(tmp_path):
     assert comment == (
         "Friction of joint joint, law integrated: Fs 1.5 N m (breakaway friction), Fc 1 N m "
         "(Coulomb friction), Vs 0.05 rad/s (Stribeck velocity), sigma2 0.3 N m s/rad (viscous "
-        "friction), stiffness 5000 N m/rad (presliding stiffness); cogging: sin 0.3 N m, "
-        "cos -0.2 N m, N 14 1/rad"
+        "friction), stiffness 5000 N m/rad (presliding stiffness); cogging: sine part "
+        "0.3 N m, cosine part -0.2 N m, angular frequency 14 1/rad"
     )
     (tmp_path / "arm.xml").write_text(text)
     model = fj.load_model(tmp_path / "arm.xml")

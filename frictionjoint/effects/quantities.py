@@ -59,7 +59,7 @@ _OF_EFFECT = {
     ("motor-temperature", "a"): "relative change of torque per kelvin",
     ("nonlinear-viscous", "c"): "coefficient",
     ("nonlinear-viscous", "p"): "exponent of speed",
-    ("position-periodic", "N"): "waves per unit of position times 2π",
+    ("position-periodic", "N"): "angular frequency",
     ("position-periodic", "cos"): "cosine part",
     ("position-periodic", "sin"): "sine part",
     ("spring", "preload"): "torque at zero position",
