@@ -167,6 +167,12 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     # a torque that the result corrects is not compared as measured
     (note,) = with_recordings(replace(stated, added=(Named("torque-gain"),)), logs).notes
     assert "wrong motor constant" in note
+    # a joint that something pushes along: its viscous friction would be negative
+    speeds = [np.gradient(log.position, log.time) for log in logs]
+    pushed = [replace(x, torque=x.torque - 0.3 * v) for x, v in zip(logs, speeds, strict=True)]
+    said = {row["number"] for row in with_recordings(stated, pushed).recordings}
+    assert "sigma2" not in said
+    assert "Fc" in said
     # what the report does not determine cannot differ
     loose = np.diag(np.abs(numbers_in(k.content)))
     assert (

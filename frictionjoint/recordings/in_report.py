@@ -63,6 +63,9 @@ def with_recordings(
         if len(own) < FEWEST or loose[i]:
             continue
         over = _over(own, i)
+        # no number of a law is negative: what these recordings say is not of this number
+        if number.of_law and over.mean < 0.0:
+            continue
         rows.append(_row(number.name, over, own, i))
         # over all numbers, one false alarm in twenty reports
         if over.p_value < _SURE / len(known.numbers) and over.deviation > 0.0:
