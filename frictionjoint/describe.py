@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from frictionjoint.effects.quantities import quantity_of
 
 if TYPE_CHECKING:
+    from frictionjoint.joint_friction import JointFriction
     from frictionjoint.parameters import Friction
-    from frictionjoint.simulate.carrier import JointFriction
 
 MEANINGS = {
     "Fc": "Coulomb friction",

@@ -12,9 +12,9 @@ import tomlkit
 
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.errors import ParameterError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import parameters_from_dict
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 
 def read_parameters(path: Path) -> JointFriction:

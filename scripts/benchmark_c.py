@@ -19,7 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.export.c import header
-from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+from frictionjoint.joint_friction import JointFriction
+from frictionjoint.simulate.carrier import load_model, read_friction
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "examples"))

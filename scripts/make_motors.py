@@ -26,6 +26,7 @@ import mujoco
 from motor_sources import SOURCES, Presliding, Source
 
 from frictionjoint.effects.catalogue import title
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.motors.library import Motor, list_motors, motor_text
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.numbers import (
@@ -34,7 +35,7 @@ from frictionjoint.report.numbers import (
     result_estimates,
     status_of,
 )
-from frictionjoint.simulate.carrier import JointFriction, load_model, read_friction
+from frictionjoint.simulate.carrier import load_model, read_friction
 
 ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "frictionjoint/motors"

@@ -17,8 +17,8 @@ from frictionjoint.effects import signals
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import SimulatedEffect
 
 STEP, STEPS = 1e-3, 1000
 FC = 1.0

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint.effects.position_periodic import EFFECT
 from frictionjoint.errors import FrictionJointError, ModelError, ParameterError
-from frictionjoint.simulate.carrier import MAGIC, SimulatedEffect, read_friction
+from frictionjoint.joint_friction import SimulatedEffect
+from frictionjoint.simulate.carrier import MAGIC, read_friction
 
 XML = """
 <mujoco>

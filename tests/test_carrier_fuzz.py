@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from frictionjoint import attach, install, load_model
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+from frictionjoint.simulate.carrier import read_friction
 
 # more inputs on demand: FRICTIONJOINT_FUZZ=20000 pytest tests/test_carrier_fuzz.py
 EXAMPLES = int(os.environ.get("FRICTIONJOINT_FUZZ", "60"))

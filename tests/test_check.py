@@ -8,8 +8,8 @@ from command_line import run
 
 import frictionjoint as fj
 from frictionjoint.effects import spring
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
 from frictionjoint.simulate.check import check_model
 
 STEP, INERTIA = 1e-3, 0.01

@@ -13,10 +13,10 @@ from frictionjoint.describe import law_values
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.files import read_parameters
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import FrictionParameters, knots_of
 from frictionjoint.rivals import LuGreParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
 
 DEMO = Path(str(files("frictionjoint"))) / "demo"
 LAW = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, stiffness=5000.0)

@@ -8,10 +8,10 @@ from command_line import run
 
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.files import toml_text
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.compare import compared, draw
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 A = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, n=2, knots=KNOTS)

@@ -8,7 +8,7 @@ import frictionjoint as fj
 from frictionjoint.effects import dwell_time, frictional_lag, warm_up_drift
 from frictionjoint.effects.kernel import MEMORY, effect_torque
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, H, Q, V
-from frictionjoint.simulate.carrier import SimulatedEffect
+from frictionjoint.joint_friction import SimulatedEffect
 
 FC, STEP = 1.0, 1e-3
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=FC, Vs=0.05, knots=((1e-3, 3.2),))

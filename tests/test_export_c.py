@@ -18,6 +18,7 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c import header, lost_effects
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.rivals import (
@@ -29,7 +30,7 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, load_model, read_friction
+from frictionjoint.simulate.carrier import load_model, read_friction
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.stick_slip import kuka_model
 from frictionjoint.simulate.with_effects import effects_torque

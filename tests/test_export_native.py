@@ -19,8 +19,9 @@ from frictionjoint.errors import FrictionJointError, LogError, ModelError, Param
 from frictionjoint.export.motion import log_motions, stated_motion
 from frictionjoint.export.run import Target, export, output_file
 from frictionjoint.export.sliding import plain_friction
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, install, load_model
+from frictionjoint.simulate.carrier import install, load_model
 from frictionjoint.simulate.stick_slip import kuka_model
 
 LAW = fj.FrictionParameters(

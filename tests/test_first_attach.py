@@ -11,7 +11,7 @@ PREAMBLE = """
 import mujoco, numpy as np, frictionjoint as fj
 from frictionjoint.effects import torque_bias
 from frictionjoint.rivals import LuGreParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
+from frictionjoint.joint_friction import SimulatedEffect
 
 LUGRE = LuGreParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0)
 BIAS = [SimulatedEffect(torque_bias.EFFECT, (), (0.2,))]

@@ -10,7 +10,7 @@ from test_examples import EXAMPLES, numbers
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 
 LAW = fj.FrictionParameters.symmetric(
     Fs=1.0, Fc=0.8, Vs=0.1, sigma2=0.05, knots=((5e-4, 1.2), (2e-3, 2.0))

@@ -8,7 +8,8 @@ import frictionjoint as fj
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.errors import ModelError
 from frictionjoint.files import toml_text
-from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+from frictionjoint.joint_friction import SimulatedEffect
+from frictionjoint.simulate.carrier import read_friction
 
 HAND = """<mujoco>
   <worldbody>

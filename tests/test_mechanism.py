@@ -7,8 +7,9 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.effects import backlash, joint_elasticity, load_dependent
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import SimulatedEffect, read_friction
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.check import check_model
 
 SMOOTH = StaticParameters.symmetric(Fs=1e-9, Fc=1e-9, Vs=0.1, sigma2=0.02, V0=1e-3)

@@ -9,7 +9,7 @@ from frictionjoint.effects import joint_elasticity
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.simulate.carrier import SimulatedEffect
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.motor import Motor, add_motor
 from frictionjoint.simulate.uninstall import carrying
 

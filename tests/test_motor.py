@@ -21,8 +21,9 @@ from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import errors_of, reweighed, weighted
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor, motor_id
 
 MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81

@@ -17,8 +17,9 @@ from frictionjoint.errors import ModelError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.start import predict
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 
 MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81

@@ -11,9 +11,10 @@ from frictionjoint.control import kernel as k
 from frictionjoint.effects import motor_temperature
 from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.carrier import SimulatedEffect, install
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 from frictionjoint.simulate.one_joint import JointModel, Run, simulate
 from frictionjoint.simulate.thermal import set_temperature, temperature

@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters, toml_text
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.laws import unpack
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
 
 # more inputs on demand: FRICTIONJOINT_FUZZ=20000 pytest tests/test_parameters_fuzz.py
 EXAMPLES = int(os.environ.get("FRICTIONJOINT_FUZZ", "120"))

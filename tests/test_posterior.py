@@ -13,9 +13,10 @@ from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.refine.posterior import Posterior
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, install
+from frictionjoint.simulate.carrier import install
 
 MEAN = np.array([-3.0, -1.0, -4.0, 0.05])
 COV = np.diag([0.01, 0.04, 0.02, 1e-4])

@@ -13,6 +13,7 @@ import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.files import read_samples, toml_document
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.rivals import (
     ArmstrongParameters,
     ElastoplasticParameters,
@@ -20,7 +21,7 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, read_friction
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.samples import FrictionSamples
 
 KNOTS = ((1e-3, 1.5), (1e-2, 3.2))

@@ -16,8 +16,8 @@ from frictionjoint.effects import (
     warm_up_drift,
 )
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import LuGreParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
 
 LAW = LuGreParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, sigma2=0.0, sigma0=1e4)
 ARM = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody>

@@ -8,7 +8,7 @@ from test_state import ARM, FRICTION, model, push, run
 
 import frictionjoint as fj
 from frictionjoint.effects import warm_up_drift
-from frictionjoint.simulate.carrier import SimulatedEffect
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.row import LEAP
 
 STEP = 1e-3

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import ElastoplasticParameters, LuGreParameters, StaticParameters
-from frictionjoint.simulate.carrier import SimulatedEffect
 from tests.standing import plain_mass
 
 KNOTS = ((1e-2, 1.5), (1e-1, 3.2))

@@ -10,6 +10,7 @@ from acting import acting
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import N_MAX, N_MIN
 from frictionjoint.rivals import (
@@ -21,7 +22,7 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
-from frictionjoint.simulate.carrier import ROW, SimulatedEffect, read_friction, resolve
+from frictionjoint.simulate.carrier import ROW, read_friction, resolve
 from frictionjoint.simulate.row import FRONT, evaluate, row_size
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 from frictionjoint.simulate.with_effects import effects_torque

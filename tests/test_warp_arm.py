@@ -15,8 +15,9 @@ import frictionjoint as fj
 from frictionjoint.effects import backlash, joint_elasticity, measurement_delay
 from frictionjoint.effects.effect import Effect
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.refine.posterior import Posterior
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect, read_friction
+from frictionjoint.simulate.carrier import read_friction
 
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")

@@ -6,8 +6,8 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.files import toml_text
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.simulate.check import check_model
 from frictionjoint.simulate.scope import Scope
 

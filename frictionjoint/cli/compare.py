@@ -13,7 +13,7 @@ from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
-    from frictionjoint.simulate.carrier import JointFriction
+    from frictionjoint.joint_friction import JointFriction
 
 
 def compare(

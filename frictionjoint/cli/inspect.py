@@ -12,7 +12,7 @@ from frictionjoint.cli.terminal import console
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     import mujoco
 
-    from frictionjoint.simulate.carrier import JointFriction
+    from frictionjoint.joint_friction import JointFriction
 
 
 def inspect(

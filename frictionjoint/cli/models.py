@@ -15,7 +15,7 @@ from frictionjoint.errors import FrictionJointError, ParameterError, few
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     import mujoco
 
-    from frictionjoint.simulate.carrier import JointFriction
+    from frictionjoint.joint_friction import JointFriction
 
 Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
 Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that contains friction.")]

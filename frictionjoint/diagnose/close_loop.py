@@ -59,6 +59,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
@@ -69,7 +70,6 @@ from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
 from frictionjoint.refine.vector import Vector
-from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.threads import one_thread
 
 # standard error of a gain over the gain, beyond which it may as well be any

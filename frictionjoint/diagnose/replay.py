@@ -23,11 +23,12 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.mujoco_warnings import became_unstable, unheard
 from frictionjoint.simulate.assumed import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
-from frictionjoint.simulate.carrier import SimulatedEffect, install, resolve
+from frictionjoint.simulate.carrier import install, resolve
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor
 

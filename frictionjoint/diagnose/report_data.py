@@ -14,10 +14,10 @@ from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,9 +18,9 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 from frictionjoint.translate.c_functions import name_of, source

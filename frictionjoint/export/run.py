@@ -27,8 +27,9 @@ from frictionjoint.export.sliding import (
 )
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.presliding import presliding_distance
-from frictionjoint.simulate.carrier import JointFriction, install, load_model, read_friction
+from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import said_of_waves
 

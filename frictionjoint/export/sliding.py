@@ -15,9 +15,9 @@ from frictionjoint.effects.effect import Plain
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import DT, N_SIGNALS, H, V
 from frictionjoint.errors import ParameterError
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.stribeck import stribeck_level
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import JointFriction
 
 _PER_SIDE = 5
 # a polynomial is taken where its misfit is below this fraction of a line's

@@ -24,9 +24,9 @@ from frictionjoint.effects.back_emf import EFFECT as BACK_EMF
 from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.sliding import levels
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import check_number
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import JointFriction, SimulatedEffect
 
 _PLAIN = ("friction_base", "friction_viscous")
 _FALLING = ("friction_stribeck", "dtheta_stribeck", "alpha")

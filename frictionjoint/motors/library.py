@@ -18,7 +18,7 @@ import tomlkit
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
-from frictionjoint.simulate.carrier import JointFriction
+from frictionjoint.joint_friction import JointFriction
 
 # rad/s (m/s): a Stribeck velocity beyond it is none
 _FASTEST = 10.0

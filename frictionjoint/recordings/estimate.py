@@ -21,13 +21,14 @@ from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.recordings.numbers import Number, changed, numbers_of, values_of
-from frictionjoint.simulate.carrier import JointFriction, blocks, install
+from frictionjoint.simulate.carrier import blocks, install
 
 # step of a derivative, of the number
 _STEP = 0.02

@@ -15,8 +15,8 @@ from frictionjoint.describe import meaning
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.files import joint_friction
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.refine.posterior import is_number, numbers_in, with_numbers
-from frictionjoint.simulate.carrier import JointFriction
 
 _SHAPES = ("delta", "n", "i", "form", "reach", "sigma1")
 _ABOVE = {"Fs": "Fs - Fc"}

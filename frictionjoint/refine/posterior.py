@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.eigen import eigh
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
-from frictionjoint.simulate.carrier import JointFriction
+from frictionjoint.joint_friction import JointFriction
 
 # step of a derivative, in standard errors
 _STEP = 0.1

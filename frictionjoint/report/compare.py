@@ -19,13 +19,13 @@ from matplotlib.figure import Figure
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ParameterError
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.html import fill
 from frictionjoint.report.picture import page_figure, svg
 from frictionjoint.report.robot_summary import joint_content
 from frictionjoint.report.summary import summarise
-from frictionjoint.simulate.carrier import JointFriction
 
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.

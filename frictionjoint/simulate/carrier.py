@@ -19,7 +19,6 @@ step of many joints reads a fourth of the memory.
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
@@ -28,9 +27,9 @@ import numpy as np
 from frictionjoint.arguments import require_friction, require_path, require_spec
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import SIMULATED
-from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.heating import EFFECT as HEATING
-from frictionjoint.errors import ModelError, ParameterError
+from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.model_files import ONE_DOF, compiling
@@ -59,53 +58,6 @@ TAG = "frictionjoint:"
 LARGEST = 1e11
 # whole numbers up to here survive six digits
 _EXACT = 999_999
-
-
-@dataclass(frozen=True, repr=False)
-class SimulatedEffect:
-    """An effect with its numbers, as stored in a model.
-
-    Raises:
-        ParameterError: not as many numbers as the effect has.
-    """
-
-    effect: Effect
-    shape: tuple[float, ...]
-    coefficients: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        pairs = (("shape", self.effect.shape), ("coefficients", self.effect.coefficients))
-        for field, names in pairs:
-            given = len(getattr(self, field))
-            if given != len(names):
-                raise ParameterError(
-                    f"effect {self.effect.name}: {given} numbers as {field}, it has {len(names)}: "
-                    f"{', '.join(names) or 'none'}"
-                )
-
-    @property
-    def numbers(self) -> Array:
-        """Shape numbers, then coefficients."""
-        return np.array([*self.shape, *self.coefficients], dtype=np.float64)
-
-    def __repr__(self) -> str:
-        names = (*self.effect.shape, *self.effect.coefficients)
-        values = zip(names, (*self.shape, *self.coefficients), strict=True)
-        return (
-            f"SimulatedEffect({self.effect.name}: {', '.join(f'{n}={x:.5g}' for n, x in values)})"
-        )
-
-    def pack(self) -> Array:
-        """Id, length, numbers."""
-        return np.concatenate([[self.effect.effect_id, self.effect.size], self.numbers])
-
-
-@dataclass(frozen=True)
-class JointFriction:
-    """Friction of one joint in a model: law and effects."""
-
-    parameters: Friction
-    effects: tuple[SimulatedEffect, ...] = ()
 
 
 def install(

@@ -7,15 +7,10 @@ import mujoco
 from frictionjoint.arguments import require_model
 from frictionjoint.effects import heating, motor_temperature, temperature_dependent
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.simulate.acting import callback_is_off
-from frictionjoint.simulate.carrier import (
-    HEAD,
-    JointFriction,
-    SimulatedEffect,
-    read_friction,
-    resolve,
-)
+from frictionjoint.simulate.carrier import HEAD, read_friction, resolve
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction
 

@@ -17,9 +17,9 @@ from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.effects.signals import TEMP
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import SimulatedEffect
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 

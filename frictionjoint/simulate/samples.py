@@ -8,8 +8,8 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.files import read_samples
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import JointFriction
 from frictionjoint.simulate.set_parameters import set_parameters
 
 Samples = Mapping[str, Sequence[Friction | JointFriction] | str | Path]

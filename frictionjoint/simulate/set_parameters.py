@@ -13,6 +13,7 @@ import numpy as np
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import (
@@ -21,8 +22,6 @@ from frictionjoint.simulate.carrier import (
     HEAD,
     MAGIC,
     ROW,
-    JointFriction,
-    SimulatedEffect,
     heating_first,
     read_effects,
     resolve,

@@ -16,11 +16,9 @@ import numpy as np
 
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import (
-    JointFriction,
-    resolve,
-)
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.shaft_wave import said_of_waves
 from frictionjoint.simulate.warp_layout import block_with, layout
 
