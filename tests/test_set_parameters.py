@@ -80,7 +80,7 @@ def test_parameters_without_effects_leave_those_of_the_model():
         (
             "a",
             JointFriction(law(1.0), (SimulatedEffect(spring.EFFECT, (), (1.0, 0.0)),)),
-            "carries the effects torque-bias, not spring",
+            "has the effects torque-bias, not spring",
         ),
     ],
 )
