@@ -273,8 +273,8 @@ def test_fields_of_any_message_are_named(tmp_path: Path) -> None:
     np.testing.assert_array_equal(log.position, TABLE["q"])
     np.testing.assert_array_equal(log.torque, TABLE["tau"])
     for wrong, what in (
-        ({"position_rad": "angle"}, "not there"),
-        ({"position_rad": "position[9]"}, "not there"),
+        ({"position_rad": "angle"}, "field is missing"),
+        ({"position_rad": "position[9]"}, "field is missing"),
         ({"position_rad": "position"}, "same length"),
         ({"joints": "a"}, "'joints' is unknown"),
     ):
