@@ -40,7 +40,8 @@ _WAVE, _WAVES = "position-periodic", 2
 # effects that resemble the law's own error at low speed and at rest
 _LAW_LIKE = ("dwell-time", "frictional-lag")
 _MORE_BESIDE_LEAPS = 0.4
-_AT_ITS_END = 0.02
+# of a number's range, how near to its end is at it
+_AT_ITS_END = 0.1
 
 
 class Set(NamedTuple):
@@ -114,20 +115,21 @@ class Sets:
         errors = self.over_errors(one)
         before = {c: self.without(one, c) for c in own}
         # beside what leaps, and no column holds exactly, more is asked
-        leaps = {c: self.gain(before[c], one).torque for c in effects(own) if c.effect.leaps}
+        leaps = {c: self.gain(before[c], one).torque for c in effects(own) if _is_inexact(c)}
         return all(
             errors[c] >= DETERMINED
             and self._needed(
                 self.gain(before[c], one),
-                self._part(c, own),
+                self.part(c, own),
                 sum(x for o, x in leaps.items() if o is not c),
             )
             for c in own
         )
 
-    def _part(self, candidate: Candidate, own: Models) -> float:
-        """Part of what is left that an effect must explain beside the others of its set."""
-        if any(isinstance(c, DriveTerm) for c in own if c is not candidate):
+    def part(self, candidate: Candidate, own: Models) -> float:
+        """Part of what is left that an effect must explain beside the others of a set."""
+        known = isinstance(candidate, EffectTerm) and candidate.effect.first
+        if not known and any(isinstance(c, DriveTerm) for c in own if c is not candidate):
             return NEEDED_BESIDE_DRIVE
         return NEEDED_OF_LAW_LIKE if candidate.name in _LAW_LIKE else NEEDED_PART
 
@@ -140,9 +142,9 @@ class Sets:
     def _needed(self, found: Gain, part: float, leaping: float) -> bool:
         if leaping > CLEAR_TORQUE:
             part = max(part, NEEDED_OF_LAW_LIKE)
-        large = CLEAR_TORQUE + _MORE_BESIDE_LEAPS * leaping
-        clear = found.errors > CLEAR_ERRORS and found.torque > large and part < NEEDED_BESIDE_DRIVE
-        enough = found.part > part or clear
+        twice = 1.0 + (part >= NEEDED_BESIDE_DRIVE)
+        large = twice * CLEAR_TORQUE + _MORE_BESIDE_LEAPS * leaping
+        enough = found.part > part or (found.errors > CLEAR_ERRORS and found.torque > large)
         return found.errors > 1.0 and found.torque > LEAST_TORQUE and enough
 
     def over_errors(self, one: Set) -> dict[Candidate, float]:
@@ -194,7 +196,19 @@ class Sets:
             beam = self._level(grown, found)
             if larger > 1 and not any(len(s.models) >= larger - 1 for s in found):
                 break
-        return sorted(found, key=lambda s: s.total)
+        return sorted([*found, *self._better(found)], key=lambda s: s.total)
+
+    def _better(self, found: list[Set]) -> list[Set]:
+        """Sets that came to better shapes while larger ones were looked at."""
+        better = []
+        for size in {len(s.models) for s in found}:
+            known = [s for s in self.known.values() if len(s.models) == size]
+            least = min(s.total for s in known)
+            known = [
+                s for s in known if s.total < _FOUND * least and all(s is not f for f in found)
+            ]
+            better += [s for s in known if self.holds(s)]
+        return better
 
     def _level(self, todo: list[Models], found: list[Set]) -> list[Set]:
         """Refine the most promising sets of one size; those that hold are found, the best go on."""
@@ -272,10 +286,18 @@ class Sets:
         return [m for _, m in sorted(best.values(), key=lambda x: -x[0])[:_PAIRS]]
 
 
+def _is_inexact(term: EffectTerm) -> bool:
+    """Whether no column holds it exactly: what leaps, or resembles the law's own error."""
+    return term.effect.leaps or term.name in _LAW_LIKE
+
+
 def _at_its_end(candidate: Candidate) -> bool:
-    """Whether a time constant is at the end of its range: then it stands for something else."""
-    if candidate.name not in _LAW_LIKE or not isinstance(candidate, EffectTerm):
+    """Whether a number is at the end of its range: then the effect stands for something else."""
+    if not isinstance(candidate, EffectTerm):
         return False
-    low, high = candidate.effect.shape_bounds[0]
-    x = candidate.shape[0]
-    return x < (1.0 + _AT_ITS_END) * low or x > (1.0 - _AT_ITS_END) * high
+    ranges = zip(candidate.shape, candidate.effect.shape_bounds, strict=False)
+    return any(
+        x < (1.0 + _AT_ITS_END) * low or x > (1.0 - _AT_ITS_END) * high
+        for x, (low, high) in ranges
+        if 0.0 < low < high < np.inf
+    )

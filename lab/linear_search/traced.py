@@ -1,13 +1,11 @@
 """The search's result: named effects with their evidence, the parametric law, what is left."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.diagnose.finding import Finding, Sight, Trace, sight
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.moves import Look
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.rival_shape import forms_of
@@ -30,7 +28,8 @@ from linear_search.evidence import Member, evidence, looked
 from linear_search.experiment import Experiment
 from linear_search.final_law import parametric, squares_of, weighed
 from linear_search.find import Found, find
-from linear_search.sets import Set, Sets
+from linear_search.sets import Set
+from linear_search.sight import seen
 from linear_search.unnamed import dependences
 
 LAW = "integrated"
@@ -96,7 +95,7 @@ def traced(
         hints=(),
         last_look=last,
         other_laws=(),
-        sight=_sight(found.sets, chosen, prepared, final, last),
+        sight=seen(found.sets, chosen, prepared, final, last),
     )
 
 
@@ -183,15 +182,3 @@ def _finding(found: Found, chosen: Set, member: Member, term: Term, fitted: Fit)
         fit=fitted,
         forms=tuple(dict.fromkeys(forms)),
     )
-
-
-def _sight(sets: Sets, chosen: Set, prepared: Prepared, final: Fit, last: Look) -> Sight:
-    """The smallest effect that would have been named: it must be that much of what is left."""
-    seen = sight(prepared, final, last)
-    own = sets.experiment
-    samples = np.sqrt(len(own.target))
-    left = float(np.sqrt(chosen.total)) / samples
-    friction = own.friction / samples
-    of_left = np.sqrt(NEEDED_PART / (1.0 - NEEDED_PART)) * left
-    least = max(LEAST_TORQUE * friction, min(of_left, CLEAR_TORQUE * friction))
-    return replace(seen, torque=max(seen.torque, float(least)))

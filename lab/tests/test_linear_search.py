@@ -10,6 +10,7 @@ from linear_search.final_law import squares_of
 from linear_search.find import find
 from linear_search.law_basis import LawBasis, elements
 from linear_search.score import gain
+from linear_search.sight import smallest
 from linear_search.traced import traced
 from servo_plant import KNOWN, PLANT
 from servo_plant import logs as servo_logs
@@ -138,6 +139,21 @@ def test_every_effect_that_is_named_is_determined(found):
     for own in found.values():
         over = own.sets.over_errors(own.chosen)
         assert min(over[c] for c in causes(own.chosen.models)) >= DETERMINED
+
+
+def test_the_smallest_effect_is_stated_by_what_the_law_does_not_hold_of_it(nothing_hidden):
+    own = find(nothing_hidden)
+    (bias,) = own.sets.by_name["torque-bias"]
+    least = smallest(own.sets, own.chosen, bias)
+    larger, lesser = (
+        find(logs(lambda q, v, a, gravity, f, size=size: size * np.ones_like(q)))
+        for size in (1.5 * least, 0.5 * least)
+    )
+    assert "torque-bias" in {n for names in (larger.chosen.names, *larger.ties) for n in names}
+    assert lesser.chosen.names == ()
+    # of curved viscous friction the law holds most
+    curved = own.sets.by_name["nonlinear-viscous"][0]
+    assert smallest(own.sets, own.chosen, curved) > 3.0 * least
 
 
 def test_what_is_not_determined_does_not_hold(found):
