@@ -72,7 +72,7 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
     if any(P[at + RESOLVED] != 1.0 for at in found.values()):
         found = resolve(model)
     if not found:
-        raise ModelError("the model carries no friction: use frictionjoint.install on its spec")
+        raise ModelError("the model has no friction: use frictionjoint.install on its spec")
     warn_if_idle(model, data, found)
     return {name: _of_joint(model, data, block) for name, block in found.items()}
 
