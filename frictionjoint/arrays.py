@@ -1,4 +1,4 @@
-"""Types of arrays in signatures."""
+"""Types of arrays in signatures, and their rms."""
 
 from typing import Protocol
 
@@ -20,3 +20,8 @@ class Vector(Protocol):
     def __getitem__(self, index: int, /) -> float: ...
 
     def __setitem__(self, index: int, value: float, /) -> None: ...
+
+
+def root_mean_square(x: Array) -> float:
+    """Square root of the mean square of an array of any shape, not empty."""
+    return float(np.sqrt(np.mean(np.square(x))))

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control import kernel as k
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
@@ -212,7 +212,7 @@ def difference(log: JointLog, controller: Controller) -> float | None:
         return None
     seen = commands(log, controller)
     made = seen.drive()
-    size = float(np.sqrt(np.mean(made[seen.on] ** 2)))
+    size = root_mean_square(made[seen.on])
     return float(np.median(np.abs(measured - made)[seen.on])) / size if size else None
 
 

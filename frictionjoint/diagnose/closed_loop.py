@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import BLOCK, COUNT, MEASURED, PERIOD
@@ -107,7 +107,7 @@ class ClosedLoop:
     @property
     def rms(self) -> float:
         """Root of the mean square over all samples."""
-        return float(np.sqrt(np.mean(np.concatenate(self.errors) ** 2)))
+        return root_mean_square(np.concatenate(self.errors))
 
     @property
     def replay(self) -> Replay:

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from scipy.special import chdtri
 
+from frictionjoint.arrays import root_mean_square
 from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import Look, Looked
@@ -162,7 +163,7 @@ def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
     # and more than a law errs by
     fraction = max(needed / (needed + blocks), SMALLEST_GAIN)
     left = fitted.drive_rms * fitted.error_unit
-    friction = float(np.sqrt(np.mean((fitted.friction * fitted.weight) ** 2)))
+    friction = root_mean_square(fitted.friction * fitted.weight)
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
     enough = needed * (1.0 - APART) / APART
     return Sight(

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
@@ -166,7 +166,7 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
     if not rest.any():
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)
-    error = float(np.sqrt(np.mean(found.final.residual[rest] ** 2)))
+    error = root_mean_square(found.final.residual[rest])
     return (
         f"In {rest.mean():.0%} of the samples the joint sticks or reverses, where the position "
         f"hardly determines the torque. They count little in the fit; their error, {error:.3g} "

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.prescribed_motion import Free, Prescribed
 from frictionjoint.diagnose.rms import Rms
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
@@ -55,7 +55,7 @@ class Replay:
         """Over all logs; None if there is no run."""
         e = np.concatenate(self.errors) if self.errors else np.zeros(0)
         e = e[~np.isnan(e)]
-        return float(np.sqrt(np.mean(e**2))) if e.size else None
+        return root_mean_square(e) if e.size else None
 
     @property
     def runs(self) -> Array:

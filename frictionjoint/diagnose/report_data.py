@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
@@ -239,7 +239,7 @@ class Report:
                 if c.role == role
             ]
             together = np.concatenate(drives) if drives else np.zeros(0)
-            values[role] = float(np.sqrt(np.mean(together**2))) if len(together) else None
+            values[role] = root_mean_square(together) if len(together) else None
         return Rms(values["fit"], values["held-out"])
 
     def _at_rest(self) -> float:
@@ -253,7 +253,7 @@ class Report:
         for c in self.curves:
             on = c.in_motion
             before, after = (
-                float(np.sqrt(np.mean((c.measured - x)[on] ** 2))) if on.any() else None
+                root_mean_square((c.measured - x)[on]) if on.any() else None
                 for x in (c.before, c.after)
             )
             found.append({"name": c.name, "role": c.role, "before": before, "after": after})

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.closed_loop import ClosedLoop
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.intervals import rms_interval
@@ -51,12 +51,8 @@ def torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: fl
     Args:
         gain: of the drive, used for the errors of all models.
     """
-    held = _root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
-    return Rms(_root_mean_square(_errors(fitted_on, f, gain)), held)
-
-
-def _root_mean_square(e: Array) -> float:
-    return float(np.sqrt(np.mean(e**2)))
+    held = root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
+    return Rms(root_mean_square(_errors(fitted_on, f, gain)), held)
 
 
 def intervals(prepared: Prepared, found: Trace) -> Intervals | None:

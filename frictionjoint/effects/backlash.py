@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Array, Vector, root_mean_square
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.inertia import inertia_of
@@ -102,7 +102,7 @@ def _gaps(signals: Array) -> list[Shape]:
     The flanks start soft and well damped: the link's motion is computed from the motor's motion,
     and with hard flanks a small error in the time of an impact changes all later bounces.
     """
-    usual = float(np.sqrt(np.mean(signals[:, GEAR] ** 2)))
+    usual = root_mean_square(signals[:, GEAR])
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
     flanks = [f for f in _FLANKS if f < 0.5 * nyquist]
     inertia = inertia_of(signals, GEAR)

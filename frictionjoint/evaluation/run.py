@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import UNKNOWN, Controller
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.in_mjcf import controller_in
@@ -306,7 +306,7 @@ def _of_joint(
 
 
 def _rms(x: Array) -> float | None:
-    return float(np.sqrt(np.mean(x**2))) if len(x) else None
+    return root_mean_square(x) if len(x) else None
 
 
 def _replay_rms(curves: Sequence[JointCurves]) -> float | None:

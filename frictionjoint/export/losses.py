@@ -15,7 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
 from frictionjoint.model_files import ONE_DOF
@@ -92,7 +92,7 @@ def losses(
         base = _inverse(bare, joint, motion, False)
         here = _inverse(ours, joint, motion, True) - base
         there = _inverse(exported, joint, motion, False) - base + actuators.get(joint, 0.0)
-        stiffness = _rms(here) / (_DISPLACED * float(np.ptp(motion.position)))
+        stiffness = root_mean_square(here) / (_DISPLACED * float(np.ptp(motion.position)))
         run = _loop(ours, bare, joint, motion, stiffness, True)
         other = _loop(exported, bare, joint, motion, stiffness, False)
         if not np.isfinite(other).all():
@@ -107,19 +107,15 @@ def losses(
                 joint=joint,
                 motion=motion.name,
                 unit="N" if slide else "N m",
-                torque=_rms(here),
-                torque_lost=_rms(there - here),
-                sliding_lost=_rms((there - here)[sliding]) if sliding.any() else None,
-                error=_rms(run - motion.position),
-                error_exported=_rms(other - motion.position),
-                apart=_rms(other - run),
+                torque=root_mean_square(here),
+                torque_lost=root_mean_square(there - here),
+                sliding_lost=root_mean_square((there - here)[sliding]) if sliding.any() else None,
+                error=root_mean_square(run - motion.position),
+                error_exported=root_mean_square(other - motion.position),
+                apart=root_mean_square(other - run),
             )
         )
     return found
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))
 
 
 def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Array]:

@@ -3,9 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import A
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
@@ -94,7 +92,7 @@ def shortest(prepared: Prepared) -> float:
     """
 
     def of_log(resolution: float, dt: float, a: Array) -> float:
-        return max(resolution, 0.125 * float(np.sqrt(np.mean(a**2))) * dt**2)
+        return max(resolution, 0.125 * root_mean_square(a) * dt**2)
 
     return min(
         of_log(s.noise.resolution, s.sample, s.signals[s.mask, A]) for s in prepared.segments

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.layout import LEAST_LEVEL, Layout
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Drive
@@ -88,7 +88,7 @@ class Fit:
     @property
     def rms(self) -> float:
         """rms of the residual, N m."""
-        return float(np.sqrt(np.mean(self.residual**2)))
+        return root_mean_square(self.residual)
 
     @property
     def in_motion(self) -> NDArray[np.bool_]:
@@ -98,7 +98,7 @@ class Fit:
     @property
     def rms_in_motion(self) -> float:
         """rms of the residual of these samples, N m, used to compare laws."""
-        return float(np.sqrt(np.mean(self.residual[self.in_motion] ** 2)))
+        return root_mean_square(self.residual[self.in_motion])
 
     @property
     def scale(self) -> float:
@@ -119,7 +119,7 @@ class Fit:
     @property
     def drive_rms(self) -> float:
         """rms of the weighted residual, in `error_unit`."""
-        return float(np.sqrt(np.mean((self.residual * self.weight) ** 2))) / self.error_unit
+        return root_mean_square(self.residual * self.weight) / self.error_unit
 
     @cached_property
     def open(self) -> NDArray[np.bool_]:

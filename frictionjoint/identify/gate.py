@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
 from frictionjoint.identify.basis import pseudo_inverse
@@ -164,7 +164,7 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     load, others = columns[:, own], np.delete(columns, own, axis=1)
     alone = load - others @ _solved(others, load)
     effect = alone * float(fitted.beta[at])
-    if _rms(effect) <= _STANDS_OUT * fitted.rms:
+    if root_mean_square(effect) <= _STANDS_OUT * fitted.rms:
         return False
     error = _errors(alone[:, None], fitted.residual, _blocks(len(alone)))[0, 0]
     return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
@@ -239,7 +239,7 @@ def _friction_power(b: Balance) -> tuple[float, float, float]:
     beta, cov = _regression(X, b.drive, b.block)
     each = np.zeros(X.shape[1])
     each[:2] = np.mean(b.side * b.v), np.mean(b.v**2)
-    left = _rms(b.drive - X @ beta) / (_rms(b.drive) or 1.0)
+    left = root_mean_square(b.drive - X @ beta) / (root_mean_square(b.drive) or 1.0)
     return float(each @ beta), float(np.sqrt(each @ cov @ each)), left
 
 
@@ -336,7 +336,3 @@ def _errors(X: Array, residual: Array, block: NDArray[np.int64]) -> Array:
 
 def _solved(X: Array, y: Array) -> Array:
     return np.asarray(np.linalg.lstsq(X, y, rcond=1e-6)[0])
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import nnls
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.law_start import falls
@@ -104,7 +104,7 @@ class LawBasis:
         beta = nnls(R[:, :-1], R[:, -1], maxiter=20 * X.shape[1])[0] / size
         residual = y - X @ beta
         of_law = beta[: own.shape[1]].reshape(-1, len(self.reaches))
-        rms = float(np.sqrt(np.mean((residual * weight) ** 2)))
+        rms = root_mean_square(residual * weight)
         return LinearLaw(self.reaches, of_law[:-1] if damped else of_law, rms, residual)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 import mujoco
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
 from frictionjoint.identify.rigid_body import RigidBody
@@ -185,12 +185,12 @@ def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
         for j in hinges:
             _move(model, j, qpos, rng)
         load = _load(body, qpos, qvel, qacc)
-        size = max(size, _rms(load))
+        size = max(size, root_mean_square(load))
         for j in open_ones:
             for _ in range(_POSES):
                 moved = qpos.copy()
                 _move(model, j, moved, rng)
-                change[j] = max(change[j], _rms(_load(body, moved, qvel, qacc) - load))
+                change[j] = max(change[j], root_mean_square(_load(body, moved, qvel, qacc) - load))
     return [j for j in open_ones if change[j] > _MATTERS * size]
 
 
@@ -224,7 +224,3 @@ def _load(body: RigidBody, qpos: Array, qvel: Array, qacc: Array) -> Array:
         mujoco.mj_inverse(body.model, data)
         load[k] = data.qfrc_inverse[dof]
     return load
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))

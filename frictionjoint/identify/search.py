@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import Q
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
@@ -400,7 +400,7 @@ class Search:
             high=np.concatenate([self.high, high - x]),
             log_index=index,
             begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
-            target_rms=float(np.sqrt(np.mean((self._drive(y) * gain) ** 2))),
+            target_rms=root_mean_square(self._drive(y) * gain),
             acting=acting,
             holding=self._holding(terms, beta),
             commanded=self.prepared.commanded,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_estimates, law_parameters
@@ -51,12 +51,8 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
     pairs = zip(prepared.segments, sticking, strict=True)
     stuck = np.concatenate([s.at_kept(x) for s, x in pairs])
     sliding, sticks = residual[stuck < _SLIDING], residual[stuck > _STICKING]
-    base = _rms(sliding) if sliding.size else _rms(residual)
-    return Errors(base, _rms(sticks) if sticks.size else 0.0)
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))
+    base = root_mean_square(sliding) if sliding.size else root_mean_square(residual)
+    return Errors(base, root_mean_square(sticks) if sticks.size else 0.0)
 
 
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 from scipy.signal import welch
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, steep
@@ -77,7 +77,7 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
     apart = np.diff(np.sort(position))
     count = float(apart[apart > _ROUNDING * np.ptp(position)].min(initial=np.inf))
-    bend = float(np.sqrt(np.mean((smooth - straight) ** 2)))
+    bend = root_mean_square(smooth - straight)
     return smooth if bend > count / np.sqrt(12.0) else straight
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.report_data import Curve, Report, SimulatedPosition
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
@@ -300,4 +300,4 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
 
 def _rms(e: Array) -> float:
     known = e[np.isfinite(e)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else 0.0
+    return root_mean_square(known) if len(known) else 0.0

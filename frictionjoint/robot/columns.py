@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.library import effects
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import orthonormal
@@ -67,7 +67,7 @@ def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Jo
         clock.of_sample(joint),
         clock.count,
     )
-    friction = float(np.sqrt(np.mean((fitted.friction * fitted.weight) ** 2)))
+    friction = root_mean_square(fitted.friction * fitted.weight)
     squares: Array = joint.unreached / joint.left**2
     beyond = np.bincount(clock.of_sample(joint), squares, clock.count).astype(float)
     return JointGram(joint.name, len(fitted.residual), grams, at, joint.left, friction, beyond)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
@@ -183,7 +184,7 @@ def _torque(fitted: Fitted, trace: Trace) -> Rms:
     def rms(prepared: Prepared) -> float:
         found = predict(prepared, fitted.fit)
         e = found.error[found.in_motion] * (trace.final.gain / fitted.fit.gain)
-        return float(np.sqrt(np.mean(e**2)))
+        return root_mean_square(e)
 
     held = rms(fitted.kept_back) if fitted.kept_back else None
     return Rms(rms(fitted.prepared), held)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.blocks import correlation_time
 
 Interval = tuple[float, float]
@@ -35,7 +35,9 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
         for part in np.array_split(own, max(1, round(len(own) / length))):
             sums.append(float(part.sum()))
             counts.append(len(part))
-    return _interval(np.array(sums), np.array(counts), _rms(before) + _rms(after))
+    return _interval(
+        np.array(sums), np.array(counts), root_mean_square(before) + root_mean_square(after)
+    )
 
 
 def replay_increase(before: Array, after: Array) -> Interval:
@@ -62,7 +64,3 @@ def _interval(sums: Array, counts: Array, both: float) -> Interval:
     error = float(np.sqrt(blocks / (blocks - 1) * (spread @ spread))) / n
     half = float(student.ppf(_QUANTILE, blocks - 1)) * error
     return (mean - half) / both, (mean + half) / both
-
-
-def _rms(e: Array) -> float:
-    return float(np.sqrt(np.mean(e**2)))

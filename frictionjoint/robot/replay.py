@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.replay import WINDOW_S, motor_of
 from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
@@ -69,7 +69,7 @@ def replay_robot(
     e = np.concatenate(errors)
     e = e[~np.isnan(e)]
     travel = max(float(np.ptp(s.signals[:, Q])) for p, _ in joints.values() for s in p.segments)
-    rms = float(np.sqrt(np.mean(e**2))) if e.size else np.inf
+    rms = root_mean_square(e) if e.size else np.inf
     return rms if rms <= travel else None
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GEAR, TIME, Q, V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.result import Estimate
@@ -94,7 +94,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     twist = np.concatenate([_twist(log, s, ratio, geared) for log, s in pairs])
     torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
     offsets = _offsets(prepared)
-    size = float(np.sqrt(np.mean((twist - offsets @ _mean(offsets, twist)) ** 2)))
+    size = root_mean_square(twist - offsets @ _mean(offsets, twist))
     if size <= _COMPUTED * span or not np.ptp(torque):
         return None
     link = np.concatenate([kept(s, s.signals[:, [Q, V]]) for s in prepared.segments])
@@ -112,7 +112,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
         ratio=1.0 / ratio,
         geared=geared,
         twist=size,
-        left=float(np.sqrt(np.mean(best.residual**2))),
+        left=root_mean_square(best.residual),
         stiffness=_inverse(best.estimate("torque"), per),
         backlash=_twice(best.estimate("gap"), slope),
         hysteresis=_twice(best.estimate("lag"), slope),

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller_file import GivenController
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.held import Pose
@@ -49,7 +50,7 @@ class Spread:
         unknown."""
         errors = [x.stderr for x in self.of_unit.values()]
         known = [e for e in errors if e is not None]
-        return float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(errors) else None
+        return root_mean_square(np.array(known)) if len(known) == len(errors) else None
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
