@@ -20,15 +20,7 @@ QUICK = (
 SECONDS = 12.0
 
 
-_DRIVE_LIMIT = pytest.mark.xfail(
-    reason="the limit found again is 2.2 standard errors off, 2.0 are allowed: a known regression"
-)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=_DRIVE_LIMIT if name == "drive-limit" else ()) for name in QUICK],
-)
+@pytest.mark.parametrize("name", QUICK)
 def test_the_same_effect_with_the_same_numbers(name, tmp_path):
     trip = round_trip(name, tmp_path, SECONDS)
     assert trip.errors
