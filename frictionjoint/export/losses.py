@@ -53,7 +53,7 @@ class Loss:
 
     @property
     def unit_of_position(self) -> str:
-        """rad, or m of a slide."""
+        """rad, or m for a slide."""
         return "m" if self.unit == "N" else "rad"
 
     @property

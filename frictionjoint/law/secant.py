@@ -1,12 +1,14 @@
-"""How stiff and how strongly damped a law is over the coming step; nothing is committed.
+"""Stiffness and damping of a law over the coming step; nothing is committed.
 
 Over a step of length h that ends with the velocity w the friction torque is
 
     F = Fh + (h K + D) w
 
-Fh: hysteresis torque where the step begins. K: its secant between there and the expected end.
-D = sigma1 dz/dq + sigma2, both at the expected end. That end is where the joint's own implicit
-step goes under the impulse r that is left while Fh stays as it is:
+Fh: hysteresis torque at the start of the step. K: its secant between the start and the expected
+end.
+D = sigma1 dz/dq + sigma2, both at the expected end. The expected end follows from an implicit step
+of the
+joint alone under the impulse r that remains while Fh is constant:
 
     J w + h (Fh(q + h w) - Fh(q) + D w) = r
 """

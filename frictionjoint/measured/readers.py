@@ -53,7 +53,7 @@ def read_log(
         path: .csv, .tsv, .txt, .dat, .parquet, .npz, .mat, .db3, .mcap, .bag, .pt, BAM's and
             K-Scale's .json, the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data set
             (``FOLDER#3``: episode 3), of the Panda's or of the TX40's log.
-        joint: which one, where the log holds several.
+        joint: its name, if the log contains several.
         columns: our column name -> the file's, for tables with names of their own, for instance
             ``{"time_s": "t", "position_rad": "q"}``. A file without a header has its columns
             numbered, from ``"1"``; ``{"time_s": "500Hz"}`` is a sample rate. Without a position
@@ -61,11 +61,11 @@ def read_log(
             takes instead stands with its reader.
         signals: columns of a table that friction may depend on, as a normal load.
         wrap: range that positions wrap at, rad (m); 2 pi, 4 pi, 8 pi and 25 rad are noticed.
-        units: unit by quantity of what the file does not hold in SI units, for instance
+        units: unit by quantity, for quantities that are not in SI units, for instance
             ``{"position": "deg", "time": "ms"}`` or ``{"position": "counts:4096"}``, see `units`.
         drop_nan: leave out rows of a table with an empty cell or NaN; a note says how many.
     Returns:
-        the log; what was mended in it stands in its notes. Gaps are left in it.
+        the log; its notes state what was repaired. Gaps stay in it.
     Raises:
         LogError: one line that names the file, the row or column, and the mend.
         TypeError: not a path, or not names.

@@ -81,17 +81,17 @@ class Known:
 
     @property
     def numbers(self) -> list[Number]:
-        """Those that recordings are compared by."""
+        """Numbers by which recordings are compared."""
         return numbers_of(self.content)
 
     @property
     def values(self) -> Array:
-        """Of the numbers, shape (p,)."""
+        """Values of the numbers, shape (p,)."""
         return values_of(self.content, self.numbers)
 
     @property
     def stderr(self) -> Array:
-        """Of the numbers, shape (p,)."""
+        """Standard errors of the numbers, shape (p,)."""
         rows = [np.eye(len(self.cov))[list(n.indices)].mean(axis=0) for n in self.numbers]
         A = np.array(rows)
         variance: Array = np.einsum("ij,jk,ik->i", A, self.cov, A)
