@@ -57,7 +57,7 @@ def test_friction_is_replaced_when_asked_and_takes_no_more_room():
     spec = hand()
     fj.install(spec, {"wrist": law(1.5), "slide": law(1.2)})
     room = spec.nuserdata
-    with pytest.raises(ModelError, match=r"carries friction already: install.*replace=True"):
+    with pytest.raises(ModelError, match=r"has friction already: install.*replace=True"):
         fj.install(spec, {"wrist": law(1.0)})
     fj.install(spec, {"wrist": law(1.0)}, replace=True)
     found = read_friction(spec.compile())
