@@ -243,4 +243,4 @@ def test_standard_errors_that_mean_nothing_are_not_stated():
     text = to_sharpen(planner, None, ["delta_pos"], law)
     assert text.endswith("the standard error of delta from more than its value to 0.5.")
     planner.sharpening = lambda *_: None
-    assert to_sharpen(planner, None, ["delta_pos"], law).startswith("No motion tried")
+    assert to_sharpen(planner, None, ["delta_pos"], law).startswith("No motion within the range")
