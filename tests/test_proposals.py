@@ -241,6 +241,6 @@ def test_standard_errors_that_mean_nothing_are_not_stated():
     )
     law = {"delta_pos": Estimate(2.0, 5.2e10, "1")}
     text = to_sharpen(planner, None, ["delta_pos"], law)
-    assert text.endswith("the standard error of delta from more than its value to 0.5.")
+    assert text.endswith("the standard error of Stribeck exponent from more than its value to 0.5.")
     planner.sharpening = lambda *_: None
     assert to_sharpen(planner, None, ["delta_pos"], law).startswith("No motion within the range")
