@@ -1,4 +1,4 @@
-"""The page of the Python interface: a table of all public names, and the main function in full.
+"""The page of the Python interface: a table of all public names.
 
 Run by mkdocs (gen-files) when the site is built; nothing it writes is committed.
 """
@@ -23,7 +23,6 @@ GROUPS = {
     ),
     "Without MuJoCo's callback": ("friction_torque", "FrictionBatch", "attach_warp"),
 }  # fmt: skip
-IN_FULL = ("close_loop",)
 # modules whose names the pages and examples import
 MODULES = (
     "frictionjoint.files",
@@ -80,11 +79,7 @@ def page() -> str:
         lines.append("")
     lines += ["## Modules\n", "| Module | Content |", "|---|---|"]
     lines += [f"| `{name}` | {summary(name)} |" for name in MODULES]
-    lines += ["", "## The main function in full\n"]
-    for name in IN_FULL:
-        home = public(name).__module__
-        lines.append(f"::: {home}.{name}\n")
-    return "\n".join(lines)
+    return "\n".join([*lines, ""])
 
 
 if __name__ != "api_page":  # run by mkdocs, not imported
