@@ -207,7 +207,7 @@ def test_parameters_drawn_from_a_posterior_serve_a_world_each():
         here = d.qpos.numpy()
         with pytest.raises(ModelError, match="joint 'a' has the effects spring, not none"):
             friction.set_parameters("a", JointFriction(LAW))
-        with pytest.raises(ModelError, match="joint 'b' carries the effects none, not spring"):
+        with pytest.raises(ModelError, match="joint 'b' has the effects none, not spring"):
             friction.set_parameters("b", samples)
     there = [natively(two(one), 300)[-1, :2] for one in samples]
     assert np.ptp(there, axis=0)[0] > 1e-3
