@@ -1,8 +1,8 @@
-"""A model as MJCF text whose meshes, textures, height fields and skins are found where it lies.
+"""A model as MJCF text that finds its meshes, textures, height fields and skins from any folder.
 
-MuJoCo writes the names of asset files as it read them, relative to folders that the text no longer
-lies in. So the text is made with absolute paths, which hold anywhere, and put into a folder by
-making them relative to it.
+MuJoCo writes the names of asset files as it read them, relative to the folder of the original file.
+A text in another folder would not find the files. So the text is made with absolute paths. When the
+text is written into a folder, the paths become relative to that folder.
 """
 
 import os

@@ -228,12 +228,12 @@ def knots_of(Fs: float, stiffness: float) -> Knots:
     """A transition curve of three segments with a given first slope, reaching 2 Fs.
 
     The slope halves at Fs and again at 1.6 Fs. This shape is a choice: a stiffness alone does not
-    determine it. Give `knots` where a fit has.
+    determine the curve. If a fit provides knots, use those instead.
 
     Args:
         Fs: breakaway torque, N m. stiffness: first slope, N m/rad.
     Raises:
-        ParameterError: one of them is not a number above 0.
+        ParameterError: Fs or the stiffness is not a positive number.
     """
     Fs, stiffness = check_number("Fs", Fs), check_number("stiffness", stiffness)
     require(Fs > 0, "Fs", Fs, "> 0")

@@ -35,10 +35,11 @@ def held_over(time: Array, command: Array, begin: Array, length: Array | float) 
 def followed_over(
     time: Array, command: Array, begin: Array, length: Array | float, rate: float
 ) -> Array:
-    """The same for a target that moves to each command with limited speed.
+    """Mean, over intervals, of a target that moves to each command with limited speed.
 
     Args:
-        rate: of the target, rad/s (m/s); inf: `held_over`.
+        begin, length: of the intervals, s.
+        rate: speed of the target, rad/s (m/s); inf gives `held_over`.
     """
     lengths, out = np.full_like(begin, length), np.empty_like(begin)
     fill_means(time, command, begin, lengths, rate, np.empty((4, 2 * len(time))), out)

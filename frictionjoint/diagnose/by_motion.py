@@ -129,10 +129,12 @@ def _tried(
 
 
 def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
-    """Start of a model with one more effect: its fit to torque, and the refined numbers.
+    """Two starting points for a model with one more effect.
+
+    The first is the fit to torque. The second is the refined model with the new effect added.
 
     Args:
-        coefficients: of that effect, the last one, next to the refined numbers, N m.
+        coefficients: of the new effect, which is the last one, N m.
     """
     x = vector.carried(now.vector, now.values)
     name = vector.fitted.effects[-1].name

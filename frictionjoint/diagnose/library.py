@@ -156,8 +156,10 @@ def effects(
 
 
 def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[Term]:
-    """Terms, without fractions of an inertia that the logs do not show: their size would be
-    arbitrary."""
+    """The terms, without inertia effects if the logs do not determine the torque scale.
+
+    Without a scale, the size of an inertia effect would be arbitrary.
+    """
     if scale_is_determined(prepared, fitted):
         return terms
     return [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]

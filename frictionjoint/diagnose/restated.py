@@ -1,14 +1,18 @@
 """The evidence for each effect, recomputed on the final model.
 
-An effect was accepted with another law and other effects. Finally, each effect is examined as if it
-alone were missing: all candidates compete, with the law as found with the effect, because a law
-refitted without it would be biased. The best candidates are fitted in its place. An effect is
-dropped if neither its coefficient nor its shape predicts other motion, or if fewer than half of the
-random halves of the data choose it before these candidates and before nothing. A candidate that
-explains as much as the effect, within the standard error, is a tie. An effect whose size is within
-two standard errors of zero is dropped first, unless other effects leave it open. The p-value stays
-the one at which the effect was accepted: with a law biased by a missing slow effect, that of the
-final model says little.
+An effect was accepted while the model had another law and other effects. So each effect is examined
+again, as if only this effect were missing. All candidates compete for its place. The law keeps the
+parameters fitted with the effect, because a law refitted without the effect would be biased. The
+best candidates are then fitted in its place.
+
+An effect is dropped if neither its coefficient nor its shape predicts held-out motion, or if fewer
+than half of the random halves of the data prefer it to the candidates and to no effect. A candidate
+that explains as much as the effect, within the standard error, is a tie. An effect whose size is
+within two standard errors of zero is dropped first, unless several such effects carry the evidence
+together and held-out prediction gets worse without this one.
+
+The p-value stays the one at which the effect was accepted. If a missing slow effect biased the law,
+the p-value from the final model is not informative.
 """
 
 import itertools

@@ -37,10 +37,10 @@ class Along:
 
 
 def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
-    """Drive a model along a recording.
+    """Compute the torque that a model needs along a recording.
 
     Args:
-        every: samples from one state that is kept to the next.
+        every: a full state is stored at every `every`-th sample.
     """
     model, data = m.model, mujoco.MjData(m.model)
     before = model.opt.timestep, model.opt.integrator, model.opt.disableflags

@@ -28,7 +28,7 @@ class Log(Protocol):
 
     @property
     def start(self) -> Start:
-        """Its initial state."""
+        """Initial state of the log."""
 
     @property
     def filter(self) -> LowPass:

@@ -326,7 +326,11 @@ def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment])
 
 
 def balance(signals: Array, Fc: float, sigma2: float) -> Array:
-    """Torque of the rigid body and a law along signals that contain H, N m, shape (n,)."""
+    """Torque of the rigid body plus friction, N m, shape (n,).
+
+    Args:
+        signals: of the motion, with the hysteresis torque over Fc in column H.
+    """
     return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
 
 

@@ -302,7 +302,7 @@ def _balance(prepared: Prepared) -> Balance:
 
 
 def _of_segment(s: Segment, top: float) -> tuple[Array, Array, Array]:
-    """What is made of derivatives, what is not, and the drive, on the kept samples."""
+    """Load and derivatives, the other regressors, and the drive, on the kept samples."""
     jerk = np.gradient(s.signals[:, A], s.dt)
     motion = np.column_stack([s.signals[:, [LOAD, GX, GY, V, A]], jerk])
     other = np.column_stack([s.signals[:, Q], plain_friction(s, top)])

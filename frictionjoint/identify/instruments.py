@@ -36,7 +36,7 @@ class ExcessTerm(TunedTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """The fraction that did not act."""
+        """Name of the coefficient: the fraction of the torque beyond the level that did not act."""
         return ("fraction",)
 
     def columns(self, segment: Segment, signals: Array) -> Array:

@@ -62,7 +62,7 @@ class LawBasis:
 
     @cached_property
     def reaches(self) -> Array:
-        """Of the elements, rad (m), shape (k,)."""
+        """Displacements from rest to slipping of the elements, rad (m), shape (k,)."""
         span = self.prepared.span
         resolved = max(s.noise.resolution for s in self.prepared.segments)
         least = min(max(_SHORTEST * span, resolved), 0.1 * _LONGEST * span)

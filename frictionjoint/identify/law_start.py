@@ -38,11 +38,11 @@ class LawStart:
 
     @classmethod
     def of(cls, reaches: Array, levels: Array, top_speed: float) -> Self:
-        """As elastic-plastic elements in parallel have it.
+        """Start of a search from the linear fit of elastic-plastic elements in parallel.
 
         Args:
-            reaches: displacement from rest to slipping of each, rad (m), shape (k,).
-            levels: of each, by each of `falls`, shape (1 + f, k).
+            reaches: displacement from rest to slipping of each element, rad (m), shape (k,).
+            levels: of each element, for each function in `falls`, shape (1 + f, k).
         """
         excess, Vs, delta = _stribeck(falls(_SPEEDS) @ levels.sum(axis=1))
         length, bend = _transition(reaches, levels.sum(axis=0))

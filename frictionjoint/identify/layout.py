@@ -35,26 +35,26 @@ class Layout:
 
     @property
     def linear(self) -> slice:
-        """Of all linear coefficients."""
+        """Slice of all linear coefficients."""
         return slice(0, len(self.base) + sum(len(t.coefficients) for t in self.terms))
 
     @property
     def shape(self) -> slice:
-        """Of the numbers of the law's shape."""
+        """Slice of the numbers of the law's shape."""
         return slice(self.linear.stop, self.linear.stop + len(self.law))
 
     def coefficients(self, i: int) -> slice:
-        """Of the linear coefficients of term i."""
+        """Slice of the linear coefficients of term i."""
         first = len(self.base) + sum(len(t.coefficients) for t in self.terms[:i])
         return slice(first, first + len(self.terms[i].coefficients))
 
     def numbers(self, i: int) -> slice:
-        """Of the free shape numbers of term i."""
+        """Slice of the free shape numbers of term i."""
         first = self.shape.stop + sum(_free(t) for t in self.terms[:i])
         return slice(first, first + _free(self.terms[i]))
 
     def of_term(self, i: int) -> list[int]:
-        """All parameters of term i."""
+        """Indices of all parameters of term i."""
         first, second = self.coefficients(i), self.numbers(i)
         return [*range(first.start, first.stop), *range(second.start, second.stop)]
 

@@ -9,10 +9,13 @@ from frictionjoint.identify.fit import Fit
 
 
 def unreached(fitted: Fit) -> Array:
-    """Part of each squared residual that would vanish to first order, N m^2, (n,).
+    """First-order estimate of the part of each squared residual that a fit could still remove.
 
-    A search that stops before a minimum has tried that step without success: the residual is what
-    the fit leaves, not what first order promises.
+    A search that stops before a minimum has already tried the first-order step without success, so
+    the residual of the fit is valid, not the smaller first-order value.
+
+    Returns:
+        N m^2, shape (n,).
     """
     w = fitted.weight
     left = fitted.residual * w

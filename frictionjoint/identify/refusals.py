@@ -61,8 +61,11 @@ def too_large(prepared: Prepared, names: str, factor: float) -> str:
 
 
 def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
-    """That fraction of the drive's rms is unexplained; `hint` is the torque over the model's
-    load."""
+    """Message: the model leaves too large a fraction of the drive's rms unexplained.
+
+    Args:
+        left: that fraction. hint: ratio of the torque to the model's load, as text.
+    """
     c = _columns(prepared)
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (

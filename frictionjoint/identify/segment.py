@@ -133,8 +133,8 @@ class Segment:
     def gear(self) -> Array:
         """Torque that the gear transmits in the band of the balance, N m, shape (n,).
 
-        Effects use its magnitude; of noise in the acceleration the magnitude does not average to
-        zero.
+        It is filtered because effects use its magnitude, and noise in the acceleration would bias
+        the magnitude upwards.
         """
         return self.smooth(self.signals[:, GEAR])
 

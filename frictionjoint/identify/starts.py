@@ -99,9 +99,10 @@ def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, S
 def with_times(
     prepared: Prepared, made: Callable[[Prepared], Fit], open_times: tuple[type[Timing], ...]
 ) -> tuple[Prepared, Fit]:
-    """Logs and a fit of them, without time offsets that reach the end of their sample.
+    """Logs and a fit of them, without time offsets that reach the end of their range.
 
-    Those are no sampling offsets: the inertia is wrong by more than such an offset may represent.
+    An offset at the end of its range is not a sampling offset: it replaces an error of the inertia
+    that is too large for any offset within a sample.
     """
     found = made(prepared)
     ended = {t.name for t in found.terms if isinstance(t, open_times) and t.at_its_end}

@@ -134,7 +134,7 @@ def _reverse(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> 
 
 @in_line
 def _close(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
-    """The closed loop's extremum and its partner leave; the curve below them goes on."""
+    """Remove the closed loop's two extrema; the motion continues on the curve outside the loop."""
     n_min = X[h + N_MIN] - 1.0
     n_max = X[h + N_MAX] - 1.0
     # The first Masing extremum also stands, mirrored, on the other stack: both leave together.

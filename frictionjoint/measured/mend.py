@@ -38,10 +38,11 @@ _AWAY, _USUAL, _ALONE = 0.3, 8.0, 0.01
 
 
 def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Times of a log whose clock starts again with each run, as one clock with gaps between runs.
+    """Times of a log whose clock restarts with each run, as one clock with gaps between the runs.
 
-    A recorder that appends its runs to one file begins each near the first time. Rows that changed
-    places fall back by less; they are left as they are, for the checks to name.
+    A recorder that appends its runs to one file restarts its clock near the first time. A smaller
+    step back in time means that rows were swapped. It is left as it is, and the checks of the log
+    report it.
 
     Returns:
         the times, and a note if there is more than one run.

@@ -123,9 +123,9 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
     """Put corrections into a spec of the same model.
 
     Args:
-        spec: compiles; changed in place.
+        spec: must compile; changed in place.
     Raises:
-        ModelError: no physical body has such parameters.
+        ModelError: the corrected parameters belong to no physically possible body.
     """
     model = spec.compile()
     before = of_model(model)

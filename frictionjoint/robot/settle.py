@@ -43,9 +43,10 @@ class Settled:
     """Causes and laws fitted together.
 
     Attributes:
-        found: the causes. joints: with their laws fitted under them. clock: their blocks.
-        covariance: of each cause's numbers, from sums over blocks of time, (k, k); infinite for
-            numbers that the logs do not determine.
+        found: the causes. joints: the joints with the laws fitted under these causes.
+        clock: time blocks of the joints.
+        covariance: covariance of the numbers of each cause, from sums over blocks of time, (k, k);
+            infinite for numbers that the logs do not determine.
     """
 
     found: Found

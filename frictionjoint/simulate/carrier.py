@@ -1,20 +1,21 @@
 """Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
 
-MuJoCo writes six digits of a number into XML. So a block contains its numbers twice: as they are,
-for a reader and for the callback, and as four 16-bit integers each, from which the exact doubles
-are restored when the block is resolved. A block is
+MuJoCo writes six digits of a number into XML. So a block contains each number twice: once as a
+plain number, for a reader and for the callback, and once as four 16-bit integers, from which the
+exact double is restored when the block is resolved. A block is
 
     0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
     6 id of the joint   7 count of numbers N   8 where the effects begin
     9.. N numbers: the law's block, then the effects' block       then 4 N integers
 
-A plain number that is not its exact one in six digits was changed by hand, and counts.
+If a plain number differs from its exact double in the first six digits, a user has changed the
+plain number, and the plain number is used.
 
 Slots 2 to 6 belong to one compiled model. `resolve` writes them, by name, so that ``MjSpec.attach``
-with a prefix works and the callback never looks up a name. Slot 2 is 0 before, 1 after, and -1 if
-the callback met a model that cannot be resolved (`first_sight`). Then the integers are no longer
-needed: `resolve` moves the blocks of a model that is not yet in use together without them, and a
-step of many joints reads a fourth of the memory.
+with a prefix works and the callback never looks up a name. Slot 2 is 0 before `resolve` and 1 after
+it; it is -1 if the callback met a model that cannot be resolved (`first_sight`). A resolved block
+no longer needs the integers. If the model is not yet in use, `resolve` moves its blocks together
+without the integers, so that a step of many joints reads a quarter of the memory.
 """
 
 import warnings
@@ -178,9 +179,10 @@ def rows_of_block(block: Sequence[float]) -> int:
 
 
 def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
-    """Whether so many user data include the rows of all blocks of a model or spec.
+    """Whether `nuserdata` numbers of user data include the rows of all blocks of a model or spec.
 
-    Blocks that came by ``MjSpec.attach`` have none there, whatever user data the model has itself.
+    Blocks that were added by ``MjSpec.attach`` have no rows, whatever user data the model has
+    itself.
     """
     need = sum(rows_of_block(block) for block in blocks)
     known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])

@@ -1,18 +1,23 @@
 """Elasticity and backlash in a model: a second joint between motor and link.
 
-The joint with friction turns with the motor: actuators, encoder and friction act on it, and the
-rotor is its armature. A joint of the same axis behind it, ``JOINT_deflection``, is the link's lead.
-It has the spring and damper of `joint-elasticity`; for `backlash`, nothing within the gap, and
-beyond it the flanks, which push but do not pull.
+The joint with friction turns with the motor: actuators, encoder and friction act on this joint, and
+its armature is the rotor. Behind it, a joint with the same axis, ``JOINT_deflection``, is the angle
+of the link relative to the motor. For `joint-elasticity` this second joint has a spring and a
+damper. For `backlash` it moves freely within the gap, and beyond the gap the flanks push but do not
+pull.
 
-The numbers of a fit are those that the motor sees: the inertia J behind the spring, its resonance
-with the motor held, its damping. For the last joint of a chain the link gets that inertia: a
-missing part becomes the armature of a tendon over both joints, a surplus moves to the rotor. If the
-link's inertia cannot be reduced, because MuJoCo would see an impossible body, a first joint's mass
-moves nearer to the axis with the same weight. Behind any other joint the mass counts, and the
-deflection gets an armature that leaves the identified inertia on the motor's side. Before other
-joints the inertia is that of the bodies, whatever the pose, and the fit gives stiffness and
-damping. Behind a gap is the link without the parts that turn with the motor.
+A fit gives the numbers that the motor sees: the inertia J behind the spring, the resonance of J
+with the motor locked, and its damping. How the model receives them depends on the joint:
+
+* The last joint of a chain: the link gets the inertia J. If the model's inertia is too small, the
+  difference becomes the armature of a tendon over both joints. If it is too large, the difference
+  moves to the rotor. If the link's inertia cannot be reduced, because the body would not be
+  physically possible for MuJoCo, and the joint is the first one, its mass moves nearer to the axis
+  and keeps its gravity torque. Otherwise the mass stays, and the deflection gets an armature so
+  that the motor sees the identified inertia.
+* A joint with other joints behind it: the inertia is that of the bodies, in every pose, and the fit
+  gives stiffness and damping.
+* A joint with a gap: the link behind the gap is without the parts that turn with the motor.
 """
 
 import math

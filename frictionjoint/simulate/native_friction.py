@@ -11,7 +11,9 @@ MEND = "clear it with `frictionjoint install --clear-native`, or install(..., cl
 
 
 def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:
-    """Native friction in words, by name of the joint; joints without are left out."""
+    """Descriptions of MuJoCo's own friction by joint name; joints without native friction are left
+    out.
+    """
     found = {}
     for name in joints:
         dof = int(model.jnt_dofadr[model.joint(name).id])

@@ -28,13 +28,13 @@ def reals(owner: Address, at: int) -> Vector:
 
 @c_text("(*(int32_t **)({0} + {1}))")
 def shorts(owner: Address, at: int) -> Shorts:
-    """The same for ints."""
+    """The array of ints whose address is at byte `at` of a structure."""
     raise NotImplementedError
 
 
 @c_text("(*(uint8_t **)({0} + {1}))")
 def flags(owner: Address, at: int) -> Flags:
-    """The same for bytes."""
+    """The array of bytes whose address is at byte `at` of a structure."""
     raise NotImplementedError
 
 

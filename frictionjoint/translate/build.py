@@ -30,14 +30,16 @@ def all_kernels() -> dict[str, Any]:
 
 
 def build(folder: Path, target: str | None = None) -> Path:
-    """Translate and compile into a folder; what is there already of the same source stays.
+    """Translate all kernels and compile them into a folder.
+
+    A library of the same source that is already in the folder is kept.
 
     Args:
         target: see `compiler.TARGETS`; None: this machine.
     Returns:
-        the library.
+        path of the library.
     Raises:
-        ModelError: a kernel that cannot be translated. RuntimeError: it cannot be compiled.
+        ModelError: a kernel cannot be translated. RuntimeError: the C text cannot be compiled.
     """
     stamps = library.stamps(library.sources())
     text, listed = unit(all_kernels())

@@ -86,7 +86,7 @@ class Kernel:
 
     @property
     def result(self) -> str:
-        """Kind of what it returns."""
+        """Kind of the value that the kernel returns."""
         return self._annotation(self.tree.returns, self.tree)
 
     def unknown(self, node: ast.AST) -> NoReturn:

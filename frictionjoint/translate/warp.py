@@ -177,7 +177,7 @@ class _Function(Kernel):
         return ast.unparse(self._visit(node))
 
     def _as_kind(self, node: ast.expr, kind: str | None) -> ast.expr:
-        """A value where one of this kind is wanted."""
+        """Text of a value, converted to the given kind."""
         if isinstance(node, ast.Tuple) and is_tuple(kind):
             pairs = zip(node.elts, elements(kind or ""), strict=True)
             return ast.Tuple([self._as_kind(part, own) for part, own in pairs], ast.Load())

@@ -1,10 +1,11 @@
-"""Tangents of functions whose source does not show their derivative.
+"""Hand-written tangents for functions whose source does not show their derivative.
 
-Short cuts where a parameter has a particular value (an exponent of 1, equal levels) leave out what
-the derivative needs, and an iteration is not differentiated but its result, by the equation that
-the result solves. These functions stand in for the kernels of the same name. They take each number
-that has a tangent with the tangent after it, and return a value, the kernel's to the last bit, and
-its tangent.
+Some kernels take a short cut at a particular parameter value (an exponent of 1, equal levels), and
+there their source lacks the terms that the derivative requires. An iterative solution is
+differentiated through the equation that its result solves, not through its iterations. These
+functions replace the kernels of the same name. Each number that has a tangent is followed by its
+tangent in the arguments. They return the value, equal to the kernel's to the last bit, and its
+tangent.
 """
 
 import math
