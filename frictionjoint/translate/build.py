@@ -2,7 +2,8 @@
 
     python -m frictionjoint.translate.build FOLDER [TARGET]
 
-A build imports all modules with kernels, in which these run as Python (``FRICTIONJOINT_PYTHON=1``).
+A build imports all modules with kernels. In this process the kernels run as Python
+(``FRICTIONJOINT_PYTHON=1``).
 """
 
 import hashlib
@@ -20,7 +21,7 @@ from frictionjoint.translate.unit import unit
 
 
 def all_kernels() -> dict[str, Any]:
-    """Every kernel of the package by module and name; all their modules are imported."""
+    """Every kernel of the package by module and name; imports all modules with kernels."""
     for file in library.sources():
         if file.parent.name != "translate":
             place = file.relative_to(Path(library.__file__).parent).with_suffix("")

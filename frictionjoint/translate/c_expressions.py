@@ -1,4 +1,4 @@
-"""C text of the expressions a kernel consists of."""
+"""C text of the expressions in a kernel."""
 
 import ast
 import math
@@ -38,7 +38,7 @@ _COMPARE = {
     ast.Gt: ">",
     ast.GtE: ">=",
 }
-# how strongly operators bind; the numbers in _BINARY belong to the same scale
+# precedence of operators, on the same scale as the numbers in _BINARY
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
 _HELPED = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}
 _MORE = {"copysign", "hypot", "atan2", "floor", "asin", "acos", "fabs", "pow", "fmod"}
@@ -47,17 +47,17 @@ _ROUNDED = {"ceil", "floor"}
 _KEYWORDS = """_ auto break case char const continue default do double else enum extern float for
 goto if inline int long register restrict return short signed sizeof static struct switch typedef
 union unsigned void volatile while"""
-# and functions of the C library that kernels name values after
+# keywords of C, which cannot be names of values
 _RESERVED = frozenset(_KEYWORDS.split())
 
 
 @dataclass
 class Called:
-    """What a caller must know of a kernel.
+    """Properties of a kernel that its callers require.
 
     Attributes:
-        name: in C. parameters: names in turn. written: those it writes to.
-        axes: lengths it asks for, by parameter.
+        name: in C. parameters: names in order. written: parameters that it writes to.
+        axes: for each array parameter, the axes whose lengths it requires.
     """
 
     name: str
@@ -68,14 +68,14 @@ class Called:
 
 @dataclass
 class Gathered:
-    """What functions translated so far need besides themselves.
+    """Definitions that the functions translated so far require.
 
     Attributes:
-        dialect: C that is written.
-        call: translates a kernel unless it is there.
+        dialect: dialect of C that is written.
+        call: translates a kernel unless it is already translated.
         constants: values of module constants, by their C name.
         helpers: names in `c_math`. tuples: kinds of tuples. structures: NamedTuples, by kind.
-        tables, externals: of `frictionjoint.compiled`, by name.
+        tables, externals: those of `frictionjoint.compiled`, by name.
     """
 
     dialect: Dialect
@@ -92,9 +92,12 @@ class Expressions(Kernel):
     """Expressions of one kernel.
 
     Attributes:
-        rows: numbers that a row of a parameter has, where known. written: arrays written to.
-        axes: lengths of parameters that are asked for. lengths: C text of those of local arrays.
-        roots: arrays that local pointers point into. same: what other arrays' names stand for.
+        rows: length of a row of each array parameter, if its annotation states it.
+        written: arrays that the kernel writes to.
+        axes: axes of array parameters whose lengths the kernel requires.
+        lengths: C text of the length of each local array.
+        roots: the array that each local pointer points into.
+        same: the expression that each other local array name stands for.
     """
 
     def __init__(self, function: Any, gathered: Gathered) -> None:
@@ -109,7 +112,7 @@ class Expressions(Kernel):
         self.same: dict[str, ast.expr] = {}
 
     def noted(self, kind: str) -> str:
-        """The kind itself; a tuple's is defined later."""
+        """Return a kind, and note that a tuple of this kind must be defined."""
         if is_tuple(kind):
             self.gathered.tuples.add(kind)
         return kind
@@ -117,12 +120,12 @@ class Expressions(Kernel):
     # text
 
     def text(self, node: ast.expr, least: int = 0) -> str:
-        """C text, in parentheses where it binds less than `least`."""
+        """C text of an expression, in parentheses if its precedence is below `least`."""
         text, binds = self._expression(node)
         return f"({text})" if binds < least else text
 
     def target(self, node: ast.expr) -> str:
-        """C text of what is assigned to."""
+        """C text of the target of an assignment."""
         if isinstance(node, ast.Subscript) and self.is_local(node.value):
             self.write(node.value)
         elif not isinstance(node, ast.Name):
@@ -130,7 +133,7 @@ class Expressions(Kernel):
         return self.text(node)
 
     def write(self, node: ast.expr) -> None:
-        """Note that what a pointer points to is written to."""
+        """Note that the kernel writes to the array that a pointer points into."""
         if isinstance(node, ast.Call) and self.look_up(node.func) is pointer:
             self.write(node.args[0])
         if isinstance(node, ast.Name):
@@ -174,7 +177,7 @@ class Expressions(Kernel):
             return self._binary(node)
         if isinstance(node, ast.BoolOp):
             sign, binds = (" || ", _OR) if isinstance(node.op, ast.Or) else (" && ", _AND)
-            # && within || in parentheses, which compilers warn of the absence of
+            # && within || gets parentheses, because compilers warn if they are absent
             return sign.join(self.text(v, _COMPARISON) for v in node.values), binds
         if isinstance(node, ast.Compare):
             return self._compare(node)
@@ -193,7 +196,7 @@ class Expressions(Kernel):
         return f"({self.noted(kind)}){{ {', '.join(texts)} }}"
 
     def as_kind(self, node: ast.expr, kind: str) -> str:
-        """C text of a value where one of this kind is wanted: tuples have to be just that."""
+        """C text of a value, converted to the given kind; a tuple must have exactly this kind."""
         if not is_tuple(kind):
             return self.text(node)
         if isinstance(node, ast.Tuple):
@@ -234,7 +237,7 @@ class Expressions(Kernel):
         return f"{self.array_of(node.value)}[{self.text(node.slice)}]"
 
     def array_of(self, node: ast.expr) -> str:
-        """C array of a constant tuple of a module."""
+        """C name of the array for a constant tuple of a module."""
         value = self.look_up(node)
         if isinstance(value, np.ndarray) and value.ndim == 1:
             value = tuple(float(x) for x in value)
@@ -375,7 +378,7 @@ class Expressions(Kernel):
         return name
 
     def number(self, value: Any, node: ast.AST) -> str:
-        """A number as C has it; doubles with all their digits."""
+        """C text of a number; a double has all its digits."""
         if isinstance(value, bool):
             return str(int(value))
         if isinstance(value, float) and not math.isfinite(value):
@@ -386,7 +389,7 @@ class Expressions(Kernel):
 
 
 def safe(name: str) -> str:
-    """A name that C does not take for itself."""
+    """A name that is not reserved in C."""
     return f"{name}_" if name in _RESERVED else name
 
 

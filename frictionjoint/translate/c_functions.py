@@ -1,8 +1,9 @@
-"""Kernels as C99 functions, statement by statement, from the Python they are written in.
+"""Kernels as C99 functions, translated statement by statement from Python.
 
-So a controller, a simulation and a fit run the very law that was identified, not a second version
-that could differ. Floating point operations keep their order. `frictionjoint.compiled` says what a
-kernel may consist of; anything else is an error, never a guess.
+So a controller, a simulation and a fit run exactly the law that was identified, not a second
+version that could differ. The order of floating point operations is preserved.
+`frictionjoint.compiled` states which constructs a kernel may contain; anything else is an error,
+never a guess.
 """
 
 import ast
@@ -28,31 +29,31 @@ from frictionjoint.translate.kinds import (
 from frictionjoint.translate.plain import names_in, stored_in
 
 _WIDTH = 100
-# whole numbers of functions from elsewhere, by annotation
+# C types of integers in external functions, by annotation
 _FOREIGN = {"int": "int", "Size": "size_t"}
-# a space at which no line is broken
+# a space at which lines are not broken
 _GLUE = "\N{NO-BREAK SPACE}"
 
 
 class Translation:
-    """Kernels and all they call, as C.
+    """Kernels and all kernels that they call, as C.
 
     Attributes:
-        called: what callers must know of each, by the Python function.
-        gathered: what they need besides themselves.
+        called: properties that callers require of each kernel, by the Python function.
+        gathered: definitions that the kernels require.
     """
 
     def __init__(
         self, functions: Iterable[Any], known: Known | None = None, dialect: Dialect = HEADER
     ) -> None:
-        """Translate.
+        """Translate kernels.
 
         Args:
             functions: marked by `frictionjoint.compiled`.
-            known: where a kernel selects by a number, the values it can have; what is selected by
-                others is left out.
+            known: possible values of the numbers by which kernels select; branches for any other
+                value are left out.
         Raises:
-            ModelError: a construct that the translation does not know.
+            ModelError: a construct that cannot be translated.
         """
         self.called: dict[Any, Called] = {}
         self._texts: list[str] = []
@@ -75,7 +76,7 @@ class Translation:
         return self.called[plain]
 
     def text(self) -> str:
-        """C text, ready to follow ``#include <math.h>``."""
+        """C text, to be placed after ``#include <math.h>``."""
         gathered = self.gathered
         tuples = "\n".join(definitions(gathered.tuples, gathered.dialect))
         structures = structure_definitions(gathered.structures.values(), gathered.dialect)
@@ -108,13 +109,13 @@ class _Function(Expressions):
         super().__init__(function, gathered)
         self.read(known)
         self.declared: set[str] = set(self.parameters)
-        # arrays that are made here last as long as the block they are made in
+        # arrays that this function creates; each exists as long as its block
         self.rooms = {to for to, value in self._assigned() if self._is_room(value)}
         for kind in (*self.kinds.values(), self.result):
             self.noted(kind)
 
     def translate(self) -> str:
-        """C text; afterwards `written` and `axes` are known."""
+        """C text of the function; afterwards `written` and `axes` are complete."""
         doc = ast.get_docstring(self.tree) or ""
         lines = self._block(self.body, set())
         read = names_in(ast.Module(self.body, []))
@@ -136,7 +137,7 @@ class _Function(Expressions):
         return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
 
     def _declared_as(self, kind: str) -> str:
-        """A C type as it stands before a name."""
+        """A C type as written before a name."""
         if is_structure(kind):
             return f"const {kind}"
         return kind if kind in POINTERS else f"{self.gathered.dialect.type_of(kind)} "
@@ -152,7 +153,11 @@ class _Function(Expressions):
     # statements
 
     def _block(self, body: list[ast.stmt], outside: set[str]) -> list[str]:
-        """Lines of a block. `outside`: names that are used after it."""
+        """Lines of a block.
+
+        Args:
+            outside: names that are used after the block.
+        """
         lines: list[str] = []
         for i, node in enumerate(body):
             after = names_in(ast.Module(body[i + 1 :], [])) | outside
@@ -206,7 +211,7 @@ class _Function(Expressions):
 
     def _for(self, node: ast.For, after: set[str]) -> list[str]:
         counter = node.target
-        # a counter belongs to its loop in C
+        # in C a counter exists only within its loop
         if not isinstance(counter, ast.Name) or counter.id in self.declared:
             self.unknown(node)
         if not isinstance(node.iter, ast.Call):
@@ -227,7 +232,7 @@ class _Function(Expressions):
         return [head, *inner, "}"]
 
     def _stays(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
-        """Whether a loop's end is plainly the same at each turn."""
+        """Whether the end of a loop clearly has the same value in each iteration."""
         if any(isinstance(n, ast.Call | ast.Subscript) for n in ast.walk(bound)):
             return False
         return not names_in(bound) & stored_in(ast.Module(body, []))
@@ -273,7 +278,7 @@ class _Function(Expressions):
         return [f"{safe(target.id)} = {text};"]
 
     def _point(self, name: str, value: ast.expr) -> None:
-        """Remember what a local pointer points into."""
+        """Record which array a local pointer points into."""
         if not isinstance(value, ast.Call):
             self.same[name] = value
         while isinstance(value, ast.Call) and self.called(value) is pointer:
@@ -312,7 +317,7 @@ def _constants(values: Mapping[str, int | float | tuple[float, ...]]) -> list[st
 
 
 def _from_outside(gathered: Gathered) -> list[str]:
-    """Tables that Python sets, and addresses of functions that it knows."""
+    """Declarations of tables that Python fills and of functions that Python provides."""
     made = [f"FJ_SHARED int64_t fj_{x.name}[{x.size}];" for x in gathered.tables.values()]
     for outside in gathered.externals.values():
         seen = signature(outside)
@@ -327,7 +332,7 @@ def _calls(node: ast.AST) -> bool:
 
 
 def comment(text: str) -> str:
-    """The first paragraph as a C comment on lines of its own; nothing for nothing."""
+    """First paragraph of a text as a C comment on its own lines; empty for an empty text."""
     plain = " ".join(text.split("\n\n")[0].split()).replace("*/", "* /").replace("/*", "/ *")
     return _wrapped(f"/* {plain} */", deeper=3) + "\n" if plain else ""
 

@@ -1,7 +1,8 @@
-"""What a kernel needs of mathematics, in C99 from exp, log and pow alone.
+"""Mathematical functions that kernels use, in C99 from exp, log and pow alone.
 
-Small C libraries of controllers lack the rest, or have it in single precision only. Relative
-errors are a few units in the last place; of sin, cos and tan for arguments up to 1e6.
+Small C libraries of controllers lack the other functions, or provide them in single precision only.
+Relative errors are a few units in the last place; for sin, cos and tan this holds for arguments up
+to 1e6.
 """
 
 import math
@@ -10,7 +11,7 @@ import re
 from frictionjoint.translate.kinds import Dialect
 
 _QUARTERS = tuple(math.atan(0.25 * k) for k in range(5))
-# pi / 2 in three pieces, the first two with so few digits that products with whole numbers are
+# pi / 2 in three parts; the first two have so few digits that their products with integers are
 # exact (Cody and Waite 1980)
 _HALF_PI = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
 
@@ -36,7 +37,7 @@ _SQRT = """static inline double fj_sqrt(double x)
 {
     return pow(x, 0.5);
 }"""
-# Kahan's forms lose no digits where the plain ones do
+# Kahan's formulas keep the digits that the direct formulas lose
 _LOG1P = """/* ln(1 + x), Kahan's form. */
 static inline double fj_log1p(double x)
 {
@@ -142,7 +143,7 @@ _NEEDS = {
 }
 
 
-# of the C library where all of it may be called; these are whole numbers' and the rest
+# integer quotient and remainder, rounded down as in Python, which the C library does not provide
 _WHOLE = """static inline int fj_floor_div(int a, int b)
 {
     int whole = a / b;
@@ -157,7 +158,7 @@ _NEEDS["floor_mod"] = ("floor_div",)
 
 
 def helpers_of(names: set[str], dialect: Dialect) -> list[str]:
-    """C text of helpers and of those they call, in the order in which C wants them."""
+    """C text of helpers and of the helpers that they call, each after those that it calls."""
     wanted = names.union(*(_NEEDS.get(name, ()) for name in names))
     texts = [HELPERS[name] for name in HELPERS if name in wanted]
     return [re.sub(r"\bint\b", dialect.whole, text) for text in texts]

@@ -1,4 +1,4 @@
-"""A C compiler: the machine's own, or the one that ``ziglang`` of PyPI brings."""
+"""A C compiler: the one installed on the machine, or the one in the PyPI package ``ziglang``."""
 
 import importlib.util
 import os
@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-# Results are Python's: no product and sum are made one operation, and nothing is reordered.
+# Results equal those of Python: no fused multiply-add, and no reordering.
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w")
 ENDINGS = {"linux": ".so", "macos": ".dylib", "windows": ".dll"}
 TARGETS = {
@@ -21,7 +21,7 @@ TARGETS = {
 
 
 def own_compiler() -> list[str] | None:
-    """Command of the machine's compiler, that of ``CC`` first; None without one."""
+    """Command of the installed compiler, preferably the one in ``CC``; None if there is none."""
     asked = os.environ.get("CC")
     if asked:
         return shlex.split(asked)
@@ -38,10 +38,10 @@ def compile_library(source: Path, folder: Path, stem: str, target: str | None = 
     """Compile a C file into a shared library.
 
     Args:
-        folder: for the library. stem: of its name. target: a key of `TARGETS`, by zig; None: this
-            machine.
+        folder: for the library. stem: of the library's file name.
+        target: a key of `TARGETS`, compiled with zig; None: this machine.
     Raises:
-        RuntimeError: there is no compiler, or it does not take the file.
+        RuntimeError: there is no compiler, or the compiler rejects the file.
     """
     compiler = None if target else own_compiler()
     if compiler is None:
@@ -52,7 +52,7 @@ def compile_library(source: Path, folder: Path, stem: str, target: str | None = 
     name = target.split("-")[0] if target else system()
     made = folder / f"{stem}{ENDINGS[name]}"
     flags = [flag for flag in FLAGS if not (flag == "-fPIC" and name == "windows")]
-    flags += [] if name == "macos" else ["-s"]  # without names that nobody asks for
+    flags += [] if name == "macos" else ["-s"]  # without symbols that are not needed
     libraries = [] if name == "windows" else ["-lm"]
     command = [*compiler, *flags, str(source), "-o", str(made), *libraries]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

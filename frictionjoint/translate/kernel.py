@@ -1,7 +1,7 @@
-"""A kernel as its source says it: statements in a plain form, and the kind of every value.
+"""A kernel read from its source: statements in a simple form, and the kind of every value.
 
-This is the front end. C, Warp and derivatives are made from what is read here; what a kernel may
-consist of, `frictionjoint.compiled` says, and anything else is an error, never a guess.
+This is the front end for C, Warp and derivatives. `frictionjoint.compiled` states which constructs
+a kernel may contain; anything else is an error, never a guess.
 """
 
 import ast
@@ -27,7 +27,7 @@ from frictionjoint.translate.kinds import (
 )
 from frictionjoint.translate.plain import plain, stored_in
 
-# values that a selecting number can take, by module of the kernel and text of the expression
+# possible values of a number that selects a branch, by module and text of the expression
 Known = Mapping[tuple[str, str], frozenset[float]]
 _BUILT_IN = ("abs", "min", "max", "int", "float", "bool", "len")
 _TO_WHOLE = (math.ceil, math.floor, math.isnan)
@@ -37,10 +37,10 @@ class Kernel:
     """One function.
 
     Attributes:
-        python: the function itself. tree: its source. parameters: names in turn.
+        python: the function itself. tree: its syntax tree. parameters: names in order.
         body: statements in the form of `plain`, after `read`.
-        kinds: of each parameter and, after `read`, of each local.
-        locals: names that are assigned to. counters: those that loops count with.
+        kinds: kind of each parameter and, after `read`, of each local variable.
+        locals: names that the function assigns to. counters: loop counters.
         structures: NamedTuples among its arguments, by kind.
     """
 
@@ -65,9 +65,9 @@ class Kernel:
         """Read the body.
 
         Args:
-            known: where the kernel selects by a number, the values it can have; what is selected by
-                others is left out.
-            left_out: source of statements that are left out.
+            known: possible values of the numbers by which the kernel selects; branches for any
+                other value are left out.
+            left_out: source of statements to leave out.
         """
         doc = ast.get_docstring(self.tree)
         body = self._fold(self.tree.body[1:] if doc else self.tree.body, known or {}, left_out)
@@ -76,12 +76,12 @@ class Kernel:
 
     @property
     def name(self) -> str:
-        """Its name in what is made of it: that of its package, its module and its own."""
+        """Name in the translation: the names of its package, its module and the function."""
         return "_".join([*self.python.__module__.split(".")[-2:], self.python.__name__.strip("_")])
 
     @property
     def aliases(self) -> dict[str, Any]:
-        """What names stand for in its module."""
+        """Objects by name in the module of the function."""
         return self.python.__globals__
 
     @property
@@ -90,14 +90,14 @@ class Kernel:
         return self._annotation(self.tree.returns, self.tree)
 
     def unknown(self, node: ast.AST) -> NoReturn:
-        """Raise ModelError for what cannot be translated."""
+        """Raise ModelError for a construct that cannot be translated."""
         raise ModelError(
             f"{self.python.__module__}.{self.python.__name__} cannot be {self.purpose}: rewrite "
             f"{ast.unparse(node)!r} in plainer Python"
         )
 
     def look_up(self, node: ast.expr) -> Any:
-        """What a name or an attribute of a module stands for."""
+        """The object that a name, or an attribute of a module, refers to."""
         if isinstance(node, ast.Attribute):
             return getattr(self.look_up(node.value), node.attr, None)
         if isinstance(node, ast.Name) and node.id in self.aliases:
@@ -105,19 +105,19 @@ class Kernel:
         self.unknown(node)
 
     def called(self, node: ast.Call) -> Any:
-        """The function that is called; None for a built-in one."""
+        """The function that a call calls; None for a built-in function."""
         if isinstance(node.func, ast.Name) and node.func.id not in self.aliases:
             return None
         return self.look_up(node.func)
 
     def is_local(self, node: ast.expr) -> bool:
-        """Whether a value is the function's own, not one of a module."""
+        """Whether a value belongs to the function and not to a module."""
         if isinstance(node, ast.Name):
             return node.id in self.kinds or node.id in self.locals
         return isinstance(node, ast.Call) or bool(self.field(node))
 
     def field(self, node: ast.expr) -> str | None:
-        """Kind of a field of a NamedTuple; None for what is none."""
+        """Kind of a field of a NamedTuple; None if the expression is not such a field."""
         if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
             return None
         kind = self.kinds.get(node.value.id)
@@ -128,7 +128,7 @@ class Kernel:
     # kinds
 
     def kind(self, node: ast.expr) -> str | None:
-        """Kind of an expression; None while it hangs on a local not yet known."""
+        """Kind of an expression; None while it depends on a local variable of unknown kind."""
         if isinstance(node, ast.Name) and self.is_local(node):
             return self.kinds.get(node.id)
         if self.field(node):
@@ -157,7 +157,7 @@ class Kernel:
         self.unknown(node)
 
     def wider(self, *nodes: ast.expr) -> str | None:
-        """Kind that holds the values of all."""
+        """Kind that can represent the values of all given expressions."""
         kinds = [self.kind(node) for node in nodes]
         if len(set(kinds)) == 1:
             return kinds[0]
@@ -208,7 +208,7 @@ class Kernel:
         return WHOLE if called in _TO_WHOLE else DOUBLE
 
     def _infer(self) -> None:
-        """Kinds of locals."""
+        """Infer the kinds of local variables."""
         pairs: list[tuple[ast.expr, int, ast.expr]] = []
         for node in (n for statement in self.body for n in ast.walk(statement)):
             if isinstance(node, ast.Assign):
@@ -247,7 +247,9 @@ class Kernel:
         return name
 
     def _fold(self, body: list[ast.stmt], known: Known, left_out: frozenset[str]) -> list[ast.stmt]:
-        """Without branches that the known values rule out, and what follows a sure return."""
+        """A body without branches that the known values exclude, and without unreachable
+        statements.
+        """
         kept: list[ast.stmt] = []
         for node in body:
             if left_out and ast.unparse(node) in left_out:
@@ -283,7 +285,7 @@ _signatures: dict[Any, Kernel] = {}
 
 
 def signature(function: Any) -> Kernel:
-    """Kinds of what a kernel, or another annotated function, takes and returns."""
+    """Kinds of the arguments and the result of a kernel or another annotated function."""
     stub = function.stub if isinstance(function, External) else function
     plain_function = getattr(stub, "py_func", stub)
     if plain_function not in _signatures:
@@ -297,24 +299,24 @@ def is_kernel(value: Any) -> bool:
 
 
 def built_in(node: ast.Call) -> str:
-    """Name of the function that is called where Python itself has it, or nothing."""
+    """Name of the built-in Python function that a call calls, or an empty text."""
     return node.func.id if isinstance(node.func, ast.Name) and node.func.id in _BUILT_IN else ""
 
 
 def is_shape(node: ast.expr) -> bool:
-    """Whether an expression is an array's shape."""
+    """Whether an expression is the shape of an array."""
     return isinstance(node, ast.Attribute) and node.attr == "shape"
 
 
 def place(node: ast.expr) -> int:
-    """A constant subscript."""
+    """Value of a constant subscript."""
     if isinstance(node, ast.Constant) and isinstance(node.value, int):
         return node.value
     raise ModelError(f"a tuple is taken apart by constants, not by {ast.unparse(node)!r}")
 
 
 def _without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
-    """Without assignments of plain values that nothing reads since branches were left out."""
+    """A body without simple assignments whose values nothing reads after branches were left out."""
     nodes = [n for n in ast.walk(ast.Module(body, [])) if isinstance(n, ast.Name)]
     read = {n.id for n in nodes if isinstance(n.ctx, ast.Load)}
 

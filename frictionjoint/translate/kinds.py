@@ -1,7 +1,7 @@
-"""Types of what kernels compute with, and what they are called in C.
+"""Types of the values in kernels, and their names in C.
 
-A kind is ``double``, ``int``, ``void``, a pointer to numbers, or a tuple. A tuple's name says what
-it consists of: ``fj_tuple_TdTddEE`` is a double and a tuple of two doubles.
+A kind is ``double``, ``int``, ``void``, a pointer to numbers, or a tuple. The name of a tuple
+encodes its elements: ``fj_tuple_TdTddEE`` is a double and a tuple of two doubles.
 """
 
 import ast
@@ -43,12 +43,12 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """C as one purpose wants it.
+    """Dialect of C for one purpose.
 
     Attributes:
-        whole: type of whole numbers.
-        full: whether all of the C library's mathematics may be called.
-        constant: whether pointers that are only read from are so marked.
+        whole: type of integers.
+        full: whether all mathematical functions of the C library may be called.
+        constant: whether pointers that are only read from are marked as const.
     """
 
     whole: str
@@ -65,10 +65,10 @@ HEADER = Dialect("int", full=False, constant=True)
 
 
 def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
-    """Kind that an annotation stands for; None for one that is none of ours.
+    """Kind for an annotation; None if the annotation is not one of a kernel.
 
     Args:
-        aliases: what names stand for in the module of the function.
+        aliases: objects by name in the module of the function.
     """
     if annotation is None:
         return None
@@ -93,7 +93,7 @@ def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
 
 
 def structure_of(named: Any) -> str:
-    """Kind of a NamedTuple, whose address is passed: ``const fj_struct_module_name *``."""
+    """Kind of a NamedTuple, which is passed by address: ``const fj_struct_module_name *``."""
     return f"{_STRUCTURE}{named.__module__.rpartition('.')[2]}_{named.__name__.strip('_')} *"
 
 
@@ -104,10 +104,10 @@ def is_structure(kind: str | None) -> bool:
 
 @functools.cache
 def fields_of(named: Any) -> dict[str, str]:
-    """Kinds of a NamedTuple's fields.
+    """Kinds of the fields of a NamedTuple.
 
     Raises:
-        ValueError: a field of another kind.
+        ValueError: a field has a kind that is not supported.
     """
     tree = ast.parse(textwrap.dedent(inspect.getsource(named))).body[0]
     assert isinstance(tree, ast.ClassDef)
@@ -123,7 +123,7 @@ def fields_of(named: Any) -> dict[str, str]:
 
 
 def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
-    """Numbers a row has where the annotation says so, as ``Annotated[Array, "rows of", 6]``."""
+    """Length of a row, if an annotation states it, as ``Annotated[Array, "rows of", 6]``."""
     if not isinstance(annotation, ast.Name):
         return 0
     said: tuple[Any, ...] = getattr(aliases.get(annotation.id), "__metadata__", ())
@@ -131,17 +131,17 @@ def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
 
 
 def tuple_of(kinds: Iterable[str]) -> str:
-    """Kind of a tuple of such values."""
+    """Kind of a tuple of values of the given kinds."""
     return _TUPLE + _mangled(kinds)
 
 
 def is_tuple(kind: str | None) -> bool:
-    """Whether a kind is that of a tuple."""
+    """Whether a kind is a tuple."""
     return kind is not None and kind.startswith(_TUPLE)
 
 
 def elements(kind: str) -> list[str]:
-    """Kinds of what a tuple consists of."""
+    """Kinds of the elements of a tuple."""
     found: list[str] = []
     text, depth, start = kind.removeprefix(_TUPLE)[1:-1], 0, 0
     for i, letter in enumerate(text):
@@ -166,7 +166,7 @@ AXES = 3
 
 
 def structure_definitions(named: Iterable[Any], dialect: Dialect) -> list[str]:
-    """C structures of NamedTuples; each array is followed by its lengths."""
+    """C structures for NamedTuples; each array field is followed by its lengths."""
     made = []
     for one in named:
         lines = []
@@ -180,7 +180,7 @@ def structure_definitions(named: Iterable[Any], dialect: Dialect) -> list[str]:
 
 
 def definitions(kinds: Iterable[str], dialect: Dialect) -> list[str]:
-    """C structures of tuples, those within others first."""
+    """C structures for tuples, inner tuples first."""
     done: dict[str, str] = {}
 
     def add(kind: str) -> None:

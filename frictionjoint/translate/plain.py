@@ -1,4 +1,4 @@
-"""Statements of a kernel brought into a plainer form: each assigns one value to one place."""
+"""Rewrite the statements of a kernel in a simpler form: each assigns one value to one target."""
 
 import ast
 import copy
@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 
 def plain(body: list[ast.stmt], fresh: Iterator[str]) -> list[ast.stmt]:
-    """Assignments one by one: of ``x += y``, ``x = y = a``, ``x, y = a, b`` and ``x: int = a`` too.
+    """Split assignments, including ``x += y``, ``x = y = a``, ``x, y = a, b`` and ``x: int = a``.
 
-    ``x, y = f(a)`` stays as it is where x and y are names.
+    ``x, y = f(a)`` stays as it is if x and y are names.
 
     Args:
-        fresh: names for values that must be kept until others have been computed.
+        fresh: new names for values that must be kept until other values have been computed.
     """
     made: list[ast.stmt] = []
     for node in body:
@@ -38,7 +38,7 @@ def names_in(node: ast.AST) -> set[str]:
 
 
 def stored_in(node: ast.AST) -> set[str]:
-    """Names that are assigned to within a piece of source."""
+    """Names that a piece of source assigns to."""
     nodes = (n for n in ast.walk(node) if isinstance(n, ast.Name))
     return {n.id for n in nodes if isinstance(n.ctx, ast.Store)}
 
@@ -70,8 +70,8 @@ def _one_by_one(
 def _side_by_side(
     pairs: list[tuple[ast.expr, ast.expr]], fresh: Iterator[str]
 ) -> Iterator[ast.stmt]:
-    # one after the other is as good as all at once unless a later value, or a later place, reads
-    # what an earlier one has set
+    # assignments can be made one after the other unless a later value, or a later target, reads
+    # a variable that an earlier one has set
     stored: set[str] = set()
     at_once = False
     for to, value in pairs:
@@ -91,19 +91,19 @@ def _assignment(target: ast.expr, value: ast.expr) -> ast.stmt:
 
 
 def _loaded(target: ast.expr) -> ast.expr:
-    """What an assignment changes, as a value."""
+    """The target of an assignment, as a value."""
     value = copy.copy(target)
     value.ctx = ast.Load()  # type: ignore[attr-defined]
     return value
 
 
 def _set_by(target: ast.expr) -> set[str]:
-    """The variable or the array that an assignment changes."""
+    """The variable or array that an assignment changes."""
     while isinstance(target, ast.Subscript):
         target = target.value
     return names_in(target)
 
 
 def _read(target: ast.expr) -> set[str]:
-    """Names that say where an assignment goes."""
+    """Names that the target of an assignment reads, for example in a subscript."""
     return names_in(target.slice) if isinstance(target, ast.Subscript) else set()

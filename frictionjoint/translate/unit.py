@@ -1,7 +1,7 @@
-"""One C file with all kernels of the package, and how Python calls each.
+"""One C file with all kernels of the package, and the signature of each for calls from Python.
 
-Kernels are static functions of one translation unit, so that the compiler puts them into one
-another as it sees fit; around each there is a function that the library shows.
+Kernels are static functions of one translation unit, so that the compiler can inline them. The
+library exports one wrapper function per kernel.
 """
 
 import ast
@@ -33,17 +33,17 @@ _HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. 
 #define FJ_IN_LINE static inline __attribute__((always_inline))
 """
 
-# symbol, result, and of each parameter its name, kind, whether it is written to, lengths, fields
+# symbol, result, and for each parameter: name, kind, whether it is written to, lengths, fields
 Listed = tuple[str, str, list[tuple[str, str, bool, list[int], dict[str, str]]]]
 
 
 def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
-    """C text, and of each kernel its symbol, result and parameters as ``library.Entry`` has them.
+    """C text, and the symbol, result and parameters of each kernel as for ``library.Entry``.
 
     Args:
         kernels: by module and name, see `frictionjoint.compiled.registry`.
     Raises:
-        ModelError: a construct that the translation does not know.
+        ModelError: a construct that cannot be translated.
     """
     translation = Translation(kernels.values(), dialect=LIBRARY)
     shown: list[str] = []
@@ -73,7 +73,7 @@ def _parameters(
 
 
 def _shown(called: Called, seen: Kernel) -> str:
-    """The function that the library shows: tuples go by address."""
+    """The function that the library exports for a kernel; tuples are passed by address."""
     taken: list[str] = []
     given: list[str] = []
     for name, kind in seen.kinds.items():

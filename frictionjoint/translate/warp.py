@@ -1,8 +1,8 @@
-"""Kernels as warp functions.
+"""Kernels as Warp functions.
 
-Warp compiles Python, with a stricter grammar: numbers do not change their type by themselves, and a
-comparison has two sides. So the law that runs in C, and a new effect, is on the GPU without a
-second version that could differ. Numbers are doubles throughout.
+Warp compiles Python with a stricter grammar: numbers are not converted implicitly, and a comparison
+has exactly two operands. So the GPU runs the same source of laws and effects as C, with no second
+version that could differ. All real numbers are doubles.
 """
 
 import ast
@@ -18,7 +18,7 @@ from frictionjoint.translate.kinds import DOUBLE, WHOLE, elements, is_tuple
 from frictionjoint.translate.plain import names_in, stored_in
 
 _MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan", "sqrt"}
-# Warp has neither. Kahan's forms lose no digits where the plain ones do.
+# Warp lacks both. Kahan's formulas keep the digits that the direct formulas lose.
 _PRELUDE = '''
 @wp.func
 def log1p(x: Any):
@@ -43,17 +43,17 @@ def expm1(x: Any):
     return below * x / wp.log(u)
 '''
 _OWN = {"log1p", "expm1"}
-# nodes of the syntax tree of a kernel that goes into its callers
+# largest number of syntax tree nodes of a kernel that is inlined
 _SMALL = 150
 
 
 def translate(functions: Iterable[Any], size: int, name: str) -> dict[str, Any]:
-    """Warp functions of kernels, by name, in a namespace that also holds warp itself.
+    """Warp functions of kernels, by name, in a namespace that also contains Warp itself.
 
     Args:
-        functions: marked by `compiled`; what they call follows by itself.
-        size: numbers that an array made inside a function can hold.
-        name: of the module warp compiles them into, and caches them under.
+        functions: marked by `compiled`; functions that they call are added.
+        size: largest number of elements of an array that a function creates.
+        name: name of the module into which Warp compiles the functions, and of its cache.
     Returns:
         The namespace: ``namespace[module_function]`` for ``package.module.function``.
     Raises:
@@ -70,7 +70,7 @@ def translate(functions: Iterable[Any], size: int, name: str) -> dict[str, Any]:
 
 
 def source(functions: Iterable[Any], size: int) -> str:
-    """The text that `translate` compiles, to be read; callees come first."""
+    """The text that `translate` compiles, for reading; functions follow those that they call."""
     done: dict[Any, str] = {}
     vectors: dict[str, str] = {}
 
@@ -89,7 +89,7 @@ def source(functions: Iterable[Any], size: int) -> str:
 
 
 class _Function(Kernel):
-    """One function. `calls` collects the kernels it calls."""
+    """One function; `calls` collects the kernels that it calls."""
 
     purpose = "made a warp function"
 
@@ -102,8 +102,8 @@ class _Function(Kernel):
     def text(self) -> str:
         code = "\n".join(self._block(self.body, set(self.parameters), set()))
         arguments = ", ".join(f"{name}: Any" for name in self.parameters)
-        # out of line but for the smallest: CUDA's compiler would inline all of it everywhere, and
-        # take minutes
+        # Only the smallest functions are inlined. CUDA's compiler would inline every function
+        # everywhere, which takes minutes.
         small = self.in_line and len([*ast.walk(self.tree)]) <= _SMALL
         decorator = "@wp.func" if small else "@wp.func(inline=False)"
         return f"{decorator}\ndef {self.name}({arguments}):\n{textwrap.indent(code, '    ')}"
@@ -114,14 +114,14 @@ class _Function(Kernel):
         """Lines of a block.
 
         Args:
-            known: names that have a value before it; those set here are added.
-            outside: names that are used after it.
+            known: names that have a value before the block; names that it sets are added.
+            outside: names that are used after the block.
         """
         lines: list[str] = []
         for i, node in enumerate(body):
             after = names_in(ast.Module(body[i + 1 :], [])) | outside
             if isinstance(node, ast.While | ast.For):
-                # what a loop hands on must be there before it: warp loses it on `break` otherwise
+                # A value used after a loop must be defined before it, or Warp loses it on `break`.
                 handed_on = sorted((stored_in(node) & after) - known - self.counters)
                 lines += [f"{name} = {self._zero(name, node)}" for name in handed_on]
                 known |= set(handed_on)
@@ -167,7 +167,7 @@ class _Function(Kernel):
         kind = self.kind(target)
         new = self._as_kind(value, kind) if kind else self.unknown(target)
         if isinstance(new, ast.Constant):
-            # a bare constant could not change in a loop
+            # in Warp a literal constant could not change in a loop
             new = _call(type(new.value).__name__, new)
         return f"{ast.unparse(self._visit(target))} = {ast.unparse(new)}"
 
@@ -192,7 +192,7 @@ class _Function(Kernel):
         return _call("wp.float64", made)
 
     def _same(self, *nodes: ast.expr) -> list[ast.expr]:
-        """Values as one kind, for what takes two of a kind."""
+        """Texts of values converted to one kind, for operations that require equal kinds."""
         kind = self.wider(*nodes)
         return [self._as_kind(node, kind) for node in nodes]
 

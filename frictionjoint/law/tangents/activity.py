@@ -1,7 +1,7 @@
-"""Which numbers of a kernel have a tangent, and whose tangents are used.
+"""Activity analysis: which numbers of a kernel have a tangent, and which tangents are used.
 
-In the words of automatic differentiation: which are *varied*, depending on a parameter of the law,
-and which are *useful*, something returned or stored depending on them.
+In the terms of automatic differentiation, a number is *varied* if it depends on a parameter of the
+law, and *useful* if a returned or stored number depends on it.
 """
 
 import ast
@@ -17,17 +17,18 @@ from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
 
 @dataclass(frozen=True)
 class Particulars:
-    """What the source of the kernels does not say.
+    """Facts about the kernels that differentiation requires and their source does not state.
 
     Attributes:
-        rules: kernels whose tangents are written by hand, and the functions that have them.
-        counts: names that, together in an index, mark a count, a flag or a choice in an array.
-        counts_of: further ones, by module.
-        left_out: statements without which the values are the same.
-        rounded: by kernel, expressions and what each equals but for rounding; the tangent is taken
-            of the latter.
-        harmless: tests for equality that hide no derivative: the equality holds by assignment, or
-            the motion is at rest, where the derivative by the motion jumps.
+        rules: kernels with hand-written tangents, and the function that replaces each.
+        counts: sets of names. An array element whose index contains all names of a set is a count,
+            a flag or a choice.
+        counts_of: further sets, by module.
+        left_out: statements that can be omitted without changing any value.
+        rounded: by kernel, expressions, each with an expression that is equal except for rounding.
+            The second one is differentiated.
+        harmless: equality tests that hide no derivative: either the equality holds by assignment,
+            or the joint is at rest, where the derivative with respect to the motion jumps.
     """
 
     rules: dict[Any, Any]
@@ -42,9 +43,9 @@ class Activity(Kernel):
     """A kernel, and which of its numbers have a tangent.
 
     Attributes:
-        arguments: their annotations by name. arrays: arguments that are arrays.
-        varied: local numbers with a tangent. used: those among them whose tangent is used.
-        modules: named in source outside the module.
+        arguments: annotation of each argument by name. arrays: arguments that are arrays.
+        varied: local numbers with a tangent. used: varied numbers whose tangent is used.
+        modules: modules whose names `as_is` has qualified.
     """
 
     purpose = "differentiated"
@@ -52,7 +53,7 @@ class Activity(Kernel):
     def __init__(
         self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
     ) -> None:
-        """Analyse; the arguments are those of `differentiate.Differentiated`."""
+        """Analyse a kernel; for the arguments see `differentiate.Differentiated`."""
         super().__init__(kernel)
         self.read(left_out=particulars.left_out)
         self.body = self.body if wanted else _without_value(self.body)
@@ -91,7 +92,7 @@ class Activity(Kernel):
         return set()
 
     def _names_in(self, node: ast.expr) -> set[str]:
-        """Names whose tangents make up a value's tangent."""
+        """Names whose tangents contribute to the tangent of a value."""
         if not self.moves(node):
             return set()
         node = self.exactly(node)
@@ -120,28 +121,28 @@ class Activity(Kernel):
         return any(self.moves(part) for part in _parts(node))
 
     def exactly(self, node: ast.expr) -> ast.expr:
-        """What an expression is but for rounding."""
+        """The expression to differentiate instead of a given one, equal except for rounding."""
         found = self.rounded.get(ast.unparse(node))
         if found is None or node in self.exact:
             return node
         tree: ast.expr = expression(found)
-        # it may hold the same expression in turn, and means it there
+        # the new expression may contain the old one, which must not be replaced again
         self.exact.update(ast.walk(tree))
         return tree
 
     def is_count(self, node: ast.Subscript) -> bool:
-        """Whether an element is a count, a flag or a choice."""
+        """Whether an array element is a count, a flag or a choice."""
         names = {n.id for n in ast.walk(node.slice) if isinstance(n, ast.Name)}
         known = self.particulars.counts + self.particulars.counts_of.get(self.owner, ())
         return any(count <= names for count in known)
 
     def kernel_of(self, node: ast.Call) -> Any:
-        """The kernel that is called, None where it is none."""
+        """The kernel that a call calls; None if the called function is not a kernel."""
         found = self.called(node)
         return found if is_kernel(found) else None
 
     def as_is(self, node: ast.expr) -> str:
-        """The same expression outside its module."""
+        """Text of an expression with the names of the kernel's module qualified by module."""
         tree = expression(ast.unparse(node))
         own = self.owner.__name__.rpartition(".")[2]
         for name in [n for n in ast.walk(tree) if isinstance(n, ast.Name)]:
@@ -156,7 +157,7 @@ class Activity(Kernel):
 def _grow(
     names: set[str], nodes: list[ast.AST], further: Callable[[ast.AST], Iterable[str]]
 ) -> None:
-    """Add names until no node gives a further one."""
+    """Add names until no node yields a new one."""
     while True:
         found = {name for node in nodes for name in further(node)}
         if found <= names:
@@ -176,7 +177,7 @@ def _homes(module: Any) -> dict[str, str]:
 
 
 def _without_value(body: list[ast.stmt]) -> list[ast.stmt]:
-    """Without the value returned, and without what was computed for it alone."""
+    """A body without its return value and without statements that only compute this value."""
     for node in (n for statement in body for n in ast.walk(statement)):
         if isinstance(node, ast.Return):
             node.value = None
@@ -197,7 +198,7 @@ def _sets_none_of(used: set[str], node: ast.Assign) -> bool:
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:
-    """What a value is made of."""
+    """Subexpressions of a value; those of a choice without its condition."""
     if isinstance(node, ast.Call):
         return list(node.args)
     if isinstance(node, ast.IfExp):

@@ -1,4 +1,4 @@
-"""A law driven along a motion, with its exact derivatives by its own numbers."""
+"""A law evaluated along a motion, with exact derivatives with respect to its parameters."""
 
 import numpy as np
 
@@ -17,16 +17,16 @@ def driven_with_tangents(
     position: Array,
     edges: Index | None = None,
 ) -> tuple[Array, Array, Array, Array]:
-    """Hysteresis torque and dz/dq along a motion, and how they change with the law.
+    """Hysteresis torque and dz/dq along a motion, and their derivatives by the law's parameters.
 
-    At a sample where the law has a corner (an event falls on it) the derivatives are one-sided;
-    that a torque jumps elsewhere does not show.
+    At a sample where the law has a corner (an event falls on the sample) the derivatives are
+    one-sided. A jump of the torque between samples does not appear in the derivatives.
 
     Args:
-        law: its name. P: its block, shape (m,).
-        P_t: how the block changes in each direction, shape (k, m).
+        law: its name. P: its parameter block, shape (m,).
+        P_t: derivative of the block in each direction, shape (k, m).
         time, position: shape (n,), s and rad, as for `motion.drive_integrated`.
-        edges: of the motions, see `motion.drive_integrated`; None: it is one.
+        edges: of the separate motions, see `motion.drive_integrated`; None: a single motion.
     Returns:
         H, rate, each of shape (n,), and their derivatives in every direction, of shape (k, n).
     """

@@ -1,14 +1,14 @@
-"""One kernel with tangents, from its source.
+"""Derive a kernel with tangents from the source of a kernel.
 
-Before ``x = f(y, z)`` comes ``x_t = df/dy y_t + df/dz z_t``, whose factors are numbers and serve
-every direction (`frictionjoint.law.tangents.direction`). Arrays P and X get P_t and X_t; a call
-passes numbers with their tangents and returns both. Tests and counts have no tangent and stay as
-they are, so that at a sample where an event happens the derivative is one-sided. Tangents that
-nothing uses are left out.
+Before ``x = f(y, z)`` the statement ``x_t = df/dy y_t + df/dz z_t`` is added. Its factors are
+numbers and are the same for every direction (`frictionjoint.law.tangents.direction`). Arrays P and
+X get arrays P_t and X_t of tangents. A call passes numbers with their tangents and returns both.
+Tests and counts have no tangent and stay as they are, so the derivative is one-sided at a sample
+where an event happens. Tangents that nothing uses are left out.
 
-What is known: scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
-and arrays by subscript. Anything else is an error, never a guess; so is a test for equality of a
-number that has a tangent, which would hide a derivative.
+Supported are scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
+and array elements. Anything else is an error, never a guess. An equality test of a number with a
+tangent is also an error, because it would hide a derivative.
 """
 
 import ast
@@ -28,7 +28,7 @@ from frictionjoint.law.tangents.terms import (
     times,
 )
 
-# of a function's value y at x
+# derivative of a function with value y at x
 _DERIVATIVES: dict[str, Callable[[str, str], str]] = {
     "math.exp": lambda x, y: y,
     "math.expm1": lambda x, y: f"{y} + 1.0",
@@ -39,7 +39,7 @@ _DERIVATIVES: dict[str, Callable[[str, str], str]] = {
 
 
 def name_of(kernel: Any) -> str:
-    """Name of a kernel with tangents: its module's and its own."""
+    """Name of a kernel with tangents: the name of its module, then its own name."""
     python = kernel.py_func
     return f"{python.__module__.rpartition('.')[2]}_{python.__name__.strip('_')}"
 
@@ -48,18 +48,18 @@ class Differentiated:
     """A kernel with tangents.
 
     Attributes:
-        source: of the function with tangents.
-        calls: kernels that it calls, as arguments of this class.
+        source: source of the function with tangents.
+        calls: kernels that it calls, each as the arguments of this class.
     """
 
     def __init__(
         self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
     ) -> None:
-        """Differentiate.
+        """Differentiate a kernel.
 
         Args:
-            kernel: marked by `compiled`. moving: its arguments, numbers, that have a tangent.
-            wanted: whether the caller uses the value returned.
+            kernel: marked by `compiled`. moving: names of its number arguments that have a tangent.
+            wanted: whether the caller uses the returned value.
         Raises:
             ModelError: a construct that cannot be differentiated.
         """
@@ -164,7 +164,9 @@ class Differentiated:
     # expressions
 
     def _differentiate(self, node: ast.expr, before: list[str]) -> tuple[ast.expr, Terms]:
-        """Value and tangent; lines that must come first are added to `before`."""
+        """Value and tangent of an expression; statements that must precede it are added to
+        `before`.
+        """
         if not self.activity.moves(node):
             return expression(self.activity.as_is(node)), {}
         exact = self.activity.exactly(node)
@@ -244,7 +246,9 @@ class Differentiated:
         before: list[str],
         inside: tuple[list[str], list[str]] = ([], []),
     ) -> tuple[ast.expr, Terms]:
-        """One of two values, as a statement before; `inside` goes before each of them."""
+        """A conditional expression as an `if` statement in front; `inside` precedes each of its
+        values.
+        """
         name = self._new()
         for head, lines, (value, terms) in zip(
             (f"if {test}:", "else:"), inside, parts, strict=True

@@ -1,10 +1,10 @@
 """Tangents: derivatives of a number in several directions of the parameters at once.
 
-A tangent goes along with a number of a kernel, one entry per direction. Directions are few and
-their number is fixed, so that a tangent lives in registers: one pass over a motion then shares
-its exponentials and its branches among all of them.
+Each number of a kernel that depends on parameters has a tangent, with one entry per direction. The
+number of directions is small and fixed, so that a tangent fits into registers. One pass over a
+motion then evaluates exponentials and branches once for all directions.
 
-`frictionjoint.law.tangents.kernels` is written in terms of what is here.
+The functions below are the operations that `frictionjoint.law.tangents.kernels` uses.
 """
 
 from typing import Annotated, TypeAlias
@@ -14,7 +14,7 @@ from frictionjoint.compiled import in_line
 
 DIRECTIONS = 6
 Tangent: TypeAlias = tuple[float, float, float, float, float, float]
-# those of an array, shape (its length, DIRECTIONS)
+# tangents of an array, shape (its length, DIRECTIONS)
 Tangents: TypeAlias = Annotated[Array, "rows of", DIRECTIONS]
 
 ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

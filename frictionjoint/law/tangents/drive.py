@@ -1,4 +1,4 @@
-"""Source of the kernels that drive each law along a motion with its tangents."""
+"""Source of the kernels that evaluate each law along a motion with its tangents."""
 
 from frictionjoint.law.names import LAWS
 
@@ -50,7 +50,7 @@ _DRIVE_INTEGRATED = _DRIVE.format(
 
 
 def drives() -> str:
-    """Python text of ``drive_<law>`` for each law; the steps that they call are not in it."""
+    """Python text of ``drive_<law>`` for each law, without the steps that these kernels call."""
     rivals = [
         _DRIVE.format(
             law=law,

@@ -39,9 +39,9 @@ _PARTICULARS = Particulars(
         dahl.remaining: rules.remaining,
     },
     counts=(*(frozenset({name}) for name in _COUNTS), frozenset({"HEADER", "n"})),
-    # the exponent of the integrated law is a choice, that of Dahl's a number
+    # the exponent is a fixed choice in the integrated law and a fitted number in Dahl's law
     counts_of={integrated: (frozenset({"EXPONENT"}),)},
-    # At the fixed point r = 1 the torque stays; its tangent goes on as in any other step.
+    # At the fixed point r = 1 the torque stays constant, but its tangent still changes.
     left_out=frozenset({"if r == 1.0:\n    break"}),
     rounded={
         integrated._slide: {"max(0.0, reach)": "reach"},
@@ -55,10 +55,10 @@ _PARTICULARS = Particulars(
 
 
 def source() -> str:
-    """Python text of every law's step and of all it calls, with tangents.
+    """Python text of every law's step, and of all kernels that the steps call, with tangents.
 
     Raises:
-        ModelError: a law holds a construct that cannot be differentiated.
+        ModelError: a law contains a construct that cannot be differentiated.
     """
     done: dict[Any, Differentiated] = {}
     ways: dict[Any, tuple[frozenset[str], bool]] = {}

@@ -1,7 +1,8 @@
 """The laws' kernels with their tangents, differentiated from the source of the laws.
 
-What drives a law along a motion is here at once and runs from the library. What it calls is made
-where kernels run as Python, as they do while they are translated, and when it is asked for by name.
+The kernels that evaluate a law along a motion are defined on import and run from the compiled
+library. The kernels that they call are defined only if kernels run as Python, as during
+translation, or if they are requested by name.
 """
 
 import linecache
@@ -13,7 +14,7 @@ from frictionjoint.law.tangents.drive import drives
 
 def _define(text: str, what: str) -> None:
     file = f"<{what} of {__name__}>"
-    # debuggers and the translation read it from there
+    # debuggers and the translation read the source from this cache
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     exec(compile(text, file, "exec"), globals())
 

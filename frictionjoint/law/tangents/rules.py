@@ -22,8 +22,8 @@ _distance = relaxation.distance
 _rate = relaxation.rate
 _remaining = dahl.remaining
 
-# Closer to the fixed point r = 1 than this the ratio of two rates is lost in rounding, and the
-# flow is linear to the same accuracy: the square root of a double's spacing.
+# Within this distance of the fixed point r = 1 rounding destroys the ratio of two rates, and the
+# flow is linear to the same accuracy. It is the square root of the relative spacing of doubles.
 _NEAR = 1.5e-8
 
 
@@ -31,7 +31,7 @@ _NEAR = 1.5e-8
 def stribeck_level(
     P: Vector, P_t: Tangents, d: int, speed: float, speed_t: Tangent
 ) -> tuple[float, Tangent]:
-    """|S(v)|."""
+    """Stribeck level |S(v)| and its tangent."""
     if speed == 0.0:
         return P[d + FS], at(P_t, d + FS)
     Fs = P[d + FS]
@@ -56,14 +56,14 @@ def stribeck_level(
 
 @in_line
 def rate(r: float, r_t: Tangent, n: float) -> tuple[float, Tangent]:
-    """1 - sgn(r) |r|**n; the exponent is given."""
+    """1 - sgn(r) |r|**n and its tangent; the exponent n has none."""
     slope = n if n == 1.0 else n * relaxation.power(abs(r), n - 1.0)
     return _rate(r, n), scaled(-slope, r_t)
 
 
 @in_line
 def advance(r: float, r_t: Tangent, a: float, a_t: Tangent, n: float) -> tuple[float, Tangent]:
-    """Solution after a of dr/da = rate(r), from r: its derivatives are rates."""
+    """Solution of dr/da = rate(r) after a displacement a from r, and its tangent."""
     end = _advance(r, a, n)
     at_end = _rate(end, n)
     kept = at_end / _rate(r, n) if abs(1.0 - r) > _NEAR else math.exp(-n * a)
@@ -72,7 +72,7 @@ def advance(r: float, r_t: Tangent, a: float, a_t: Tangent, n: float) -> tuple[f
 
 @in_line
 def distance(r0: float, r0_t: Tangent, r1: float, r1_t: Tangent, n: float) -> tuple[float, Tangent]:
-    """The inverse of `advance`: the integral of 1 / rate; no tangent where it is infinite."""
+    """Inverse of `advance`: the integral of 1 / rate, and its tangent, zero if it is infinite."""
     a = _distance(r0, r1, n)
     if a == math.inf:
         return a, STILL
@@ -83,7 +83,10 @@ def distance(r0: float, r0_t: Tangent, r1: float, r1_t: Tangent, n: float) -> tu
 def remaining(
     w: float, w_t: Tangent, a: float, a_t: Tangent, i: float, i_t: Tangent
 ) -> tuple[float, Tangent]:
-    """Dahl's dw/da = -w**i: w1**e = w**e - e a with e = 1 - i, written so that e may be 0."""
+    """Solution of Dahl's dw/da = -w**i after a displacement a, and its tangent.
+
+    The solution is w1**e = w**e - e a with e = 1 - i; the formulas also hold for e = 0.
+    """
     end = _remaining(w, a, i)
     if end <= 0.0:
         return end, STILL
@@ -91,7 +94,7 @@ def remaining(
     log_w = math.log(w)
     y = a * math.exp(-e * log_w)
     x = e * y
-    # (log(1 - x) + x / (1 - x)) / e**2, whose terms cancel at small x
+    # (log(1 - x) + x / (1 - x)) / e**2; its terms cancel at small x, so a series replaces it there
     if abs(x) < 0.02:
         second = y * y * (0.5 + x * (2 / 3 + x * (3 / 4 + x * (4 / 5 + x * (5 / 6 + x * 6 / 7)))))
     else:

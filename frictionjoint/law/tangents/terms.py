@@ -1,42 +1,43 @@
-"""Sums of tangents, as source: the tangent of an expression is such a sum, linear in those it
-is made of.
+"""Sums of tangents, as source.
+
+The tangent of an expression is a linear combination of the tangents of its operands.
 """
 
 import ast
 from typing import Any
 
-# a factor for each tangent, by the tangent's source
+# factor of each tangent, by the source text of the tangent
 Terms = dict[str, ast.expr]
 _MOST = 4
 
 
 def expression(source: str) -> Any:
-    """Source as a tree."""
+    """Syntax tree of an expression's source."""
     return ast.parse(source, mode="eval").body
 
 
 def text(node: ast.expr) -> str:
-    """A tree as source."""
+    """Source of a syntax tree."""
     return ast.unparse(ast.fix_missing_locations(node))
 
 
 def alone(tangent: str) -> Terms:
-    """A tangent by itself."""
+    """The sum that consists of one tangent with factor 1."""
     return {tangent: ast.Constant(1.0)}
 
 
 def times(terms: Terms, factor: ast.expr) -> Terms:
-    """All factors times another."""
+    """A sum with every factor multiplied by another factor."""
     return {tangent: _product(factor, x) for tangent, x in terms.items()}
 
 
 def opposite(terms: Terms) -> Terms:
-    """All factors with the other sign."""
+    """A sum with the sign of every factor reversed."""
     return {tangent: _negative(x) for tangent, x in terms.items()}
 
 
 def added(a: Terms, b: Terms) -> Terms:
-    """Both sums; a tangent in both has the sum of its factors."""
+    """The total of two sums; the factors of a tangent that occurs in both are added."""
     both = dict(a)
     for tangent, x in b.items():
         both[tangent] = ast.BinOp(both[tangent], ast.Add(), x) if tangent in both else x
@@ -44,7 +45,7 @@ def added(a: Terms, b: Terms) -> Terms:
 
 
 def combined(terms: Terms) -> str:
-    """The sum's source, in calls of `frictionjoint.law.tangents.direction`."""
+    """Source of a sum, as calls of functions in `frictionjoint.law.tangents.direction`."""
     if not terms:
         return "ZERO"
     factors = list(terms.items())
