@@ -1,4 +1,4 @@
-"""Error of a model on logs, whatever its friction; nothing is fitted."""
+"""Error of a model on logs, with any kind of friction; nothing is fitted."""
 
 from frictionjoint.evaluation.run import evaluate
 

@@ -1,7 +1,7 @@
-"""A user's model for evaluation: its friction in words, and where a log's drive acts on it.
+"""A user's model for evaluation: a description of its friction, and where the logged drive acts.
 
-A measured torque replaces all actuators; of a `dcmotor` only friction and cogging stay. A measured
-voltage or current is the control of the joint's own actuator.
+A measured torque replaces all actuators; of a `dcmotor` only friction and cogging remain. A
+measured voltage or current is the control of the joint's own actuator.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,25 +21,25 @@ from frictionjoint.simulate.carrier import blocks, read_friction
 from frictionjoint.simulate.native_friction import native_friction
 
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-# a motor constant so small that a dcmotor makes no torque; MuJoCo 3 refuses 0
+# a motor constant at which a dcmotor delivers practically no torque; MuJoCo 3 rejects 0
 _NO_CONSTANT = 1e-6
-# parameters of a dcmotor: motor constant among those of the gain; Coulomb torque of its LuGre
-# friction among those of the bias
+# index of the motor constant in gainprm of a dcmotor, and of the Coulomb torque of its LuGre
+# friction in biasprm
 _CONSTANT, _LUGRE = 1, 3
 
 
 class EvaluatedModel:
-    """A compiled model whose other joints are held.
+    """A compiled model in which joints without logged motion are held in place.
 
     Args:
-        source: path or text of an MJCF or URDF. joints: to evaluate.
+        source: path or text of an MJCF or URDF. joints: joints to evaluate.
         moving: other joints with logged motion.
         drives: kind of each joint's logged drive, "torque", "voltage" or "current".
         fixed: positions of joints that no log contains, by name, rad or m.
     Attributes:
         model: compiled, without contacts. dofs, qpos: addresses of the joints, shape (k,).
-        controls: index in `ctrl` of each joint's drive; None: it is a torque.
-        friction: friction of each joint, in words.
+        controls: index in `ctrl` of each joint's drive; None if the drive is a torque.
+        friction: description of the friction of each joint.
     Raises:
         ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
     """
@@ -76,12 +76,12 @@ class EvaluatedModel:
 
     @property
     def acts(self) -> bool:
-        """Whether an actuator still acts."""
+        """Whether any actuator still acts."""
         return count_of(self.model) > 0
 
     @property
     def remembers(self) -> bool:
-        """Whether MuJoCo has a state that must be stepped: activations, plasticity."""
+        """Whether the model has states that must be integrated: activations, plasticity."""
         return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
 
     @contextmanager
@@ -111,7 +111,7 @@ class EvaluatedModel:
         return int(takes[0])
 
     def _silence(self, used: set[int]) -> None:
-        """Disable the torque of actuators that the logs do not drive."""
+        """Disable the torque of actuators whose drive is not in the logs."""
         for i in set(range(count_of(self.model))) - used:
             if _is_dcmotor(self.model, i):
                 self.model.actuator_gainprm[i, _CONSTANT] = _NO_CONSTANT
@@ -120,17 +120,17 @@ class EvaluatedModel:
                 self.model.actuator_biasprm[i] = 0.0
 
     def _behind(self) -> list[int]:
-        """Joints that the friction itself added: links behind springs."""
+        """Joints that the friction model itself has added: links behind springs."""
         from frictionjoint.simulate.mechanism import deflection
 
         return [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:
-    """Index of a hinge or slide.
+    """Index of a hinge or slide joint.
 
     Raises:
-        ModelError: the model has none with that name.
+        ModelError: the model has no such joint with that name.
     """
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
@@ -142,7 +142,7 @@ def require_joint(model: mujoco.MjModel, joint: str) -> int:
 
 
 def count_of(model: mujoco.MjModel) -> int:
-    """Number of actuators; a `dcmotor` without input has no control but counts."""
+    """Number of actuators, including a `dcmotor` without input, which has no control."""
     return len(model.actuator_group)
 
 
@@ -152,7 +152,7 @@ def _control_of(model: mujoco.MjModel, i: int) -> int:
 
 
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
-    """Actuators on a joint itself."""
+    """Actuators that act on a joint directly."""
     number = model.joint(joint).id
     return [
         i
@@ -162,7 +162,7 @@ def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
 
 
 def friction_words(model: mujoco.MjModel, joint: str) -> str:
-    """Friction of a joint in a model, in words."""
+    """Description of the friction of a joint in a model."""
     said = []
     if joint in blocks(model):
         carried = read_friction(model)[joint]
@@ -184,7 +184,7 @@ def friction_words(model: mujoco.MjModel, joint: str) -> str:
 
 
 def _yielding_tendons(model: mujoco.MjModel, joint: int) -> int:
-    """Number of fixed tendons of this joint alone whose spring yields."""
+    """Number of fixed tendons over this joint alone that have a yielding spring."""
     count = 0
     for t in range(model.ntendon):
         wraps = range(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t])

@@ -1,4 +1,4 @@
-"""The page of an evaluation: a table, and per joint torque and position as curves."""
+"""The HTML page of an evaluation: a table, and plots of torque and position per joint."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from frictionjoint.evaluation.run import Evaluation, JointCurves, JointEvaluatio
 from frictionjoint.report.charts import Chart, Series
 from frictionjoint.report.html import fill
 
-# samples drawn of a curve at most
+# largest number of samples drawn per curve
 _DRAWN = 4000
 
 
@@ -17,12 +17,12 @@ def page(evaluation: Evaluation) -> str:
 
 
 def figures(x: float | None, unit: str = "") -> str:
-    """A number of three figures, or a dash."""
+    """A number with three significant digits, or a dash."""
     return "–" if x is None else f"{x:.3g}{unit and ' '}{unit}"
 
 
 def _charts(joint: JointEvaluation) -> list[Chart]:
-    """Torque of the log with the largest error, error of all logs against velocity, closed loop."""
+    """Plots of a joint: torque of the worst log, error of all logs over velocity, closed loop."""
     worst = max(joint.curves, key=lambda c: float(np.sum(c.torque_error**2)))
     every = _every(worst)
     time = worst.time[::every]

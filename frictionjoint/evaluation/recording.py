@@ -1,4 +1,4 @@
-"""One log of one or more joints, on the grid along which a model is driven."""
+"""One log of one or more joints, resampled on the time grid of the model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,9 +19,10 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.mend import silent_runs
 
-# s, the longest step of a simulation
+# longest time step of a simulation, s
 _STEP_S = 1e-3
-# periods of the filter's corner at each end of a log that what lies beyond it spoils
+# periods of the filter's corner frequency at each end of a log in which the unknown continuation
+# of the log affects the filtered signal
 _SPOILT = 2.0
 _KINDS = ("torque", "voltage", "current")
 
@@ -34,8 +35,9 @@ class Recording:
         name: of the log. logs: as read, by joint.
         time: s, from 0, shape (n,). step: sampling interval, s.
         motion: smooth position, velocity and acceleration by joint, each of shape (n,).
-        led: the same for joints that are not evaluated.
-        drive: as measured, by joint, shape (n,). filtered: after the filter of the motion.
+        led: the motion of joints that are not evaluated, in the same form.
+        drive: as measured, by joint, shape (n,). filtered: the drive after the filter of the
+            motion.
         kinds: "torque", "voltage" or "current" by joint.
         known: whether the drive is known, by joint, shape (n,).
         smooth: the filter on this grid.
@@ -55,7 +57,7 @@ class Recording:
 
     @classmethod
     def of(cls, logs: Mapping[str, JointLog]) -> "Recording":
-        """Put the joints of one log on a grid of a millisecond or less.
+        """Put the joints of one log on a grid with a step of at most a millisecond.
 
         Args:
             logs: of each joint to evaluate, all with the same times.
@@ -100,7 +102,7 @@ class Recording:
         )
 
     def filter(self, x: Array) -> Array:
-        """A torque on this grid after the filter of the motion, shape (n,)."""
+        """Apply the filter of the motion to a torque on this grid, shape (n,)."""
         return self.smooth(x)
 
 
@@ -112,7 +114,7 @@ def _kind(log: JointLog) -> str:
 
 
 def _known(log: JointLog, time: Array) -> NDArray[np.bool_]:
-    """Whether the logged drive is what moved the joint, by sample."""
+    """Whether the logged drive moved the joint, for each sample."""
     known = np.ones(len(log.time), dtype=bool)
     if log.torque_enabled is not None:
         known &= log.torque_enabled

@@ -27,7 +27,8 @@ from frictionjoint.model_files import compile_model
 from frictionjoint.mujoco_warnings import unheard
 
 SCHEMA = "frictionjoint/evaluate-1"
-# per cent of the measured drive above which the figure says nothing but that the drive is off
+# error in per cent of the measured drive above which the percentage only means that the drive is
+# off, so that it is not stated
 _MOST_PERCENT = 1000.0
 ReadLog = Callable[[str | Path, str], JointLog]
 
@@ -38,8 +39,9 @@ class JointCurves:
 
     Attributes:
         log: name. time: s. velocity: rad/s or m/s, measured.
-        drive: measured torque. needed: torque that the model needs for the motion; both after one
-            filter. known: where they are compared. position: measured.
+        drive: measured torque. needed: torque that the model requires for the motion. Both have
+            passed the same filter.
+        known: samples at which the two are compared. position: measured.
         replay_error: rad or m, NaN where nothing was simulated; None: no replay.
         closed_loop: simulated position; None: no closed loop.
     """
@@ -56,7 +58,7 @@ class JointCurves:
 
     @property
     def torque_error(self) -> Array:
-        """Needed minus measured torque, where compared."""
+        """Required minus measured torque, at the samples that are compared."""
         return (self.needed - self.drive)[self.known]
 
 
@@ -65,14 +67,15 @@ class JointEvaluation:
     """Error of a model at one joint.
 
     Attributes:
-        friction: of the model, in words. unit, position_unit: of torques and positions.
-        drive_rms: of the measured torque. torque_rms: of the error. torque_percent: the error's rms
-            in per cent of the drive's; None if the drive is close to zero.
-        replay_rms: position error of simulations restarted from measured states every 0.5 s and
-            driven by the measured drive; None: no measured drive, or the runs leave the motion.
+        friction: description of the model's friction. unit, position_unit: of torques and
+            positions.
+        drive_rms: rms of the measured torque. torque_rms: rms of the torque error.
+        torque_percent: `torque_rms` in per cent of `drive_rms`; None if the drive is close to zero.
+        replay_rms: rms position error of simulations that start from measured states every 0.5 s
+            and receive the measured drive; None: no measured drive, or the simulations diverge.
         closed_loop_mae: mean absolute position error of whole logs simulated from their target;
             None: no target or no controller.
-        curves: of each log.
+        curves: one per log.
     """
 
     friction: str
@@ -86,7 +89,7 @@ class JointEvaluation:
     curves: tuple[JointCurves, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Figures alone, and those of each log."""
+        """The errors over all logs and per log, without the curves."""
         names = ("friction", "unit", "position_unit", "drive_rms", "torque_rms", "torque_percent")
         own = {name: getattr(self, name) for name in (*names, "replay_rms", "closed_loop_mae")}
         logs = [
@@ -114,7 +117,7 @@ class Evaluation:
     notes: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``evaluate --json`` prints it."""
+        """The content that ``evaluate --json`` prints."""
         joints = {name: x.to_dict() for name, x in self.joints.items()}
         return {"schema": SCHEMA, "model": self.model, "joints": joints, "notes": list(self.notes)}
 
@@ -127,19 +130,19 @@ def evaluate(
     fixed: Mapping[str, Pose] | None = None,
     read: ReadLog | None = None,
 ) -> Evaluation:
-    """State the error of a model on logs, whatever its friction; nothing is fitted.
+    """State the error of a model on logs, with any kind of friction; nothing is fitted.
 
-    MuJoCo's own friction and damping, yield springs, the friction of a `dcmotor`, ours, or none:
-    the model is evaluated as it is. Contacts are off; joints that no log contains stay at their
-    initial position.
+    The model is evaluated as it is: with MuJoCo's own friction and damping, yield springs, the
+    friction of a `dcmotor`, friction of this package, or none. Contacts are off; joints that no log
+    contains stay at their initial position.
 
     Args:
         model: path or text of an MJCF or URDF. logs: paths, folders, or logs of one joint.
         joints: names; None: all joints with a drive in every log, or the model's only joint.
-        controller: that drove the joints to their targets, see `close_loop`; None: the position
-            servo of the model, if it has one and the log a target.
-        fixed: positions of joints that no log contains, rad or m. read: function that reads a path;
-            None: `read_log`.
+        controller: controller that moved the joints to their targets, see `close_loop`; None: the
+            position servo of the model, if the model has one and the log has a target.
+        fixed: positions of joints that no log contains, rad or m.
+        read: function that reads a path; None: `read_log`.
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
@@ -175,7 +178,7 @@ def evaluate(
 
 
 def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
-    """Joints to evaluate if none is named."""
+    """Joints to evaluate if the user names none."""
     from frictionjoint.robot.logs import joints_to_explain
 
     names = [model.joint(j).name for j in range(model.njnt)]
@@ -205,7 +208,7 @@ def _controller(given: GivenController | None, joint: str, model: Any) -> Contro
 def _parts(
     path: str | Path | JointLog, names: Sequence[str], read: ReadLog, notes: dict[str, None]
 ) -> list[dict[str, JointLog]]:
-    """The stretches of a log between its gaps, with the joints that move."""
+    """Parts of a log between its gaps, with the joints that move."""
     by_joint: dict[str, list[JointLog]] = {}
     for name in names:
         try:
@@ -315,7 +318,7 @@ def _replay_rms(curves: Sequence[JointCurves]) -> float | None:
 
 
 def _closed_loop_mae(curves: Sequence[JointCurves]) -> float | None:
-    """None also if a simulation became unstable."""
+    """Mean absolute error in closed loop; None also if a simulation became unstable."""
     errors = [c.closed_loop - c.position for c in curves if c.closed_loop is not None]
     mean = float(np.mean(np.abs(np.concatenate(errors)))) if errors else np.inf
     return mean if np.isfinite(mean) else None

@@ -1,4 +1,4 @@
-"""Positions that a model simulates: from measured states every half second, and in closed loop."""
+"""Simulated positions: in short runs from measured states, and in closed loop."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,15 +22,15 @@ WINDOW_S = 0.5
 
 
 def windows_of(recording: Recording) -> int:
-    """Samples of a window of the replay."""
+    """Number of samples between restarts of the replay."""
     return max(2, round(WINDOW_S / recording.step))
 
 
 def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, Array]:
-    """Position error of runs from measured states, driven by the measured drive.
+    """Position error of simulations that start from measured states and receive the measured drive.
 
     Returns:
-        simulated less measured by joint, rad or m, shape (n,); NaN where nothing was run.
+        simulated minus measured position by joint, rad or m, shape (n,); NaN where not simulated.
     """
     model, data = m.model, mujoco.MjData(m.model)
     step, model.opt.timestep = model.opt.timestep, recording.step
@@ -67,7 +67,7 @@ class ClosedLoop:
 
     Attributes:
         position: simulated, by joint, at the times of the recording, shape (n,).
-        error: simulated less measured, by joint.
+        error: simulated minus measured position, by joint.
     """
 
     position: dict[str, Array]
@@ -80,7 +80,7 @@ def closed_loop(
     """Simulate a log from its target: controller, actuator, friction and load.
 
     Args:
-        controllers: of every joint that is evaluated.
+        controllers: one for every joint that is evaluated.
     """
     model, data = m.model, mujoco.MjData(m.model)
     step, model.opt.timestep = model.opt.timestep, recording.step
@@ -119,7 +119,7 @@ class _Loop:
         log = recording.logs[joint]
         assert log.target is not None
         self._block, self._state = block_of(controller, log), np.zeros(STATE)
-        # the nearest sample: stamps that jitter by nanoseconds must not show one sample late
+        # the nearest sample, so that jitter of nanoseconds does not delay a value by one sample
         now = recording.time + log.time[0] + 0.5 * recording.step
         self._time = recording.time
         self._target = held(log.time, log.target, now - delay_of(controller))

@@ -1,7 +1,7 @@
-"""The torque that a model needs along a measured motion, and the states of its friction.
+"""The torque that a model requires along a measured motion, and its states on the way.
 
-MuJoCo's inverse dynamics of the model with all its friction. What friction remembers, ours or
-MuJoCo's own, is carried along the motion.
+The torque is MuJoCo's inverse dynamics of the model with all its friction. Friction states, of this
+package and of MuJoCo, are integrated along the motion.
 """
 
 from collections.abc import Mapping
@@ -14,19 +14,20 @@ from frictionjoint.arrays import Array
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 
-# its steps are never implicit: the torque is wanted here and now, not at a step's end
+# an explicit integrator, so that friction gives the torque at the present time, not at the end of
+# the step
 _EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
 STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 
 
 @dataclass(frozen=True)
 class Along:
-    """What a model does along the motion of a recording.
+    """Torques and states of a model along the motion of a recording.
 
     Attributes:
         needed: torque that must act on each joint, N m or N, shape (n,).
-        given: torque that each joint's actuator makes of its control, shape (n,); zero for a
-            joint whose log holds the torque.
+        given: torque that each joint's actuator delivers for its control, shape (n,); zero for a
+            joint whose log contains the torque.
         states: full state of MuJoCo at samples 0, `every`, 2 `every` ...
     """
 
@@ -102,14 +103,16 @@ class Led:
         self._motion = np.array([[recording.led[n][i] for n in known] for i in range(3)])
 
     def put(self, data: mujoco.MjData, k: int) -> None:
-        """Where they are at a sample, and how they move."""
+        """Set the measured position, velocity and acceleration of these joints at a sample."""
         if len(self._at):
             data.qpos[self._at], data.qvel[self._dofs] = self._motion[:2, :, k]
             data.qacc[self._dofs] = self._motion[2, :, k]
 
 
 def _without_limits(model: mujoco.MjModel, off: bool) -> None:
-    """Joint limits off: a measured motion that touches one has an unknown torque there."""
+    """Disable joint limits or enable them; the torque of a limit during a measured motion is
+    unknown.
+    """
     bit = int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     model.opt.disableflags = model.opt.disableflags | bit if off else model.opt.disableflags & ~bit
 

@@ -1,9 +1,9 @@
-"""Freedoms of a law that are decided last: damping of the contact, a curve for each direction.
+"""Optional parameters of a law that are decided last: contact damping, one curve per direction.
 
-While effects are sought a law must not have them. What passes the filter of a balance holds little
-of the damping sigma1, and next to a soft transition curve it is viscous friction for a while after
-each reversal; Stribeck curves that differ by direction are an asymmetry. Both would stand in for
-what else a model lacks.
+While effects are searched for, the law must not have these parameters, because they would absorb
+missing effects. The filter of the torque balance removes most of the contact damping sigma1. With a
+soft transition curve, sigma1 resembles viscous friction for a while after each reversal. Stribeck
+curves that differ by direction resemble an asymmetry of the friction.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from frictionjoint.identify.shape import INTEGRATED, IntegratedShape
 
 
 def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
-    """The same model with each of these freedoms of its law that leaves clearly less."""
+    """Add each of these parameters to the law if it clearly reduces the residual."""
     for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
         shape = fitted.shape
         if not isinstance(shape, IntegratedShape) or free(shape) == shape:
@@ -29,7 +29,10 @@ def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
 
 
 def _best_form(prepared: Prepared, fitted: Fit) -> Fit:
-    """The same model in the form of its law that leaves least: without a freedom it was another."""
+    """The model with the form of the integrated law that has the smallest residual.
+
+    The best form can change when a parameter is added.
+    """
     shape = fitted.shape
     assert isinstance(shape, IntegratedShape)
     others = [replace(shape, form=other.form) for other in INTEGRATED if other.form != shape.form]

@@ -1,9 +1,10 @@
-"""Any friction law as columns, so that a linear fit shows about what it is.
+"""Friction laws as linear regressors, so that a linear fit gives a rough estimate of the law.
 
-Elements in parallel that stick and slip have the memory of presliding (Prandtl 1928; Iwan 1966). A
-function of speed times an element is what sliding does to it, and the velocity of an element that
-sticks is what damps it. A law is a sum of such columns with coefficients that are not negative.
-That is a poor model, but it has one minimum, which shows where a search for the law should begin.
+Parallel elements that stick and slip have presliding memory (Prandtl 1928; Iwan 1966). The torque
+of an element times a function of speed represents its change with sliding speed. The velocity of an
+element while it sticks represents its damping. A law is a sum of these regressors with non-negative
+coefficients. This model is rough, but its fit has a single minimum, which shows where a search for
+the law should begin.
 """
 
 from dataclasses import dataclass
@@ -22,17 +23,18 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.terms import Term
 
-# reaches of the elements: how many, the least and the largest over the travel
+# number of elements; their least and largest displacement to slipping, as fractions of the travel
 _ELEMENTS, _SHORTEST, _LONGEST = 8, 1e-5, 0.1
 
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """A law fitted as columns; a level is in units of the drive.
+    """A law fitted by linear regression; levels are in units of the drive.
 
     Attributes:
         reaches: displacement from rest to slipping of each element, rad (m), shape (k,).
-        levels: of each element: constant, and what falls with speed, see `falls`, shape (1 + f, k).
+        levels: of each element: the constant part, then the parts that decrease with speed, see
+            `falls`, shape (1 + f, k).
         rms: of the weighted residual. residual: on the kept samples, shape (n,).
     """
 
@@ -43,11 +45,15 @@ class LinearLaw:
 
     @property
     def level(self) -> float:
-        """At rest."""
+        """Friction level at rest, in units of the drive."""
         return float(self.levels.sum())
 
     def sticking(self, s: Segment, top_speed: float) -> tuple[Array, Array]:
-        """Fraction of the level that sticks along a log, and its stiffness, each of shape (n,)."""
+        """Fraction of the level carried by sticking elements along a log, and their stiffness.
+
+        Returns:
+            each of shape (n,).
+        """
         sticks = np.abs(_elements(s, self.reaches)) < 1.0
         each = falls(np.abs(s.signals[:, V]) / top_speed) @ self.levels
         total = np.maximum(each.sum(axis=1), np.finfo(float).tiny)
@@ -56,7 +62,7 @@ class LinearLaw:
 
 @dataclass(frozen=True)
 class LawBasis:
-    """The columns of laws along some logs."""
+    """The regressors of laws along some logs."""
 
     prepared: Prepared
 
@@ -70,7 +76,10 @@ class LawBasis:
 
     @cached_property
     def columns(self) -> Array:
-        """Levels, element by element and fall by fall, then damping, shape (n, (2 + f) k)."""
+        """Regressors of the levels, then of the damping, shape (n, (2 + f) k).
+
+        For each function of `falls` there is one level per element.
+        """
         return np.concatenate([s.lowpass(self._along(s))[s.kept] for s in self.prepared.segments])
 
     def _along(self, s: Segment) -> Array:
@@ -83,17 +92,17 @@ class LawBasis:
     def fitted(
         self, nominal: Shape, terms: tuple[Term, ...], weight: Array, damped: bool = True
     ) -> LinearLaw:
-        """The law that leaves least of the logs together with some terms.
+        """Least-squares fit of the law together with some terms.
 
         Args:
-            nominal: a law for what follows one. weight: of each kept sample, shape (n,).
-            damped: whether its elements are.
+            nominal: law for terms that depend on a law. weight: of each kept sample, shape (n,).
+            damped: whether the elements have damping.
         """
         others, y = Balance(self.prepared, nominal, terms).columns(nominal, terms)
         names = layout_of(self.prepared, nominal, terms).base
         others = np.delete(others, [names.index(x) for x in ("Fc", "sigma1") if x in names], 1)
         known = len(set(names) & {"load", "sigma2"})
-        free = others[:, known:]  # terms have any sign
+        free = others[:, known:]  # coefficients of terms can have either sign
         own = self.columns
         if not damped:
             own = own[:, : -len(self.reaches)]
@@ -109,5 +118,5 @@ class LawBasis:
 
 
 def _elements(s: Segment, reaches: Array) -> Array:
-    """Torque of elements of level 1 along a log, shape (n, k)."""
+    """Torque along a log of elements with level 1, shape (n, k)."""
     return elastic_plastic(np.ascontiguousarray(s.signals[:, Q]), reaches)

@@ -1,4 +1,4 @@
-"""Where the search for a law begins: what a linear fit shows of its levels and its presliding."""
+"""Starting values for a law from a linear fit: its levels and its presliding."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -7,27 +7,29 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-# speeds over the top speed at which the level has fallen to 1/e of what it falls by. Sums of such
-# falls, exp(-(v/s)**2), are all falls of a Stribeck exponent up to 2.
+# scales s of the functions exp(-(v/s)**2) by which the level decreases, as fractions of the top
+# speed. Sums of these functions represent every Stribeck curve with an exponent up to 2.
 _FALLS = np.array([0.002, 0.006, 0.02, 0.06, 0.2])
-# fractions of what a transition curve reaches at which its knots are taken. The last is less than
-# all of it, which a sum of elements reaches with the softest of them.
+# fractions of the final torque of a transition curve at which its knots are placed. The last is
+# below 1, because a sum of elements reaches 1 only when its softest element slips.
 _KNOTS = (0.5, 0.8, 0.98)
-# speeds over the top speed at which the level is looked at, and where a Stribeck curve may be
+# speeds at which the level is evaluated, and possible Stribeck velocities, as fractions of the top
+# speed
 _SPEEDS, _VELOCITIES = np.geomspace(1e-3, 0.5, 60), np.geomspace(2e-3, 0.25, 25)
 _EXPONENTS = (0.6, 0.8, 1.0, 1.4, 2.0)
-# least rise over the Coulomb level, of which Stribeck velocity and exponent may be searched
+# least Fs / Fc - 1 of a start, so that a search can adjust the Stribeck velocity and exponent
 _LEAST_RISE = 0.02
 
 
 @dataclass(frozen=True)
 class LawStart:
-    """What all laws have in common, as a search for one begins with it.
+    """Starting values that apply to every law.
 
     Attributes:
         excess: Fs / Fc - 1. Vs: Stribeck velocity, rad/s (m/s). delta: its exponent.
-        length: displacement from a reversal over which half of the friction turns round, rad (m).
-        bend: slopes of the curve's second part over its first, and third over second.
+        length: displacement after a reversal in which half of the friction change takes place, rad
+            (m).
+        bend: slope of the curve's second segment over its first, and of its third over its second.
     """
 
     excess: float
@@ -50,12 +52,16 @@ class LawStart:
 
 
 def falls(speed: Array) -> Array:
-    """What of a level is left at speeds over the top speed, shape (n, 1 + f): all, then less."""
+    """Basis functions of the level over speed, shape (n, 1 + f): a constant, then decreasing ones.
+
+    Args:
+        speed: as a fraction of the top speed, shape (n,).
+    """
     return np.column_stack([np.ones_like(speed), np.exp(-((speed[:, None] / _FALLS) ** 2))])
 
 
 def _stribeck(level: Array) -> tuple[float, float, float]:
-    """Fs / Fc - 1, Vs over the top speed, and delta of the nearest curve through a level."""
+    """Fit of a Stribeck curve to a level: Fs / Fc - 1, Vs over the top speed, and delta."""
     best = (np.inf, _LEAST_RISE, 0.05, 1.0)
     for delta in _EXPONENTS:
         fall = np.exp(-((_SPEEDS / _VELOCITIES[:, None]) ** delta))
@@ -71,7 +77,7 @@ def _stribeck(level: Array) -> tuple[float, float, float]:
 
 
 def _transition(reaches: Array, levels: Array) -> tuple[float, tuple[float, float]]:
-    """First knot and bends of the curve after a reversal, where all displacements are double."""
+    """First knot and `bend` of the curve after a reversal, which doubles all displacements."""
     z = np.geomspace(0.05 * reaches[0], 2.0 * reaches[-1], 1000)
     curve = np.minimum(z[:, None] / reaches, 2.0) @ levels / (2.0 * float(levels.sum()) or 1.0)
     knots = np.interp(_KNOTS, curve, z)

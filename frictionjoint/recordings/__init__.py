@@ -1,1 +1,1 @@
-"""Several recordings of one joint: what each says of the friction, and how much they differ."""
+"""Several recordings of one joint: the friction estimate of each, and how much they differ."""

@@ -1,8 +1,9 @@
-"""How much a number differs between recordings, beyond the error of each.
+"""How much a parameter differs between recordings, beyond the error of each estimate.
 
-Random-effects meta-analysis: the estimate of recording i is y_i = mu + u_i + e_i, with e_i of known
-standard error and u_i of variance tau^2 between recordings. tau^2 by DerSimonian and Laird (1986),
-the interval of the mean by Hartung and Knapp (2001), the test of tau^2 = 0 by Cochran's Q.
+Random-effects meta-analysis: the estimate of recording i is y_i = mu + u_i + e_i, where e_i has a
+known standard error and u_i has the variance tau^2 between recordings. tau^2 is estimated by the
+method of DerSimonian and Laird (1986), the interval of the mean by that of Hartung and Knapp
+(2001). Cochran's Q tests tau^2 = 0.
 """
 
 from dataclasses import dataclass
@@ -12,20 +13,22 @@ from scipy.stats import chi2, t
 
 from frictionjoint.arrays import Array
 
-# probability from which on a difference between recordings counts, and is laid to a cause
+# largest p-value at which recordings are said to differ, and at which a cause is named
 _SURE, _CAUSED = 0.05, 0.01
-# recordings that an attribution needs, and the fraction of the variance that it must explain
+# least number of recordings to name a cause, and fraction of the variance that it must explain
 _FEWEST, _EXPLAINED = 6, 0.5
 
 
 @dataclass(frozen=True)
 class Between:
-    """A number over recordings.
+    """A parameter over several recordings.
 
     Attributes:
-        mean: over recordings. interval: of the mean, 95%. deviation: standard deviation between
-            recordings beyond their errors. p_value: of as much by the errors alone.
-        cause: quantity that explains most of it, "" for none. slope: of the number by the cause.
+        mean: over recordings. interval: 95% interval of the mean.
+        deviation: standard deviation between recordings, beyond the errors of the estimates.
+        p_value: probability that the errors alone cause such a difference.
+        cause: quantity that explains most of the difference, "" for none.
+        slope: change of the parameter per unit of the cause.
     """
 
     mean: float
@@ -37,11 +40,12 @@ class Between:
 
 
 def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None) -> Between:
-    """A number's mean and variance over recordings.
+    """Mean and variance of a parameter over recordings.
 
     Args:
-        value, stderr: of each recording, shape (k,), k >= 2. causes: what recordings differ in,
-            shape (k,) each; those with NaN are left out.
+        value, stderr: estimate of each recording and its error, shape (k,), k >= 2.
+        causes: quantities that differ between recordings, shape (k,) each; those with NaN are left
+            out.
     """
     deviation, Q, k = _deviation(value, stderr, np.ones((len(value), 1)))
     w = 1.0 / (stderr**2 + deviation**2)
@@ -56,7 +60,7 @@ def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None)
 
 
 def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int]:
-    """tau by moments of a weighted regression on X, Cochran's Q, and the number of recordings."""
+    """tau from a weighted regression on X by moments, Cochran's Q, and the number of recordings."""
     k, p = X.shape
     w = stderr**-2.0
     XtW = X.T * w
@@ -70,7 +74,7 @@ def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int
 def _cause(
     value: Array, stderr: Array, deviation: float, causes: dict[str, Array]
 ) -> tuple[str, float]:
-    """The quantity that explains most of a difference, if one does."""
+    """The quantity that explains most of the difference, if there is one."""
     best, found = 1.0 - _EXPLAINED, ("", 0.0)
     for name, x in causes.items():
         if not np.isfinite(x).all() or np.ptp(x) == 0.0:

@@ -1,8 +1,8 @@
 """Whether new logs confirm the friction of a report.
 
-The change of each friction number is compared with the errors of the report and of the new logs and
-with the usual difference between recordings. The number is *confirmed*, *changed*, or *not
-resolvable*: the new logs would not show a change by half of the number.
+The change of each friction parameter is compared with the errors of the report and of the new logs,
+and with the usual difference between recordings. The parameter is *confirmed*, *changed*, or *not
+resolvable*: the new logs could not detect a change by half of its value.
 """
 
 import json
@@ -21,18 +21,18 @@ from frictionjoint.recordings.estimate import Estimates, Known, estimate
 from frictionjoint.refine.posterior import Posterior
 
 State = Literal["confirmed", "changed", "not resolvable"]
-# probability of a false alarm over all numbers; change that must be noticed, of the number; part of
-# the knowledge that must come from the new logs
+# probability of a false alarm over all parameters; relative change that must be detectable;
+# fraction of the information that must come from the new logs
 _ALARM, _NOTICED, _INFORMED = 0.05, 0.5, 0.75
 
 
 @dataclass(frozen=True)
 class Drift:
-    """A number of a report and of new logs.
+    """A parameter in a report and in new logs.
 
     Attributes:
-        name: of the number. before, now: of the report and of the new logs. stderr: of the
-            difference. state: see the module.
+        name: of the parameter. before, now: its value in the report and in the new logs.
+        stderr: of the difference. state: see the module.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Drift:
     state: State
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``drift --json`` prints it."""
+        """The content that ``drift --json`` prints."""
         return {
             "number": self.name,
             "before": self.before,
@@ -53,10 +53,10 @@ class Drift:
 
 
 def known_of(report: Path, joint: str | None = None) -> Known:
-    """The friction of a report: its folder, or report.json in it, beside model.xml.
+    """The friction of a report: its folder, or report.json next to model.xml.
 
     Raises:
-        ParameterError: it is no report, or says no friction in N m.
+        ParameterError: the path is not a report, or the report gives no friction in N m.
     """
     file = report / "report.json" if report.is_dir() else report
     model = file.with_name("model.xml")
@@ -83,7 +83,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
-    """Each number of a known friction in new logs.
+    """Compare each parameter of a known friction with new logs.
 
     Raises:
         LogError: see `estimate`.
@@ -109,7 +109,7 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
 
 
 def _together(found: Sequence[Estimates], i: int) -> tuple[float, float]:
-    """A number over new logs, and its standard error, which knows how much these differ."""
+    """Mean of a parameter over new logs, and its standard error, including their differences."""
     value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
     if len(found) == 1:
         return float(value[0]), float(stderr[0])

@@ -1,8 +1,9 @@
-"""What one recording says of a joint's friction: a step of least squares from a known model.
+"""Friction parameters of one recording: one least-squares step from a known model.
 
-The torque that the model needs along the recording, less the torque that acted, is explained by
-small changes of the friction's numbers. A weak prior keeps what the recording does not show where
-the known model has it. Errors are by blocks of time: neighbouring samples are not independent.
+The difference between the torque that the model requires along the recording and the torque that
+acted is explained by small changes of the friction parameters. A weak prior keeps parameters that
+the recording does not determine at their values in the known model. Errors are computed from blocks
+of time, because neighbouring samples are not independent.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,27 +31,30 @@ from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.recordings.numbers import Number, changed, numbers_of, values_of
 from frictionjoint.simulate.carrier import blocks, install
 
-# step of a derivative, of the number
+# step of a numerical derivative, as a fraction of the parameter
 _STEP = 0.02
-# standard deviation of the prior: of the number, and in the known model's standard errors
+# standard deviation of the prior, the larger of two: as a fraction of the parameter, and as a
+# multiple of the standard error in the known model
 _PRIOR, _ERRORS = 0.5, 10.0
-# blocks of time that errors come from: at least so many, s each
+# blocks of time for the errors: least number, and longest duration, s
 _BLOCKS, _BLOCK_S = 12, 1.0
-# samples per period of the filter's corner that the least squares use
+# samples in the least squares per period of the filter's corner frequency
 _PER_PERIOD = 4.0
 
 
 @dataclass(frozen=True)
 class Estimates:
-    """What a recording says.
+    """Friction parameters estimated from one recording.
 
     Attributes:
-        numbers: p of them. value: shape (p,). stderr: by blocks of time, shape (p,).
-        informed: part of what is known of each number that comes from the recording and not from
-            the prior, 0 to 1, shape (p,).
-        temperature, load: means that may explain a difference, deg C and of the torque's size; NaN
-            where not known. speed: mean, rad/s or m/s. direction: -1 to 1; in one direction
-            friction and a bias are the same.
+        numbers: the p parameters. value: shape (p,).
+        stderr: standard errors from blocks of time, shape (p,).
+        informed: fraction of the information on each parameter that comes from the recording and
+            not from the prior, 0 to 1, shape (p,).
+        temperature, load, speed: means that may explain a difference between recordings, deg C, N m
+            (N) of the torque's magnitude, rad/s (m/s); NaN if unknown.
+        direction: mean direction of motion, -1 to 1; with motion in only one direction, friction
+            cannot be distinguished from a bias.
     """
 
     log: str
@@ -66,11 +70,12 @@ class Estimates:
 
 @dataclass(frozen=True)
 class Known:
-    """A friction that is known, and how well.
+    """A known friction and its uncertainty.
 
     Attributes:
         model: MJCF of the joint with that friction, path or text. joint: name.
-        content: of its parameter file. cov: covariance of the file's numbers, shape (m, m).
+        content: of its parameter file.
+        cov: covariance of the file's numbers, shape (m, m).
     """
 
     model: str | Path
@@ -81,17 +86,17 @@ class Known:
 
     @property
     def numbers(self) -> list[Number]:
-        """Numbers by which recordings are compared."""
+        """Parameters by which recordings are compared."""
         return numbers_of(self.content)
 
     @property
     def values(self) -> Array:
-        """Values of the numbers, shape (p,)."""
+        """Values of the parameters, shape (p,)."""
         return values_of(self.content, self.numbers)
 
     @property
     def stderr(self) -> Array:
-        """Standard errors of the numbers, shape (p,)."""
+        """Standard errors of the parameters, shape (p,)."""
         rows = [np.eye(len(self.cov))[list(n.indices)].mean(axis=0) for n in self.numbers]
         A = np.array(rows)
         variance: Array = np.einsum("ij,jk,ik->i", A, self.cov, A)
@@ -99,10 +104,10 @@ class Known:
 
 
 def estimate(known: Known, log: JointLog) -> Estimates:
-    """What one recording says of the numbers of a known friction.
+    """Estimate the parameters of a known friction from one recording.
 
     Raises:
-        LogError: the log holds no measured drive, or no motion to compare.
+        LogError: the log contains no measured drive, or no motion to compare.
     """
     numbers = known.numbers
     if not numbers:
@@ -141,11 +146,11 @@ def _block(seconds: Array) -> float:
 
 
 def _solve(J: Array, r: Array, block: Array, prior: Array) -> tuple[Array, Array, Array]:
-    """Change of the numbers, its covariance and the part that is not the prior's."""
+    """Change of the parameters, its covariance, and `informed`, see `Estimates`."""
     p = len(prior)
     step: Array = np.zeros(p)
     variance = float(np.mean(r**2))
-    for _ in range(3):  # the residual's size and the step depend on each other
+    for _ in range(3):  # the residual variance and the step depend on each other
         precision = J.T @ J / variance + np.diag(prior**-2.0)
         step = np.asarray(np.linalg.solve(precision, -J.T @ r / variance), dtype=np.float64)
         variance = float(np.mean((r + J @ step) ** 2)) + 1e-300
@@ -155,7 +160,7 @@ def _solve(J: Array, r: Array, block: Array, prior: Array) -> tuple[Array, Array
     m = len(scores)
     meat = scores.T @ scores * m / max(1, m - p)
     cov = inverse @ meat @ inverse
-    # never surer than independent samples would be
+    # as for independent samples, an upper limit of the information in the recording
     informed = 1.0 - np.diag(inverse) / prior**2
     return step, cov, np.clip(informed, 0.0, 1.0)
 
@@ -163,7 +168,7 @@ def _solve(J: Array, r: Array, block: Array, prior: Array) -> tuple[Array, Array
 def _linear(
     known: Known, log: JointLog, numbers: Sequence[Number]
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Derivatives of the residual by each number, the residual, its times, torque and velocity."""
+    """Derivatives of the residual by the parameters, residual, its times, torque and velocity."""
     if all(getattr(log, kind) is None for kind in ("torque", "voltage", "current")):
         raise LogError(f"{log.name}: no measured drive, which recordings are compared by")
     recording = Recording.of({known.joint: log})

@@ -16,12 +16,12 @@ from frictionjoint.recordings.estimate import Estimates, Known, estimate
 if TYPE_CHECKING:
     from frictionjoint.diagnose.report_data import Report
 
-# recordings that a comparison requires
+# least number of recordings for a comparison
 FEWEST = 3
 _SURE = 0.05
-# fraction of the information on a number that must come from each recording
+# least fraction of the information on a parameter that must come from each recording
 _INFORMED = 0.5
-# standard error, as a fraction of the value, above which a number is not determined at all
+# standard error, as a fraction of the value, above which a parameter counts as undetermined
 _LOOSE = 0.5
 _MEASURED = {
     e.name for e in CATALOGUE if e.entry in ("acts on the measurement", "acts on the motor")
@@ -31,12 +31,12 @@ _MEASURED = {
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """Add the difference of numbers between recordings to a report and to its samples.
+    """Add the differences of parameters between recordings to a report and to its samples.
 
     Args:
-        logs: recordings, with measured drives; fewer than three say nothing.
+        logs: recordings with measured drives; with fewer than three, the report is unchanged.
     Returns:
-        the report itself where there is nothing to compare.
+        the report; unchanged if there is nothing to compare.
     """
     posterior = report.posterior
     drives = [log for log in logs if log.torque is not None or log.voltage is not None]
@@ -63,11 +63,11 @@ def with_recordings(
         if len(own) < FEWEST or loose[i]:
             continue
         over = _over(own, i)
-        # no number of a law is negative: what these recordings say is not of this number
+        # A parameter of a law cannot be negative, so these estimates have another cause.
         if number.of_law and over.mean < 0.0:
             continue
         rows.append(_row(number.name, over, own, i))
-        # over all numbers, one false alarm in twenty reports
+        # one false alarm in twenty reports, over all parameters
         if over.p_value < _SURE / len(known.numbers) and over.deviation > 0.0:
             column = np.zeros((len(cov), 1))
             column[list(number.indices)] = over.deviation

@@ -1,7 +1,7 @@
-"""The numbers of a friction that recordings are compared by.
+"""The friction parameters by which recordings are compared.
 
-A number that is the same in both directions is one. Fs is compared above Fc, as a posterior has it.
-Shapes (exponents, knots) are no such numbers.
+A parameter with the same value in both directions counts once. Fs is represented by Fs - Fc, as in
+a posterior. Shape parameters (exponents, knots) are not compared.
 """
 
 from collections.abc import Mapping
@@ -24,12 +24,12 @@ _ABOVE = {"Fs": "Fs - Fc"}
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a friction.
+    """A friction parameter.
 
     Attributes:
-        name: symbol, after the canonical name for a number of an effect. indices: of the
-            numbers of a parameter file, two if both directions share one.
-        of_law: whether it belongs to the law.
+        name: its symbol; for a parameter of an effect, the effect's canonical name and the symbol.
+        indices: of the numbers in a parameter file, two if both directions share one value.
+        of_law: whether the parameter belongs to the law.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Number:
 
     @property
     def words(self) -> str:
-        """What it is."""
+        """Description of the parameter."""
         if not self.of_law:
             effect, _, number = self.name.partition(" ")
             return f"{quantity_of(effect, number)} ({title(effect)})"
@@ -47,7 +47,7 @@ class Number:
 
 
 def numbers_of(content: Mapping[str, Any]) -> list[Number]:
-    """The numbers of a parameter file that recordings are compared by."""
+    """The parameters in a parameter file by which recordings are compared."""
     values = numbers_in(content)
     places: list[tuple[str, int, bool]] = []
     at = 0
@@ -87,16 +87,16 @@ def numbers_of(content: Mapping[str, Any]) -> list[Number]:
 
 
 def values_of(content: Mapping[str, Any], numbers: list[Number]) -> Array:
-    """Values of the numbers, shape (p,)."""
+    """Values of the parameters, shape (p,)."""
     values = numbers_in(content)
     return np.array([float(np.mean(values[list(x.indices)])) for x in numbers])
 
 
 def changed(content: Mapping[str, Any], number: Number, by: float) -> JointFriction:
-    """The friction with one number changed; what a curve needs goes along.
+    """The friction with one parameter changed; its transition curve stays consistent.
 
     Raises:
-        ParameterError: no joint has such a friction.
+        ParameterError: the changed values are not a valid friction.
     """
     values = numbers_in(content)
     values[list(number.indices)] += by

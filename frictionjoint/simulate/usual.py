@@ -1,14 +1,15 @@
-"""The usual step of a simulated joint: the integrated law, and no event on the way.
+"""The usual step of a simulated joint: the integrated law in a step without events.
 
-What most joints do in most steps: follow one curve of the hysteresis, turn round, slide, rest. It
-is `row.torque_now` and `row.over_the_step` in one, which reads each number of the row once and
-writes each once. Anything else is left to these two: rivals of the law, starts, leaps of time,
-changed parameters, loops that close, resets of the memory, knots of the transition curve, full
-stacks.
+In most steps a joint follows one hysteresis curve, reverses, slides or rests. `usual_torque`
+computes such a step faster: it combines `row.torque_now` and `row.over_the_step`, and reads and
+writes each number of the row only once. These two functions compute every other step: other laws,
+starts, jumps in time, changed parameters, loops that close, resets of the memory, knots of the
+transition curve, full stacks.
 
-A joint at rest never stands quite still: rounding moves it to and fro. To the law each would be a
-reversal, and fill its memory. So a displacement that changes the torque by next to nothing is an
-elastic one, and the law stays where it is, with its position, until the displacement has grown.
+A joint at rest is never perfectly still, because rounding errors move it back and forth. The law
+would treat each of these movements as a reversal and fill its memory. So a displacement that hardly
+changes the torque is treated as elastic: the law keeps its state and its position until the
+displacement has grown.
 """
 
 import math
@@ -62,7 +63,7 @@ from frictionjoint.simulate.row import (
     torque_now,
 )
 
-# of the breakaway torque: some hundred times its rounding
+# negligible torque, as a fraction of the breakaway torque: some hundred times its rounding error
 NOTHING = 2.0**-44
 
 
@@ -80,9 +81,10 @@ def usual_torque(
     J: float,
     weight: float,
 ) -> float:
-    """Friction torque at v of the step of h s that begins, N m; NaN where the step is not usual.
+    """Friction torque at velocity v for the step of h seconds that begins now, N m.
 
-    Then the row is as before. Arguments: see `row.torque_now` and `row.over_the_step`.
+    Returns NaN if the step is not a usual one; the row is then unchanged. For the arguments see
+    `row.torque_now` and `row.over_the_step`.
     """
     evaluated = X[x + T_EVALUATED]
     since = evaluated - X[x + T_COMMITTED]
@@ -105,7 +107,7 @@ def usual_torque(
     dx = math.fabs(dq)
     side = first + POSITIVE if dq > 0.0 else first + NEGATIVE
     moves = dx * stiffest > NOTHING * P[side + FS]
-    # first, as nothing else needs to be kept over a call
+    # computed first, so that no other value must be kept during the call
     S = stribeck_level(P, side, dx / dt) if moves else 0.0
     was, constant, gain = X[front + 2], X[front + 3], X[front + 4]
     Fh, Fb, turned = X[a + FH], X[a + FB], X[a + DIRECTION]
@@ -147,7 +149,7 @@ def usual_torque(
             return np.nan
         f = way * f
         known, tangent = True, K * slip
-    # it is a usual step: from here on the row is written
+    # The step is a usual one. The row is written only from here on.
     if later:
         commit_effects(P, p, effects, X, x)
         X[x + T_COMMITTED] = evaluated
@@ -179,7 +181,7 @@ def usual_torque(
     if not later:
         X[e + FORGOTTEN] = X[a + FORGOTTEN]
         X[e + BOUND] = X[a + BOUND]
-    # as `over_the_step` and `secant.implicit_step` do
+    # the same computation as in `over_the_step` and `secant.implicit_step`
     inertia = 1.0 / weight if weight > 0.0 and J * weight > 1.0 else J
     impulse = inertia * v + h * (inertia * (v - was) / dt + (constant + gain * v) - f - bent)
     ahead, r = math.copysign(1.0, impulse), math.fabs(impulse)
@@ -219,7 +221,10 @@ def rare_torque(
     J: float,
     weight: float,
 ) -> float:
-    """`usual_torque` of any step; explicit where h is 0. `step` is the model's, s."""
+    """Friction torque for any step, N m; the arguments are those of `usual_torque`.
+
+    The torque is explicit if h is 0. `step` is the model's time step, s.
+    """
     F = torque_now(P, p, effects, X, x, t, q, v, step)
     if F == F and h > 0.0:
         return over_the_step(P, p, X, x, h, v, J, weight)
@@ -241,7 +246,7 @@ def joint_torque(
     J: float,
     weight: float,
 ) -> float:
-    """Friction torque at v of the step that begins, N m; NaN of a state gone astray."""
+    """Friction torque at velocity v for the step that begins now, N m; NaN after divergence."""
     F = usual_torque(P, p, effects, X, x, t, q, v, h, J, weight) if h > 0.0 else np.nan
     if F == F:
         return F

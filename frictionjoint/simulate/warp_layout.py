@@ -1,4 +1,4 @@
-"""Addresses of the joints and motors of a model with friction in the arrays of its kernels."""
+"""Addresses of joints with friction, and of their motors, in the arrays of the Warp kernels."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -22,21 +22,21 @@ Whole = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Layout:
-    """Of n joints with friction.
+    """Addresses for n joints with friction.
 
     Attributes:
-        joints: names, shape (n,), in the order of everything here.
-        numbers: the model's numerics; in each block ROW is where the joint's row of `simulate.row`
-            begins in a world's state.
+        joints: names, shape (n,); all other arrays have the same order.
+        numbers: the model's numerics; ROW in each block is the start of the joint's row of
+            `simulate.row` in the state of a world.
         addresses: of the blocks in `numbers`, shape (n,).
-        read: indices of the numbers that the kernels read, each block without the pieces that
-            follow it. blocks: where each begins in those, shape (n,).
-        rows: where each joint's numbers begin in a world's state, shape (n,). room: of all rows.
-            header: numbers of the longest header of a law.
-        loads: number of the first effect that looks at the load, or -1, shape (n,).
-        motor_first, motors: actuators of joints that saturate, those of the i-th joint from
-            motor_first[i] to motor_first[i + 1].
-        has_effects, has_loads: whether any joint has.
+        read: indices of the numbers that the kernels read: each block without its integers.
+        blocks: start of each block among the numbers that the kernels read, shape (n,).
+        rows: start of each joint's numbers in the state of a world, shape (n,).
+        room: length of the state of a world. header: length of the longest header of a law.
+        loads: index of the first effect that depends on the load, or -1, shape (n,).
+        motor_first, motors: actuators of joints that saturate; those of the i-th joint are
+            motors[motor_first[i]:motor_first[i + 1]].
+        has_effects, has_loads: whether any joint has effects, or effects that depend on the load.
     """
 
     joints: tuple[str, ...]
@@ -58,10 +58,11 @@ class Layout:
 
 
 def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layout:
-    """Of a model whose friction blocks are at `found`, by name of the joint.
+    """Layout of a model with friction blocks.
 
     Args:
-        front: numbers that each joint keeps before its row.
+        found: address of each block in the model's numerics, by joint name.
+        front: length of the part of a joint's state before its row.
     """
     numbers = np.array(model.numeric_data)
     addresses = _whole(found.values())
@@ -94,10 +95,13 @@ def layout(model: mujoco.MjModel, found: Mapping[str, int], front: int) -> Layou
 
 
 def block_with(made: Layout, number: int, friction: Friction | JointFriction) -> Array:
-    """Numbers of a joint's block with another friction: without effects, those before them.
+    """Numbers of a joint's block with different friction parameters.
 
+    Args:
+        friction: the new friction. For a `Friction`, which has no effects, the result ends before
+            the numbers of the effects.
     Raises:
-        ModelError: another law, another number of knots, or other effects than the joint has.
+        ModelError: the law, the number of knots, or the effects differ from those of the joint.
     """
     numbers, at = made.numbers.copy(), int(made.addresses[number])
     return numbers[at : write_parameters(numbers, at, friction, made.joints[number])]
@@ -108,5 +112,5 @@ def _whole(numbers: Iterable[Any]) -> Whole:
 
 
 def _starts(sizes: Iterable[int]) -> Whole:
-    """Where each begins when they follow one another, and where the last one ends."""
+    """Start of each of several consecutive ranges of given sizes, and the end of the last range."""
     return np.concatenate([[0], np.cumsum(_whole(sizes))]).astype(np.int32)
