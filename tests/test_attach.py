@@ -323,12 +323,12 @@ def test_torque_warns_once_of_a_callback_that_was_set_over_ours():
     mine, _ = counted_in_c()
     mujoco.set_mjcb_passive(mine)
     mujoco.mj_step(model, data, 10)
-    with pytest.warns(RuntimeWarning, match="set to another one, or to None.*set yours before"):
+    with pytest.warns(RuntimeWarning, match="other code replaced MuJoCo.*set yours before"):
         fj.torque(model, data)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         fj.torque(model, data)
-    with pytest.warns(RuntimeWarning, match="calls ours: it stays so"):
+    with pytest.warns(RuntimeWarning, match="calls ours: the new callback stays"):
         h.detach()
 
 

@@ -57,7 +57,7 @@ def test_an_effect_with_too_few_numbers_is_refused():
 
 
 def test_a_number_beside_which_mujoco_would_lose_others_is_refused():
-    with pytest.raises(ModelError, match=r"'elbow' has a friction number of 2e\+12.*below 1e\+11"):
+    with pytest.raises(ModelError, match=r"'elbow' has a parameter of 2e\+12.*below 1e\+11"):
         carrying(friction(Fc=1.0, Vs=1.0, n=1.0, sigma1=2e12), [])
 
 
@@ -116,7 +116,7 @@ def test_data_made_before_their_model_got_room_are_left_alone_with_one_warning(b
     early, free = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_step(model, free, nstep=50)
     with fj.attach(model, backend):
-        with pytest.warns(RuntimeWarning, match=r"make them anew, mujoco\.MjData\(model\)") as told:
+        with pytest.warns(RuntimeWarning, match=r"create it after frictionjoint\.attach") as told:
             mujoco.mj_step(model, early, nstep=50)
         assert len(told) == 1
         np.testing.assert_array_equal(early.qpos, free.qpos)

@@ -29,7 +29,7 @@ def test_arrays_are_named_by_their_path(tmp_path: Path, name: str) -> None:
     with pytest.raises(LogError, match=r"it has effort, observations/qpos"):
         read_log(path)
     with pytest.raises(
-        LogError, match=r"name one of observations/qpos\[0\] to observations/qpos\[1\]"
+        LogError, match=r"name a column: observations/qpos\[0\] to observations/qpos\[1\]"
     ):
         read_log(path, columns=COLUMNS | {"position_rad": "observations/qpos"})
 

@@ -126,7 +126,11 @@ def test_remarks_before_the_header_and_numpys_header_are_read(tmp_path: Path) ->
         (1, "t,position_rad,velocity_rad_s,torque_nm", ["no column 'time_s'", "it has t,"]),
         (1, "time_s,position_rad,velocity_rad_s,effort", ["torque_nm", "voltage_v", "effort"]),
         (1, "time_s,position_rad,position_rad,torque_nm", ["'position_rad' appears twice"]),
-        (1, "time_s,position_rad,force_n,torque_nm", ["force_n does not go with position_rad"]),
+        (
+            1,
+            "time_s,position_rad,force_n,torque_nm",
+            ["force_n and position_rad exclude each other"],
+        ),
     ],
 )
 def test_the_line_and_column_of_a_fault_are_named(
@@ -167,7 +171,7 @@ def test_stretches_too_short_between_gaps_are_left_out_and_said(tmp_path: Path) 
     assert "and 1 more" in parts[0].notes[0]
     assert "20 samples in stretches under 50 are left out" in parts[0].notes[0]
     short = np.r_[0:40, 100:140, 200:240]
-    with pytest.raises(LogError, match="no 50 samples in a row"):
+    with pytest.raises(LogError, match="no part of 50 samples"):
         split_at_gaps(
             read_log(write(tmp_path / "log.csv", {k: x[short] for k, x in columns().items()}))
         )
@@ -291,7 +295,7 @@ def held_readings(most: int) -> dict[str, np.ndarray]:
 def test_readings_held_while_the_joint_moves_are_refused(tmp_path: Path) -> None:
     error = error_of(write(tmp_path / "log.csv", held_readings(9)))
     assert "position_rad" in error
-    assert "of the travel lies in leaps" in error
+    assert "of the travel lies in jumps" in error
 
 
 def test_coarse_counts_and_slips_are_no_leaps(tmp_path: Path) -> None:
@@ -339,7 +343,7 @@ def test_a_declared_signal_is_read_by_its_name(tmp_path: Path) -> None:
     assert list(log.signals) == ["load_n", "bus", "elbow torque_nm"]
     np.testing.assert_array_equal(log.signals["load_n"], np.full(N, 6.0))
     np.testing.assert_array_equal(log.part(slice(0, 9), "").signals["bus"], arm["bus"][:9])
-    for name, what in (("lod_n", "no column 'lod_n' for --signal"), ("torque_nm", "leave it out")):
+    for name, what in (("lod_n", "no column 'lod_n' for --signal"), ("torque_nm", "omit it")):
         with pytest.raises(LogError, match=what):
             read_log(path, "wrist", signals=[name])
 

@@ -38,7 +38,7 @@ def test_a_log_is_drawn_and_described(tmp_path):
     picture = run("plot", LOG, "--out", "log.png", cwd=tmp_path)
     assert picture.returncode == 0, picture.stderr
     assert (tmp_path / "log.png").read_bytes().startswith(b"\x89PNG")
-    assert "end it in .html" in run("plot", LOG, "--out", "log.pdf", cwd=tmp_path).stderr
+    assert "must end in .html" in run("plot", LOG, "--out", "log.pdf", cwd=tmp_path).stderr
 
 
 def test_rows_without_a_number_are_left_out_when_asked(tmp_path):

@@ -163,7 +163,7 @@ def test_a_deflection_that_is_gone_is_missed():
     spec.delete(spec.joint("j_deflection"))
     spec.delete(spec.key("k"))
     model = spec.compile()
-    with pytest.raises(ModelError, match="no joint 'j_deflection' that it acts by"):
+    with pytest.raises(ModelError, match="its joint 'j_deflection' is missing"):
         fj.attach(model)
 
 

@@ -244,7 +244,8 @@ def test_a_list_of_one_robot_and_a_motor_with_its_curve():
     names = [row["name"] for row in json.loads(listed.stdout)]
     assert names == [f"panda_joint{i}" for i in range(1, 8)]
     with pytest.raises(
-        ParameterError, match=r"--robot spot: none, there are .*Dynamixel XL330 servo, EMPS"
+        ParameterError,
+        match=r"--robot spot: no motor of this name, there are .*Dynamixel XL330 servo, EMPS",
     ):
         CliRunner().invoke(app, ["motors", "list", "--robot", "spot"], catch_exceptions=False)
     shown = CliRunner().invoke(app, ["motors", "show", "ur10_j1", "--json"])

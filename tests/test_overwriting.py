@@ -61,7 +61,7 @@ def test_a_source_is_not_overwritten(case: str, home: Path) -> None:
     assert done.returncode == 2, done.stdout
     assert done.stdout == ""
     assert len(done.stderr.splitlines()) == 1, done.stderr
-    assert "is what the result is made from" in done.stderr
+    assert "is an input of this command" in done.stderr
     assert "--force" in done.stderr
     assert before == {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
 

@@ -90,7 +90,7 @@ def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
         "sample", str(report), "--n", "7", "--out", str(tmp_path / "none.json"), cwd=tmp_path
     )
     assert failed.returncode == 2
-    assert "no posterior" in failed.stderr
+    assert "no parameter uncertainty" in failed.stderr
     assert not (tmp_path / "none.json").exists()
 
 
@@ -108,9 +108,9 @@ def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_rob
 
     robot = {"joints": {"hip": own, "knee": {}}}
     for joint, words in (
-        ((), "say which with --joint, of hip, knee"),
+        ((), "choose one with --joint: hip, knee"),
         (("--joint", "toe"), "no joint 'toe' in it, it has hip, knee"),
-        (("--joint", "knee"), "no posterior"),
+        (("--joint", "knee"), "no parameter uncertainty"),
     ):
         assert words in str(drawn_of(robot, *joint).exception)
     assert "folder of one of them" in str(drawn_of({"spread": []}).exception)

@@ -92,8 +92,8 @@ def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool)
     for joint, k in joints.items():
         np.testing.assert_array_equal(read_log(path, joint, mapping).position, q[:, k])
     for wrong, what in (
-        ("q", r"log.*q: .* numbers, name one of q\[0\] to q\[2\]"),
-        ("q[3]", r"q\[3\]: .* numbers, name one of q\[0\] to q\[2\]"),
+        ("q", r"log.*q: it is .*, name a column: q\[0\] to q\[2\]"),
+        ("q[3]", r"q\[3\]: it is .*, name a column: q\[0\] to q\[2\]"),
         ("t[0]", r"t\[0\]: t is one column, name it without"),
         ("v[0]", r"no column 'v\[0\]', it has"),
     ):
@@ -276,7 +276,7 @@ def test_fields_of_any_message_are_named(tmp_path: Path) -> None:
         ({"position_rad": "angle"}, "field is missing"),
         ({"position_rad": "position[9]"}, "field is missing"),
         ({"position_rad": "position"}, "same length"),
-        ({"joints": "a"}, "'joints' is unknown"),
+        ({"joints": "a"}, "--column joints cannot be used"),
     ):
         with pytest.raises(LogError, match=what):
             read_log(path, columns=fields | wrong)
@@ -323,8 +323,8 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
     for joint, columns, what in (
         ("hip", None, "no joint 'hip', it has joint_1, joint_2"),
         (None, None, "several joints, name one of"),
-        ("hip", {"joints": "hip"}, "it has 2 joints, joints names hip"),
-        ("hip", {"unit": "deg"}, "takes the columns joints and world"),
+        ("hip", {"joints": "hip"}, "it has 2 joints, but the names are hip"),
+        ("hip", {"unit": "deg"}, "--column takes joints and world"),
     ):
         with pytest.raises(LogError, match=what):
             read_log(path, joint, columns)
@@ -350,11 +350,11 @@ class Harm:
     [
         (PACE | {"bounds": Harm()}, 0, r"more than tensors and plain containers \(\w+.print\)"),
         ({"time": PACE["time"]}, 0, "no array 'dof_pos', it has time"),
-        ([PACE["time"]], 0, "holds a list, a dict of tensors is needed"),
+        ([PACE["time"]], 0, "contains a list, not a dict of tensors"),
         (PACE | {"des_dof_pos": PACE["dof_pos"][:-1]}, 0, "give one row per time"),
-        (PACE | {"kp": Plain(np.ones(3))}, 0, r"kp \(3,\): give it a number for each of the 2"),
+        (PACE | {"kp": Plain(np.ones(3))}, 0, r"kp has shape \(3,\): give one number per joint, 2"),
         (PACE | {"kp": Plain(np.array(["high", "low"]))}, 0, "an array of 'U4', not of numbers"),
-        (PACE, 4, "storage 2 holds 2396 bytes and not 2400"),
+        (PACE, 4, "storage 2 has 2396 bytes instead of 2400"),
     ],
 )
 def test_a_bad_file_of_tensors_is_one_line(
@@ -430,7 +430,7 @@ def test_a_lerobot_data_set(tmp_path: Path, version: int) -> None:
         (known | {"unit": "percent"}, "'percent' is not known"),
         ({"unit": "deg"}, "several episodes, it has 0 to 1"),
         (known | {"episode": "2"}, "no episode '2'"),
-        (known | {"topic": "/arm"}, "columns unit and episode"),
+        (known | {"topic": "/arm"}, "--column takes unit and episode"),
     ):
         with pytest.raises(LogError, match=what):
             read_log(folder, "elbow", columns)

@@ -75,7 +75,7 @@ def test_parameters_without_effects_leave_those_of_the_model():
 @pytest.mark.parametrize(
     ("joint", "parameters", "words"),
     [
-        ("c", law(1.0), "joint 'c' carries no friction: a, b does"),
+        ("c", law(1.0), "joint 'c' has no friction: choose from a, b"),
         ("a", LuGreParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0), "keep law"),
         (
             "a",
@@ -186,7 +186,7 @@ def test_one_joint_may_forget_alone_and_the_users_data_stay():
     assert found["a"].hysteresis == 0.0
     assert found["b"].hysteresis == held != 0.0
     np.testing.assert_array_equal(data.userdata[:2], 7.0)
-    with pytest.raises(ModelError, match="joint 'c' carries no friction"):
+    with pytest.raises(ModelError, match="joint 'c' has no friction"):
         fj.forget(m, data, "c")
 
 

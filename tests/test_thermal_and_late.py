@@ -198,7 +198,7 @@ def test_a_joint_can_be_set_warm(effect, shape):
         assert part == pytest.approx(0.25 * 0.5, rel=2e-2)
         mujoco.mj_step(model, data, 500)
         assert 0.75 < fj.warmth(model, data)["j"] < 0.9
-        with pytest.raises(ModelError, match="0 or above and below 1"):
+        with pytest.raises(ModelError, match="give 0 or more, below 1"):
             fj.set_warmth(model, data, "j", 1.0)
 
 

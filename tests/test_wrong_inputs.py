@@ -147,10 +147,10 @@ CASES = {
     "torque stands": wrong("constant at 2", log=changed("torque_nm", lambda x: 0 * x + 2.0)),
     "position stands": wrong("does not move", log=changed("position_rad", lambda x: 0 * x)),
     # wraps, gaps, clocks
-    "position leaps": wrong("leaps from", "--wrap", log=changed(
+    "position leaps": wrong("jumps from", "--wrap", log=changed(
         "position_rad", lambda x: x + 9.0 * (np.arange(N) > 3000))),
     "wrap is negative": wrong("--wrap -1", options=("--wrap", "-1"), python=None),
-    "nothing between gaps": wrong("no 50 samples in a row", log=changed(
+    "nothing between gaps": wrong("no part of 50 samples", log=changed(
         "time_s", lambda x: x + 3.0 * (np.arange(N) // 40))),
     "time runs backwards": wrong("row 12, time_s", "increase", log="\n".join(
         [*ROWS[:11], ROWS[4], *ROWS[11:]])),
@@ -198,7 +198,7 @@ CASES = {
     "half a map": wrong("write ours=theirs", options=("--column", "time_s"), python=None),
     "a signal that is not there": wrong("no column 'n' for --signal", options=("--signal", "n"),
                                         python=None),
-    "a signal that is used": wrong("leave it out", options=("--signal", "torque_nm"), python=None),
+    "a signal that is used": wrong("omit it", options=("--signal", "torque_nm"), python=None),
     "NaN": wrong("row 9, position_rad", "NaN", log="\n".join(
         [*ROWS[:8], "0.014,nan,1", *ROWS[9:]])),
     "a word": wrong("row 9, torque_nm", "'off'", log="\n".join(
@@ -388,7 +388,7 @@ def test_a_joint_seen_in_few_positions_stands_still() -> None:
     time = np.arange(4000) * 1e-3
     position = np.round(6.0 * np.sin(7.0 * time)) * 5e-7
     log = JointLog(name="a", joint="elbow", time=time, position=position, torque=np.sin(5.0 * time))
-    with pytest.raises(FrictionJointError, match="elbow: 13 different positions in all"):
+    with pytest.raises(FrictionJointError, match="elbow: only 13 different positions"):
         fj.close_loop([log], PENDULUM, "elbow")
 
 

@@ -86,12 +86,12 @@ def close_loop_command(
         bool | None,
         typer.Option(
             "--refine/--no-refine",
-            help="At the end, fit all numbers of the result to the simulated motion, and use them "
-            "if they predict logs better that are left out. --refine: also in windows of half a "
-            "second, driven by the measured torque. Default: only where the logs have a target and "
-            "the controller is known.",
+            help="Finally fit all numbers to the simulated motion, and use them if they predict "
+            "logs left out of this fit better. Default: only if the logs have a target and the "
+            "controller is known. --refine: also in other cases, in windows of half a second "
+            "driven by the measured torque.",
         ),
-    ] = True,
+    ] = None,
     options: LogOptions = NO_OPTIONS,
     robot: Annotated[
         list[str] | None,
@@ -157,7 +157,7 @@ def close_loop_command(
             open_page(out / "report.html")
         return
     if scheduler:
-        raise LogError("--scheduler spreads the joints of a robot: leave it out with one --joint")
+        raise LogError("--scheduler distributes the joints of a robot: omit it for one joint")
     with progress() as say:
         read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
         require_writable(out, read, force, FILES)

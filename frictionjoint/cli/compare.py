@@ -58,14 +58,14 @@ def compare(
     from frictionjoint.report.write import write_files
 
     if out is not None and out.suffix.lower() not in KINDS:
-        raise ParameterError(f"--out {out}: end it in {', '.join(KINDS)}")
+        raise ParameterError(f"--out {out}: the name must end in {', '.join(KINDS)}")
     if out is not None:
         require_writable(out, parameters, force)
     with progress() as say:
         read: dict[str, JointFriction] = {}
         reports: dict[str, dict[str, float | str]] = {}
         for i, path in enumerate(parameters):
-            say(f"driving {path.name}, {i + 1} of {len(parameters)}")
+            say(f"simulating {path.name}, {i + 1} of {len(parameters)}")
             name = path.stem if path.stem not in read else str(path)
             if path in parameters[:i]:
                 raise ParameterError(f"{path} is given twice: give it once")

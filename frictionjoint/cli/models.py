@@ -78,7 +78,7 @@ def install(
         if every:
             carried = _all_joints(spec, every, exclude or []) | carried
         elif exclude:
-            raise ParameterError("--exclude leaves joints of --all out: give --all TOML")
+            raise ParameterError("--exclude requires --all TOML")
         if not carried:
             raise ParameterError("no joint is given: write --joint NAME=TOML, or --all TOML")
         friction = {name: x.parameters for name, x in carried.items()}
@@ -150,7 +150,7 @@ def check(
             for sentence in row["acts"]:
                 typer.echo(f"{row['joint']}: {sentence}.")
         for joint, sentence in outside:
-            typer.echo(f"{joint}: outside: {sentence}.")
+            typer.echo(f"{joint}: outside its limits: {sentence}.")
     if strict and outside:
         raise typer.Exit(1)
 
@@ -193,7 +193,7 @@ def _all_joints(
     for name in exclude:
         if name not in names:
             raise FrictionJointError(
-                f"--exclude {name}: no hinge or slide joint has this name: {few(names)}"
+                f"--exclude {name}: no hinge or slide joint has this name, there are {few(names)}"
             )
     deflections = {name + DEFLECTION for name in carrying(spec)}
     friction = {name: found for name in names if name not in exclude and name not in deflections}

@@ -56,7 +56,9 @@ def list_command(
         named = [x for x in found if wanted in x.name.lower() or wanted in x.title.lower()]
         if not named:
             titles = sorted({x.title.partition(",")[0] for x in found})
-            raise ParameterError(f"--robot {robot}: none, there are {', '.join(titles)}")
+            raise ParameterError(
+                f"--robot {robot}: no motor of this name, there are {', '.join(titles)}"
+            )
         found = named
     if as_json:
         rows = [

@@ -70,6 +70,6 @@ def _require_others(written: Iterable[Path], made_from: Iterable[Path]) -> None:
             for path in existing:
                 if part.exists() and path.samefile(part):
                     raise FrictionJointError(
-                        f"{path} is what the result is made from: give another --out, or --force "
-                        "to overwrite it"
+                        f"{path} is an input of this command: give another --out, or --force to "
+                        "overwrite it"
                     )

@@ -55,7 +55,7 @@ def plot(
     found = log_paths(logs, [], options.join)
     target = out or Path(f"{found.logs[0].stem}.html")
     if target.suffix.lower() not in _KINDS:
-        raise LogError(f"--out {target}: end it in {', '.join(_KINDS)}")
+        raise LogError(f"--out {target}: the name must end in {', '.join(_KINDS)}")
     require_writable(target, found.logs, force)
     reading = options.reading(joint or "", found)
     with progress() as say, warnings_afterwards():

@@ -130,7 +130,7 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
         if not (name and equals and path):
             raise LogError(f"--robot {text}: write NAME=LOG, e.g. left=left_arm.csv")
         if "/" in name or name.startswith("."):
-            raise LogError(f"--robot {name}: a folder takes this name, give one without / or .")
+            raise LogError(f"--robot {name}: give a name for a folder, without / and leading .")
         found.setdefault(name, []).append(Path(path))
     return found
 

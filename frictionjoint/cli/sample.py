@@ -71,7 +71,7 @@ def _of_joint(content: Any, joint: str | None, file: Path) -> dict[str, Any]:
     joints = content.get("joints", {content.get("joint"): content})
     names = ", ".join(map(str, joints))
     if joint is None and "joints" in content:
-        raise ParameterError(f"{file}: a whole robot's report: say which with --joint, of {names}")
+        raise ParameterError(f"{file}: a report of a whole robot: choose one with --joint: {names}")
     if joint is not None and joint not in joints:
         raise ParameterError(f"{file}: no joint {joint!r} in it, it has {names}")
     found: dict[str, Any] = content if joint is None else joints[joint]

@@ -42,7 +42,7 @@ EFFECT = Effect(
     form="u of a target that moves towards the commanded one at most at `rate`",
     source="goal speed and acceleration registers of servos (Feetech STS, Dynamixel profile "
     "velocity)",
-    signature="after a step of the target the drive grows steadily, the slower the lower kp",
+    signature="after a step of the target the output rises steadily, more slowly at a lower kp",
     separating_motion="steps of the target at two gains",
     entry="acts on the drive",
     shape=("rate",),

@@ -58,7 +58,7 @@ EFFECT = Effect(
     cause="a dead zone in the firmware, so that a servo at its target is silent",
     form="u = 0 where |target - q| <= deadband",
     source="dead zone registers of hobby servos (Feetech, memory table, CW and CCW dead zone)",
-    signature="missing drive at small errors only, at whatever speed",
+    signature="no output at small position errors, at any speed",
     separating_motion="slow approach of the target from both sides, at two gains",
     entry="acts on the drive",
     shape=("deadband",),

@@ -40,7 +40,7 @@ EFFECT = Effect(
     cause="a current, torque or duty limit in the firmware",
     form="|u| <= limit, u in the unit of the controller's output",
     source="goal PWM and torque limit registers of servos",
-    signature="missing drive at large errors only, all beyond one output",
+    signature="at large position errors the output stays at one value",
     separating_motion="steps of the target of several sizes",
     entry="acts on the drive",
     shape=("limit",),

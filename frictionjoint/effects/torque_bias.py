@@ -21,6 +21,6 @@ EFFECT = Effect(
     cause="current sensor offset, preload of a seal or a balancer",
     form="c",
     source="Gautier (1997), offset term of the identification model",
-    signature="same sign in both directions, depends on nothing",
+    signature="constant, with the same sign in both directions",
     separating_motion="move through the same range in both directions and stop in between",
 )

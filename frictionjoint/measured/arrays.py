@@ -66,11 +66,11 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
     """A row or a column of a matrix, along the longer dimension."""
     size = " x ".join(str(k) for k in array.shape)
     if array.ndim != 2 or array.shape[0] == array.shape[1]:
-        raise LogError(f"{where}: {size} numbers, give one column a quantity")
+        raise LogError(f"{where}: {size} numbers, give one column per quantity")
     parts = array if array.shape[0] < array.shape[1] else array.T
     last = len(parts) - 1
     if number is None or number > last:
-        raise LogError(f"{where}: {size} numbers, name one of {source}[0] to {source}[{last}]")
+        raise LogError(f"{where}: it is {size}, name a column: {source}[0] to {source}[{last}]")
     return np.asarray(parts[number])
 
 

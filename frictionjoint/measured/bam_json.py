@@ -92,5 +92,5 @@ def _is_number(value: Any) -> bool:
 
 def _figure(path: Path, key: str, value: float) -> float:
     if not abs(value) < 1e9:
-        raise LogError(f"{path.name}, {key}: {str(value)[:40]!r} is not a number of use")
+        raise LogError(f"{path.name}, {key}: {str(value)[:40]!r} is not a number below 1e9")
     return float(value)

@@ -55,8 +55,8 @@ def _shorter(log: JointLog, most: int) -> JointLog:
         done.append(f"first {short.duration:.4g} s")
     text = ", ".join(done)
     warnings.warn(
-        f"{log.name}: {n} rows are more than a fit takes, used: {text}; cut the log for another "
-        "choice",
+        f"{log.name}: {n} rows are too many for a fit, it uses: {text}; cut the log to choose "
+        "other rows",
         LongLogWarning,
         stacklevel=3,
     )

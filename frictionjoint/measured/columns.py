@@ -113,7 +113,7 @@ def choose_signals(
         if column is None:
             raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
         if column in used:
-            raise LogError(f"{source}: --signal {name}: it is used in any case, leave it out")
+            raise LogError(f"{source}: --signal {name}: the fit uses this column anyway, omit it")
         # a point separates a joint from its quantity
         chosen[name.replace(".", " ")] = column
     return chosen
@@ -174,7 +174,9 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     if alien:
         kinds = ("position_rad", "velocity_rad_s") if hinge else ("position_m", "velocity_m_s")
         kind = next(x for x in kinds if x in chosen)
-        raise LogError(f"{source}: {prefix}{alien[0]} does not go with {prefix}{kind}: drop one")
+        raise LogError(
+            f"{source}: {prefix}{alien[0]} and {prefix}{kind} exclude each other: remove one"
+        )
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))

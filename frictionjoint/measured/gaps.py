@@ -26,8 +26,8 @@ def split_at_gaps(log: JointLog) -> list[JointLog]:
     many = "" if at.size == 1 else f" and {at.size - 1} more"
     if not long:
         raise LogError(
-            f"{log.name}: a gap of {where}{many} leave no {FEWEST_ROWS} samples in a row: record a "
-            "log without gaps"
+            f"{log.name}: gaps ({where}{many}) leave no part of {FEWEST_ROWS} samples: record "
+            "a log without gaps"
         )
     left_out = sum(b - a for a, b in stretches) - sum(b - a for a, b in long)
     note = f"{log.name}: a gap of {where}{many}: split there."

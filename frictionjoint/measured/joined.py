@@ -85,7 +85,7 @@ def read_joined(
     end = min(float(time[-1]) for time, _ in read.values())
     time = position[0][(position[0] >= begin) & (position[0] <= end)]
     if len(time) < 2:
-        raise LogError(f"{source.name}: the files' times do not overlap: are they of one clock?")
+        raise LogError(f"{source.name}: the files' times do not overlap: do they use one clock?")
     on_time = {name: _at(time, *track, name in _HELD) for name, track in read.items()}
     data = {"time_s": time} | {name: on_time[name] for name in wanted}
     further = {name: on_time[name] for name in more}

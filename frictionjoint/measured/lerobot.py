@@ -54,13 +54,15 @@ def read_lerobot(
     mapping, units = dict(columns or {}), dict(units or {})
     unit, episode = mapping.pop("unit", None), mapping.pop("episode", None)
     if mapping:
-        raise LogError(f"{path.name}: a data set takes the columns unit and episode, not {mapping}")
+        raise LogError(
+            f"{path.name}: --column takes unit and episode for a data set, not {', '.join(mapping)}"
+        )
     if unit is not None:
         units.setdefault("position", unit)
     if unit_of(f"{joint}.position_rad", units) is None:
         raise LogError(
             f"{path.name}: its unit is not in the data set: give --unit position=deg or "
-            "position=rad; positions from -100 to 100 are to be recorded again with use_degrees"
+            "position=rad; if positions go from -100 to 100, record them again with use_degrees"
         )
     check_units(units)
     path, episode = folder, numbered or episode
@@ -206,7 +208,9 @@ def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
         try:
             return [path / pattern.format(episode_chunk=chunk, episode_index=episode)]
         except (KeyError, IndexError, ValueError, AttributeError):
-            raise LogError(f"{path.name}, {_INFO}: data_path {pattern!r} is none") from None
+            raise LogError(
+                f"{path.name}, {_INFO}: data_path {pattern!r} is not a valid pattern"
+            ) from None
     return sorted((path / "data").glob("*/*.parquet"))
 
 

@@ -73,12 +73,14 @@ class JointLog:
         for name, x in self.arrays().items():
             expect(x, np.ndarray, f"{self.name}: {name}", "give a numpy array, np.asarray(x)")
             if x.ndim != 1 or x.shape != n:
-                raise LogError(f"{self.name}: {name} has shape {x.shape}, time {n}: make them one")
+                raise LogError(
+                    f"{self.name}: {name} has shape {x.shape}, time {n}: make them equal"
+                )
             if not np.isfinite(x).all():
                 i = int(np.argmin(np.isfinite(x)))
                 raise LogError(f"{self.name}, sample {i}, {name}: {x[i]}, give a number")
         if n[0] < 2 or np.diff(self.time).min() <= 0.0:
-            raise LogError(f"{self.name}: time must increase over two samples or more")
+            raise LogError(f"{self.name}: give two samples or more, with increasing time")
         drives = (self.torque, self.voltage, self.current, self.target)
         if all(x is None for x in drives):
             raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")

@@ -217,7 +217,7 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
         return period
     i = int(at[0])
     raise LogError(
-        f"{source}, {name}: leaps from {x[i]:.4g} to {x[i + 1]:.4g} in one sample at "
+        f"{source}, {name}: jumps from {x[i]:.4g} to {x[i + 1]:.4g} in one sample at "
         f"{time[i + 1]:.6g} s: repair it, or give the range it wraps at, --wrap RANGE"
     )
 

@@ -58,7 +58,7 @@ def _numbers(path: Path, width: int) -> Array:
     except OSError:
         raise LogError(f"{path.parent.name}: no file {path.name}, put it there") from None
     except ValueError as error:
-        raise LogError(f"{path.name}: not one number a line: {one_line(error)}") from None
+        raise LogError(f"{path.name}: not one number per line: {one_line(error)}") from None
     if numbers.ndim != 1 or numbers.size == 0 or numbers.size % width:
         raise LogError(f"{path.name}: {numbers.size} numbers are not {width} per sample")
     check_finite(path.name, "number", numbers, lambda i: i + 1)

@@ -26,7 +26,7 @@ class PickledArray:
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         _, shape, kind, by_columns, content = state
         if not (isinstance(kind, _Kind) and isinstance(content, bytes)):
-            raise pickle.UnpicklingError("an array of something else than numbers")
+            raise pickle.UnpicklingError("an array of something other than numbers")
         size = math.prod(shape)
         if min(shape, default=0) < 0 or size * kind.dtype.itemsize != len(content):
             raise pickle.UnpicklingError(f"an array of shape {shape} in {len(content)} bytes")

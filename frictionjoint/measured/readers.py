@@ -94,8 +94,7 @@ def read_log(
         raise unknown
     if columns or signals or wrap or units:
         raise LogError(
-            f"{path.name}: columns, units, signals and a range to unwrap are for "
-            f"{', '.join(TABLES)} only"
+            f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
         )
     if path.is_dir():
         return _read_folder(path, joint)

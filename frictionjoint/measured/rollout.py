@@ -106,7 +106,9 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
     mapping = dict(columns or {})
     given, world = mapping.pop("joints", None), mapping.pop("world", None)
     if mapping:
-        raise LogError(f"{path.name}: a rollout takes the columns joints and world, not {mapping}")
+        raise LogError(
+            f"{path.name}: --column takes joints and world for a rollout, not {', '.join(mapping)}"
+        )
     arrays, written = _arrays(path)
     arrays = {name: x.squeeze(-1) if x.shape[-1:] == (1,) else x for name, x in arrays.items()}
     found = {
@@ -133,15 +135,15 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
     for name, x in gains.items():
         if x.shape != (count,):
             raise LogError(
-                f"{path.name}: {name} {x.shape}: give it a number for each of the {count} joints"
+                f"{path.name}: {name} has shape {x.shape}: give one number per joint, {count}"
             )
     names = written or [f"joint_{i + 1}" for i in range(count)]
     if given is not None:
         names = [name.strip() for name in given.split(",")]
     if len(names) != count or len(set(names)) != count or not all(names):
         raise LogError(
-            f"{path.name}: it has {count} joints, joints names {', '.join(names)}: give {count} "
-            "names, separated by commas"
+            f"{path.name}: it has {count} joints, but the names are {', '.join(names)}: give "
+            f"{count} different names, --column joints=NAME,NAME"
         )
     return _Rollout(time, of_joints, names, gains)
 

@@ -66,8 +66,8 @@ def read_rosbag(
     topics = tuple(mapping.pop(name, None) for name in ("topic", "command", "joints"))
     if mapping:
         raise LogError(
-            f"{path.name}: a bag takes the columns topic, command, joints and position_m, not "
-            f"{mapping}"
+            f"{path.name}: --column takes topic, command, joints and position_m for a bag, not "
+            f"{', '.join(mapping)}"
         )
     samples = _by_joint(path, *topics)
     if joint is None and len(samples) == 1:
@@ -110,7 +110,9 @@ def _read_fields(
     topic = mapping.pop("topic", None)
     alien = [name for name in mapping if name not in (*KNOWN, "time_s")]
     if alien:
-        raise LogError(f"{path.name}: with named fields, {alien[0]!r} is unknown: drop it")
+        raise LogError(
+            f"{path.name}: --column {alien[0]} cannot be used with named fields: omit it"
+        )
     found: dict[str, list[Array]] = {name: [] for name in ("time_s", *mapping)}
     try:
         for message, recorded in _messages(path, topic, None):
@@ -195,8 +197,8 @@ def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str
     if hasattr(message, "data"):
         if len(order) != len(message.data):
             raise LogError(
-                f"{path.name}: its commands are {len(message.data)} numbers without names, joints "
-                f"names {len(order)}: give --column joints=NAME,NAME in their order"
+                f"{path.name}: a command has {len(message.data)} numbers without names, but "
+                f"{len(order)} names are given: give --column joints=NAME,NAME in that order"
             )
         pairs = zip(order, message.data, strict=True)
     elif hasattr(message, "joint_names"):
@@ -229,7 +231,7 @@ def _with_target(
     if not known.any():
         raise LogError(
             f"{path.name}, {joint}: the first command comes {given[0] - found[-1, 0]:.3g} s after "
-            "the last position: are both stamped by one clock?"
+            "the last position: do both use one clock?"
         )
     found[known, _TARGET] = np.array([x for _, x in commands])[at[known]]
     return found[known]
@@ -260,7 +262,7 @@ def _messages(
             there = sorted({f"{c.topic} ({c.msgtype})" for c in reader.connections})
             raise LogError(
                 f"{path.name}: no {' or '.join(kinds or ('such',))} topic{asked}, it has "
-                f"{', '.join(there) or 'none'}; of other messages name the fields, --column "
+                f"{', '.join(there) or 'none'}; for other messages, name the fields: --column "
                 "topic=TOPIC --column position_rad=FIELD"
             )
         if topic is None and len(topics) > 1:

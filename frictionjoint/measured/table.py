@@ -110,8 +110,8 @@ def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str])
         cell = cells.get(theirs, "")
         if unit_of(ours, units) is None and not is_si(ours, cell):
             raise LogError(
-                f"{path.name}, row {line}, {theirs}: the line of units says {cell!r}, {ours} does "
-                f"not: give --unit {quantity_of(ours)}=UNIT"
+                f"{path.name}, row {line}, {theirs}: the row of units says {cell!r}, which is not "
+                f"the unit of {ours}: give --unit {quantity_of(ours)}=UNIT"
             )
 
 

@@ -66,7 +66,7 @@ def read_tensors(path: Path) -> dict[str, Array]:
         raise corrupt(path, error) from None
     if not isinstance(content, dict):
         raise LogError(
-            f"{path.name}: holds a {type(content).__name__}, a dict of tensors is needed"
+            f"{path.name}: contains a {type(content).__name__}, not a dict of tensors: save a dict"
         )
     arrays = {n: x.numbers if isinstance(x, PickledArray) else x for n, x in content.items()}
     return {
@@ -81,7 +81,7 @@ def _load(path: Path, archive: zipfile.ZipFile) -> Any:
     if len(pickles) != 1:
         raise LogError(f"{path.name}: not a file of torch.save: it has no data.pkl")
     if pickles[0].file_size > _LARGEST_PICKLE:
-        raise LogError(f"{path.name}: its containers alone take {pickles[0].file_size} bytes")
+        raise LogError(f"{path.name}: data.pkl has {pickles[0].file_size} bytes, save tensors only")
     folder = pickles[0].filename[: -len("data.pkl")]
     order = "<"
     if f"{folder}byteorder" in archive.namelist():
@@ -121,8 +121,8 @@ class _Unpickler(pickle.Unpickler):
         stored = info.compress_type == zipfile.ZIP_STORED
         if not stored or info.file_size != count * dtype.itemsize:
             raise LogError(
-                f"{self.path.name}: storage {member} holds {info.file_size} bytes and not "
-                f"{count * dtype.itemsize}, is the file complete?"
+                f"{self.path.name}: storage {member} has {info.file_size} bytes instead of "
+                f"{count * dtype.itemsize}: is the file complete?"
             )
         return _Storage(np.frombuffer(self.archive.read(info), dtype))
 

@@ -91,7 +91,7 @@ def check_lengths(source: str, columns: Mapping[str, Array]) -> None:
     for name, x in columns.items():
         if x.ndim != 1 or len(x) != n:
             size = " x ".join(str(k) for k in x.shape)
-            raise LogError(f"{source}, {name}: {size} numbers, time_s has {n}: give one a sample")
+            raise LogError(f"{source}, {name}: {size} numbers, time_s has {n}: give one per row")
     if n < FEWEST_ROWS:
         raise LogError(
             f"{source}: {n} samples, at least {FEWEST_ROWS} are needed: record a longer log"
@@ -154,8 +154,8 @@ def require_motion(source: str, position: Array) -> None:
     n = len(np.unique(position))
     if n < _FEWEST_READINGS:
         raise NoMotionError(
-            f"{source}: {n} different positions in all, it stands still but for its encoder's "
-            "flicker: record a motion, or with a finer encoder"
+            f"{source}: only {n} different positions, the joint stands still and its encoder "
+            "flickers: record a motion, or use a finer encoder"
         )
 
 
@@ -170,8 +170,8 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
         leapt = _travel_leapt(columns["time_s"], x) if held else 0.0
         if leapt > _MOST_LEAPT:
             raise LogError(
-                f"{source}, {name}: {leapt:.0%} of the travel lies in leaps between rows that "
-                "stand still: readings are repeated while the joint moves (lost messages?): "
+                f"{source}, {name}: {leapt:.0%} of the travel lies in jumps between repeated "
+                "readings: the joint moves on while they repeat (lost messages?): "
                 "record each reading once, with its own time_s"
             )
 
@@ -203,7 +203,7 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
     i = max(int(np.argmax(x)), int(np.argmin(x)), key=lambda k: abs(x[k]))
     size = abs(float(x[i]))
     if size > largest:
-        raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is beyond any joint: give {mend}")
+        raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is too large: give {mend}")
 
 
 def _check_fractions(source: str, name: str, x: Array) -> None:

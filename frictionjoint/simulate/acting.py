@@ -44,8 +44,8 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
         )
     elif replaced():
         reason = (
-            "MuJoCo's passive callback was set to another one, or to None, after frictionjoint set "
-            "it: set yours before frictionjoint.attach, which calls it too"
+            "other code replaced MuJoCo's passive callback after frictionjoint set it: set yours "
+            "before frictionjoint.attach, which calls it too"
         )
     warnings.warn(
         f"the friction of this model has not acted since {evaluated:.6g} s, and data.time is "

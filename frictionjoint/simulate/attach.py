@@ -82,7 +82,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     """
     require_model(model, "attach")
     if model._address in _attached:
-        raise ModelError("this model is attached already: detach it, or leave its block, before")
+        raise ModelError("this model is attached already: detach it first")
     if callback_is_off(model):
         raise ModelError(
             "spring and damper flags are both disabled, so MuJoCo calls no passive force: "

@@ -106,7 +106,7 @@ def install(
         if name in replaced and not replace:
             raise ModelError(
                 f"joint {name!r} has friction already: install(..., replace=True), or "
-                "`frictionjoint install --replace`, takes the new one instead"
+                "`frictionjoint install --replace`, replaces it"
             )
         elastic = any(e.effect.acts == "mechanism" for e in (effects or {}).get(name, ()))
         if elastic and not (name in replaced and name + DEFLECTION in joints):
@@ -119,8 +119,8 @@ def install(
         largest = float(np.abs(block).max())
         if largest > LARGEST:
             raise ModelError(
-                f"joint {name!r} has a friction number of {largest:g}: an MJCF loses small "
-                f"numbers next to it, stay below {LARGEST:g}"
+                f"joint {name!r} has a parameter of {largest:g}, next to which an MJCF loses "
+                f"small ones: stay below {LARGEST:g}"
             )
     if replaced:
         take_out(spec, replaced)
@@ -214,8 +214,8 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         mechanical = [e.effect.name for e in carried if e.effect.acts == "mechanism"]
         if mechanical and name + DEFLECTION not in ids:
             raise ModelError(
-                f"joint {name!r} has {mechanical[0]}, and no joint {name + DEFLECTION!r} that it "
-                "acts by: install the friction anew"
+                f"joint {name!r} has {mechanical[0]}, but its joint {name + DEFLECTION!r} is "
+                "missing: install the friction again"
             )
         made.append(model.numeric_data[at : at + HEAD + n])
         sizes[name] = rows_of_block(made[-1])
@@ -224,7 +224,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
         if isinstance(model, ModelView):
             raise ModelError(
                 f"friction of {len(found)} joints needs {need} numbers of user data, the model has "
-                f"{model.nuserdata}, its own included: call frictionjoint.attach(model) before "
+                f"{model.nuserdata}: call frictionjoint.attach(model) before "
                 f'mujoco.MjData(model), or write <size nuserdata="{need}"/> in the MJCF'
             )
         make_room(model, need)

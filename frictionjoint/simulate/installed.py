@@ -69,7 +69,7 @@ def release(entry: Hold) -> None:
 
     A callback that other code installed over ours stays.
     """
-    _warn_if_replaced("it stays so")
+    _warn_if_replaced("the new callback stays")
     at = _holds.index(entry)
     del _holds[at]
     if at < len(_holds):
@@ -95,8 +95,8 @@ def _warn_if_replaced(what_now: str) -> None:
         return
     _holds[-1].warned = True
     warnings.warn(
-        "MuJoCo's passive callback was set to another one, or to None, after frictionjoint set it, "
-        f"and friction did not act since unless that one calls ours: {what_now}",
+        "other code replaced MuJoCo's passive callback after frictionjoint set it; since then "
+        f"friction acts only if the new callback calls ours: {what_now}",
         RuntimeWarning,
         stacklevel=4,
     )

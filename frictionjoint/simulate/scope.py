@@ -59,7 +59,7 @@ class Scope:
         carried = read_friction(model)
         if joint not in carried:
             raise ModelError(
-                f"joint {joint!r} has no friction, {', '.join(carried) or 'no joint'} has"
+                f"joint {joint!r} has no friction: choose from {', '.join(carried) or 'none'}"
             )
         self.joint, self.seconds = joint, seconds
         self._id = model.joint(joint).id

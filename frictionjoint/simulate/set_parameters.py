@@ -80,8 +80,8 @@ def write_parameters(
     room = int(numeric_data[block + EFFECTS]) - HEAD
     if len(numbers) != room or numbers[0] != numeric_data[first]:
         raise ModelError(
-            f"joint {joint!r}: the new law takes {len(numbers)} numbers, the model's {room}: keep "
-            "law and number of knots, or install and compile"
+            f"joint {joint!r}: the new law has {len(numbers)} numbers, the model's has {room}: "
+            "keep law and number of knots, or install and compile"
         )
     if isinstance(parameters, JointFriction):
         given = heating_first(friction.effects)
@@ -129,7 +129,7 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
 def _one_of(found: dict[str, int], joint: str) -> str:
     if joint not in found:
         raise ModelError(
-            f"joint {joint!r} carries no friction: {', '.join(found) or 'no joint'} does"
+            f"joint {joint!r} has no friction: choose from {', '.join(found) or 'none'}"
         )
     return joint
 

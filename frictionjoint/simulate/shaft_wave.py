@@ -83,7 +83,7 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
         first = int(model.tendon_adr[tendon])
         joints = [int(j) for j in model.wrap_objid[first : first + int(model.tendon_num[tendon])]]
         if len(joints) != 2 or int(model.wrap_type[first]) != int(mujoco.mjtWrap.mjWRAP_JOINT):
-            raise ModelError(f"{where}: tendon {name!r} is not one over two joints")
+            raise ModelError(f"{where}: tendon {name!r} does not couple two joints")
         for slot, joint in zip((_QPOS, _OTHER_QPOS), joints, strict=True):
             block[slot] = model.jnt_qposadr[joint]
             block[slot + 1] = model.jnt_dofadr[joint]

@@ -105,7 +105,7 @@ def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: flo
         TypeError: as `temperature`.
     """
     if not 0.0 <= warm < 1.0:
-        raise ModelError(f"joint {joint!r}: a warmth is 0 or above and below 1, not {warm}")
+        raise ModelError(f"joint {joint!r}: warmth is {warm}: give 0 or more, below 1")
     _write(model, data, _WARMTHS, "warmth", joint, warm)
 
 
@@ -164,7 +164,7 @@ def _write(
 ) -> None:
     found = _places(model, data, kinds, what)
     if joint not in found:
-        raise ModelError(f"joint {joint!r} has no {what}: {', '.join(found)} do")
+        raise ModelError(f"joint {joint!r} has no {what}: choose from {', '.join(found)}")
     for kind, numbers, committed, evaluated in found[joint]:
         x = kind.write(model.numeric_data[numbers:], value, data.time)
         data.userdata[committed] = data.userdata[evaluated] = x

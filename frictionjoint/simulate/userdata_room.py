@@ -49,8 +49,8 @@ def warn_of_no_room(address: int) -> None:
         return
     _warned.add(address)
     warnings.warn(
-        "friction does not act in data that were made before their model got room for it: make "
-        "them anew, mujoco.MjData(model), after frictionjoint.attach or load_model",
+        "friction does not act in this MjData, which has no room for the friction state: create it "
+        "after frictionjoint.attach or load_model",
         RuntimeWarning,
         stacklevel=2,
     )

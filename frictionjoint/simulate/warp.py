@@ -101,8 +101,8 @@ class WarpFriction:
             return
         if d is not self._data:
             raise ModelError(
-                "this friction remembers the worlds of another mujoco_warp Data: attach_warp with "
-                "the one that is stepped"
+                "friction is attached to another mujoco_warp Data: call attach_warp with the Data "
+                "that is stepped"
             )
         # before anything reads M: no friction in it
         self._wp.launch(
@@ -179,14 +179,16 @@ class WarpFriction:
                 number of knots or other effects.
         """
         if joint not in self.joints:
-            raise ModelError(f"joint {joint!r} has no friction, {', '.join(self.joints)} have")
+            raise ModelError(
+                f"joint {joint!r} has no friction: choose from {', '.join(self.joints)}"
+            )
         made, nworld = self._layout, self._data.nworld
         at = self.joints.index(joint)
         rows = self.parameters.numpy()
         each = list(parameters) if isinstance(parameters, Sequence) else [parameters]
         if isinstance(parameters, Sequence):
             if len(each) != nworld:
-                raise ModelError(f"{nworld} worlds need {nworld} sets of parameters: {len(each)}")
+                raise ModelError(f"{nworld} worlds, {len(each)} parameter sets: give one per world")
             rows = np.repeat(rows, nworld // len(rows), axis=0)
         blocks = [block_with(made, at, one) for one in each]
         first = int(made.blocks[at])
@@ -292,7 +294,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     integrator = mjw.IntegratorType(m.opt.integrator).name
     if integrator not in _INTEGRATORS:
         raise ModelError(
-            f"friction in mujoco_warp does not know the integrator {integrator}: use "
+            f"friction in mujoco_warp does not support the integrator {integrator}: use "
             f"{', '.join(_INTEGRATORS)}"
         )
     owner = getattr(m.callback.passive, "__self__", None)
@@ -303,7 +305,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     if not found:
         raise ModelError("the model has no friction: use frictionjoint.install on its spec")
     for lost in said_of_waves(mjm):
-        warnings.warn(f"does not act in mujoco_warp: {lost}", RuntimeWarning, stacklevel=4)
+        warnings.warn(f"mujoco_warp leaves out {lost}", RuntimeWarning, stacklevel=4)
     return found
 
 
