@@ -1,8 +1,8 @@
 """``--to mjx``: an MJCF that MJX loads, with the friction that MJX computes.
 
-MJX raises for some elements, and passes over others without a word: coefficients of `damping`
-beyond the first, `springyield`, and passive callbacks, thus the friction of this package. What it
-raises for is left out here, and each of these is named.
+MJX raises an error for some elements and silently ignores others: coefficients of `damping` beyond
+the first, `springyield`, and passive callbacks, and so the friction of this package. Elements for
+which MJX raises an error are removed, and each of them is named.
 """
 
 from collections.abc import Callable, Iterable
@@ -27,7 +27,7 @@ _FLAGS = ("mjENBL_OVERRIDE", "mjENBL_ENERGY", "mjENBL_FWDINV", "mjENBL_DIAGEXACT
 
 
 def fit_for_mjx(spec: mujoco.MjSpec) -> list[str]:
-    """Leave out what MJX 3.17 refuses; the spec is changed in place.
+    """Remove elements that MJX 3.17 rejects; the spec is changed in place.
 
     Returns:
         a sentence per element that was left out or replaced.

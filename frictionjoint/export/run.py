@@ -271,7 +271,7 @@ def _lost(
     bare: mujoco.MjModel,
     softened: Mapping[str, float],
 ) -> list[str]:
-    """What each joint loses, one sentence each."""
+    """Properties that each joint loses in the export, one sentence each."""
     found = []
     for name, p in plain.items():
         law, what = task.friction[name].parameters, []

@@ -49,7 +49,7 @@ class PlainFriction:
     lost: tuple[str, ...]
 
     def without_springs(self) -> "PlainFriction":
-        """The same for a program without springs and constant torques."""
+        """Plain friction for a program without springs and constant torques."""
         return replace(self, preload=0.0, stiffness=0.0)
 
 

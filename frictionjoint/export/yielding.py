@@ -45,8 +45,10 @@ class YieldSprings:
     softened: float = 1.0
 
     def suited(self, step: float, inertia: float) -> "YieldSprings":
-        """Softened as far as a time step, s, and the joint's inertia, kg m^2, require; forces
-        stay."""
+        """Springs softened as a time step, s, and the joint's inertia, kg m^2, require.
+
+        The torque limits are unchanged.
+        """
         stiffest = inertia * (_STIFFEST / step) ** 2
         factor = max(1.0, float(self.stiffness.sum()) / stiffest)
         return YieldSprings(self.stiffness / factor, self.displacement * factor, factor)

@@ -27,7 +27,7 @@ OWN = NEGATIVE + 5
 
 @in_line
 def side(p: int, direction: float) -> int:
-    """Where the levels of a direction begin."""
+    """Index of the first level for a direction."""
     return p + POSITIVE if direction > 0.0 else p + NEGATIVE
 
 

@@ -78,9 +78,10 @@ def start(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
 
 @compiled
 def set_limits(P: Vector, p: int, X: Vector, h: int, s: int) -> None:
-    """Fit header `h` and its stacks at `s` to parameters that were changed.
+    """Adapt header `h` and its stacks at `s` to parameters that were changed.
 
-    Extrema beyond the new limits leave with their partners, as does torque; the curve goes on.
+    Extrema beyond the new limits are removed together with their partners, and the torque is
+    limited. The curve then continues.
     """
     lowest, highest = -P[p + NEGATIVE + FS], P[p + POSITIVE + FS]
     m, M = s, s + CAPACITY
@@ -284,13 +285,13 @@ def undisturbed(
     S: float,
     dx: float,
 ) -> tuple[float, float, float]:
-    """A motion by dx > 0 at the level S that meets no event; NaN where it may meet one.
+    """A motion by dx > 0 at the level S without an event; NaN if an event is possible.
 
-    It asks what `_slide` asks first, and writes nothing.
+    It makes the first checks of `_slide` and writes nothing.
 
     Args:
-        f, b: Fh and Fb, mirrored. wiped: nothing is remembered. scale: of the knots' torques.
-        top: where the innermost open loop closes, see `_closing_torque`.
+        f, b: Fh and Fb, mirrored. wiped: whether the memory is empty. scale: of the knots' torques.
+        top: torque at which the innermost open loop closes, see `_closing_torque`.
     Returns:
         Fh, mirrored, dz/dx and the slope of Fd, N m/rad, at its end.
     """
@@ -327,9 +328,11 @@ def undisturbed(
 def usual_step(
     P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
 ) -> float:
-    """`step` for a simulation, most of whose steps meet no event: a sixth less time for these.
+    """`step` for a simulation, a sixth faster in steps without an event, which are the most
+    frequent.
 
-    Nothing goes through memory on the way. The result is that of `step` but for rounding.
+    Intermediate values are not written to memory. The result equals that of `step` except for
+    rounding.
     """
     S = 0.0
     if dq != 0.0:

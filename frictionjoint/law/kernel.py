@@ -58,7 +58,7 @@ def _rival_header(P: Vector, p: int) -> int:
 
 @compiled
 def header_size(P: Vector, p: int) -> int:
-    """Where the header of the last evaluation begins in a row."""
+    """Length of the committed header of a row; the header of the last evaluation follows it."""
     return HEADER if P[p] == INTEGRATED else _rival_header(P, p)
 
 
@@ -84,7 +84,7 @@ def start_rival(P: Vector, p: int, X: Vector, x: int) -> None:
 
 @compiled
 def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
-    """At rest and never moved."""
+    """Set a row to a joint that is at rest and has never moved."""
     if P[p] == INTEGRATED:
         _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
         for i in range(HEADER):
@@ -136,7 +136,7 @@ def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
 
 @in_line
 def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
-    """`step_row` in a simulation: every law holds at rest."""
+    """`step_row` for a simulation, in which every law can hold a joint at rest."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
     return hold_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
@@ -146,7 +146,7 @@ def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
 def trial(
     P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float
 ) -> tuple[float, float]:
-    """Fh, N m, and dz/dq after a further displacement, in a simulation; the row stays as it is.
+    """Fh, N m, and dz/dq after a further displacement, in a simulation; the row is not changed.
 
     The row needs a free slot on each stack.
     """
@@ -213,7 +213,7 @@ def _fit_rival(P: Vector, p: int, X: Vector, x: int) -> None:
 
 @in_line
 def fit_row(P: Vector, p: int, X: Vector, x: int) -> None:
-    """The committed point holds no more than the breakaway torque, which may have been changed."""
+    """Limit the committed torque to the breakaway torque, which may have been changed."""
     if P[p] == INTEGRATED:
         s, first = x + 2 * HEADER, p + 1
         if (

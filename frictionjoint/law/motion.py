@@ -54,8 +54,8 @@ def drive_integrated(
 ) -> None:
     """Fill H with Fh and `rate` with dz/dq along motions, for a block of the integrated law.
 
-    The motions lie one behind the other, the i-th from edges[i] to before edges[i + 1]; before
-    each the contact is at rest and was never moved.
+    The motions are concatenated: the i-th begins at edges[i] and ends before edges[i + 1]. Each
+    starts at rest with a contact that has never moved.
     """
     block, X = pointer(P, 0), room(HEADER + 2 * CAPACITY)
     p, h, s = 1, 0, HEADER
@@ -77,7 +77,7 @@ def drive_integrated(
 def drive_rival(
     P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
 ) -> None:
-    """As `drive_integrated`, for a block of any other law, its number in front."""
+    """Like `drive_integrated`, for a block of any other law, which begins with the law's id."""
     block, p, x = pointer(P, 0), 0, 0
     X = room(row_size(block, p))
     for i in range(len(edges) - 1):

@@ -54,7 +54,7 @@ _FASTEST = 1e10
 def _tangent(
     P: Vector, p: int, X: Vector, x: int, stiffest: float, way: float
 ) -> tuple[float, float]:
-    """dFh/dq, N m/rad, and dz/dq where the evaluated point is left in the direction `way`."""
+    """dFh/dq, N m/rad, and dz/dq at the evaluated point, for motion in the direction `way`."""
     if P[p] != INTEGRATED:
         h = x + header_size(P, p)
         if X[h + bristle.DIRECTION] == -way:
@@ -72,7 +72,7 @@ def _tangent(
 
 @in_line
 def _side(P: Vector, p: int, way: float) -> int:
-    """Where the levels of motion in that direction begin."""
+    """Index of the first level for motion in that direction."""
     first = p + 1 + (integrated.POSITIVE if P[p] == INTEGRATED else bristle.POSITIVE)
     return first if way > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
 

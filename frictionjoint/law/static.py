@@ -41,7 +41,7 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
 
 @compiled
 def stiffness(P: Vector, p: int) -> float:
-    """Of the elastic element, N m/rad."""
+    """Stiffness of the elastic element, N m/rad."""
     return max(P[p + POSITIVE + FS], P[p + NEGATIVE + FS]) / (P[p + V0] * YIELD)
 
 

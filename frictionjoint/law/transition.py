@@ -22,7 +22,7 @@ def knot_torque(P: Vector, k: int, j: int) -> float:
 
 @in_line
 def segment_of_torque(P: Vector, k: int, F: float) -> int:
-    """Index of the segment that holds the torque F >= 0, F in (F_{j-1}, F_j]."""
+    """Index of the segment with the torque F >= 0, F in (F_{j-1}, F_j]."""
     last = int(P[k]) - 1
     j = 0
     while j < last and knot_torque(P, k, j) < F:

@@ -95,7 +95,7 @@ def _separator(line: str) -> str | None:
 
 
 def _cells(line: str) -> list[str]:
-    """Cells of a line, without an empty cell after a final separator."""
+    """Cells of a line; an empty cell after a final separator is left out."""
     separator = _separator(line)
     cells = [x.strip() for x in line.split(separator)]
     if separator != ",":

@@ -202,7 +202,7 @@ def _mend(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
 
 
 def _has(names: Iterable[str]) -> str:
-    """What a file has, for a message."""
+    """The columns of a file, for a message."""
     listed = list(names)
     if listed == [str(i) for i in range(1, len(listed) + 1)]:
         return f"it has no header: its columns are numbered, 1 to {len(listed)}"

@@ -31,7 +31,7 @@ _FRONT = 4096
 
 
 class MatlabError(Exception):
-    """What is wrong with a file, without the file's name."""
+    """Description of an error in a file, without the file's name."""
 
 
 class NotNumbersError(MatlabError):
@@ -39,7 +39,7 @@ class NotNumbersError(MatlabError):
 
 
 def is_level_5(path: Path) -> bool:
-    """Whether a file says it is a MATLAB 5 one; others are older, or 7.3 (HDF5)."""
+    """Whether a file states that it is a MATLAB 5 file; others are older, or 7.3 (HDF5)."""
     with open(path, "rb") as file:
         head = file.read(_HEADER)
     return len(head) == _HEADER and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI")

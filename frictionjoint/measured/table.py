@@ -104,7 +104,7 @@ def _rows_without_nan(columns: Mapping[str, Array]) -> NDArray[np.bool_]:
 
 
 def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
-    """Raise LogError where a line of units contradicts the name of a column."""
+    """Raise LogError if a line of units contradicts the name of a column."""
     line, cells = text_table.units_row(path)
     for ours, theirs in wanted.items():
         cell = cells.get(theirs, "")
@@ -218,7 +218,7 @@ def _in_hdf5(path: Path) -> bool:
 
 
 def _array_names(path: Path) -> list[str]:
-    """Names of the arrays of a file that holds arrays."""
+    """Names of the arrays in a file of arrays."""
     if _in_hdf5(path):
         return hdf5.hdf5_names(path)
     return npz_names(path) if path.suffix.lower() == ".npz" else mat_names(path)

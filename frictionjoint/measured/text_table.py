@@ -132,7 +132,7 @@ def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[
 
 
 def _batches(path: Path, layout: _Layout) -> Iterator[tuple[int, list[str]]]:
-    """Some lines that may hold samples, and the number, from 1, of the first of them."""
+    """Batches of lines that may be samples, and the number, from 1, of the first line of each."""
     with path.open(encoding="utf-8", errors="replace", newline="") as file:
         lines = islice(file, layout.before, None)
         number = layout.before + 1
@@ -159,7 +159,7 @@ def _only_numbers(lines: list[str], layout: _Layout) -> Array | None:
 
 
 def _rows(path: Path, layout: _Layout, first: int, lines: list[str]) -> list[tuple[int, list[str]]]:
-    """Line number, from 1, and cells of each sample; a blank line holds none."""
+    """Line number, from 1, and cells of each sample; blank lines are skipped."""
     reader = csv.reader(lines, delimiter=layout.separator)
     made, wide = [], len(layout.names)
     try:
@@ -179,14 +179,14 @@ def _rows(path: Path, layout: _Layout, first: int, lines: list[str]) -> list[tup
 
 
 def _values(cells: Sequence[str], point: str, zoned: bool | None) -> NDArray[Any]:
-    """Cells as numbers or, where `zoned` says of which kind, as dates; ValueError for others."""
+    """Cells as numbers or, according to `zoned`, as dates; ValueError for other cells."""
     return _numbers(cells, point) if zoned is None else _moments(cells, zoned)
 
 
 def _fault(
     rows: list[tuple[int, list[str]]], name: str, at: int, point: str, zoned: bool | None
 ) -> str:
-    """Where the first cell of a column is that `_values` does not take."""
+    """Message with the first cell of a column that `_values` does not accept."""
     wanted = "number" if zoned is None else "date with a time, as that of the first row is"
     for number, cells in rows:
         try:
@@ -197,7 +197,7 @@ def _fault(
 
 
 def _numbers(cells: Sequence[str], point: str) -> Array:
-    """Cells as numbers, NaN for an empty one; ValueError for what is none."""
+    """Cells as numbers, NaN for an empty cell; ValueError for a cell that is not a number."""
     text = "".join(cells)
     if "_" in text or not text.isascii():  # which Python would take
         raise ValueError
@@ -214,7 +214,7 @@ def _number(cell: str) -> float:
 
 
 def _moments(cells: Sequence[str], zoned: bool) -> NDArray[np.datetime64]:
-    """Dates with times as universal time, in nanoseconds; ValueError for what is none."""
+    """Dates with times as universal time, in nanoseconds; ValueError for other cells."""
     local, minutes = [], []
     for cell in map(str.strip, cells):
         found = _MOMENT.fullmatch(cell)
@@ -324,7 +324,7 @@ def _is_units_line(cells: list[str]) -> bool:
 def _header_line(lines: list[str], first: int) -> int:
     """Index of the first line that names a column for each cell of the samples below it.
 
-    If there is none, the first line: it is the header then, and the samples are wrong.
+    If there is no such line, the first line is the header, and the samples are reported as wrong.
     """
     wider = []
     for i in range(first, len(lines)):
@@ -362,7 +362,7 @@ def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
 
 
 def _zoned(names: list[str], separator: str, some: str) -> dict[str, bool]:
-    """Columns that begin with a date and a time, and whether that names its time zone.
+    """Columns that begin with a date and a time, and whether each states a time zone.
 
     Args:
         some: the first lines that may be samples.

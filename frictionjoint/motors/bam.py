@@ -52,10 +52,10 @@ class BamParameters:
 
     Attributes:
         model: m1 to m6. actuator: BAM's name of it. friction: the model's numbers, SI.
-        motor: what else the file holds: kt, R, armature, q_offset and so on.
+        motor: the other numbers of the file: kt, R, armature, q_offset and so on.
 
     Raises:
-        ParameterError: an unknown model, or a number that is missing or no number.
+        ParameterError: an unknown model, or a number is missing or is not a number.
     """
 
     model: str
@@ -106,10 +106,10 @@ def read_bam(path: Path) -> BamParameters:
 
 
 def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
-    """Our friction of a joint, and what BAM's file says beyond it, a sentence each.
+    """Friction of a joint from a file of BAM, and the content without counterpart, a sentence each.
 
     Raises:
-        ParameterError: numbers that the law does not take.
+        ParameterError: numbers that the law does not allow.
     """
     f = {name: bam.friction.get(name, 0.0) for name in MODELS["m6"] + MODELS["m4"]}
     falls = bam.model != "m1" and bam.model != "m3"
@@ -155,11 +155,12 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
 def to_bam(
     joint: JointFriction, like: BamParameters, model: str | None = None
 ) -> tuple[BamParameters, tuple[str, ...]]:
-    """A file of BAM for a joint, and what BAM has nothing for, a sentence each.
+    """A file of BAM for a joint, and the friction that BAM cannot represent, a sentence each.
 
     Args:
-        like: whose actuator and motor numbers are taken: they are not ours to know.
-        model: m1 to m6; None: the least that holds the joint.
+        like: file that provides the numbers of actuator and motor, which a friction does not
+            contain.
+        model: m1 to m6; None: the simplest model that can represent the joint.
     Raises:
         ParameterError: an unknown model.
     """

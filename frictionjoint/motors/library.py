@@ -81,10 +81,10 @@ def list_motors(folder: Traversable | None = None) -> list[Motor]:
 
 
 def get_motor(name: str) -> Motor:
-    """One motor.
+    """One motor of the library.
 
     Raises:
-        ParameterError: there is none of that name.
+        ParameterError: no motor has this name.
     """
     known = {motor.name: motor for motor in list_motors()}
     if name not in known:

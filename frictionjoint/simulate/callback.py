@@ -131,7 +131,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _give_back_projection(data: mujoco.MjData) -> None:
-    """The projection of the constraints that was made before goes: it is the last in the arena."""
+    """Free the projection of the constraints made before, which is the last in the arena."""
     fields = data_structure().from_address(data._address)
     begins = [getattr(fields, name, None) for name in PROJECTED]
     lowest = min((begin for begin in begins if begin), default=None)

@@ -128,7 +128,7 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
 
 
 def _law_acts(law: str, stiffness: float, unit: str) -> list[str]:
-    """What a simulation adds to a law that would not hold a joint at rest."""
+    """Description of what a simulation adds to a law that would not hold a joint at rest."""
     if law != "static":
         return []
     return [f"{law}: a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"]

@@ -60,7 +60,7 @@ def warn_of_no_room_in_c(m: Address) -> None:
 
 
 def bind_python() -> None:
-    """Give compiled code the addresses of these two functions."""
+    """Pass the addresses of `make_ready` and `warn_of_no_room` to compiled code."""
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
     ready = prototype(lambda address: make_ready(ModelView(address)))
     for outside, function in (

@@ -141,7 +141,7 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
 
 
 def remove_mechanism(spec: mujoco.MjSpec, name: str) -> None:
-    """Remove a joint's deflection, if it has one; the inertia that moved stays."""
+    """Remove a joint's deflection, if it has one; inertia that was moved is not moved back."""
     found = spec.joint(name + DEFLECTION)
     if found is None:
         return

@@ -42,7 +42,7 @@ def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
 
 
 def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[str, str]:
-    """The same for a spec, including the damping that ``springdamper`` creates when it compiles."""
+    """Native friction of a spec, including the damping from ``springdamper`` at compilation."""
     joints = list(joints)
     if any(_has_springdamper(spec.joint(name)) for name in joints):
         return native_friction(compiled_copy(spec), joints)

@@ -102,12 +102,14 @@ class JointModel:
 
 @dataclass(frozen=True)
 class Run:
-    """Input of a simulation, on its own steps, arrays of shape (n,).
+    """Input of a simulation, on its own time steps, arrays of shape (n,).
 
     Attributes:
-        step: s. target: known to the controller, rad. supply: relative to that of the block.
+        step: s. target: as received by the controller, rad.
+        supply: supply voltage relative to that of the block.
         on: whether the drive is on. start: position and velocity at the first step.
-        temperature: as measured, deg C, shape (n,); None: effects stay at their references.
+        temperature: as measured, deg C, shape (n,); None: effects are at their reference
+            temperatures.
     """
 
     step: float

@@ -93,7 +93,7 @@ def mj_stackAllocNum(d: Address, n: Size) -> Vector:
 
 
 def bind_mujoco(*functions: External[..., Any]) -> None:
-    """Give compiled code the addresses of these functions in the loaded MuJoCo."""
+    """Pass the addresses of these functions in the loaded MuJoCo library to compiled code."""
     folder = os.path.dirname(mujoco.__file__)
     names = sorted(os.listdir(folder))
     file = next(f for f in names if "libmujoco" in f or f == "mujoco.dll")

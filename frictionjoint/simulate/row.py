@@ -137,7 +137,9 @@ def shared_out(
     inertia: float,
     weight: float,
 ) -> tuple[float, float]:
-    """TORQUE, N m, and GAIN, N m s/rad, of a step of h s: what of spring and damper is implicit.
+    """TORQUE, N m, and GAIN, N m s/rad, of a step of h seconds.
+
+    GAIN is the part of spring and damper that acts implicitly.
 
     Args:
         constant, K, D, elastic: see `law.secant.implicit_step`. inertia, weight: see
@@ -155,14 +157,17 @@ def shared_out(
 def over_the_step(
     P: Vector, p: int, X: Vector, x: int, h: float, v: float, J: float, weight: float
 ) -> float:
-    """After `torque_now`: make the torque that of the step of h s that begins; its value at v, N m.
+    """Replace the torque of `torque_now` by that for the step of h seconds that begins now.
 
-    The acceleration over the last step tells all other torque on the joint, which is expected to
-    last. Only the row is asked: what else MuJoCo holds differs between repeated evaluations.
+    The acceleration over the last step gives all other torque on the joint, which is assumed to
+    stay constant. Only the row is used, because other values in MuJoCo differ between repeated
+    evaluations.
 
     Args:
-        J: kg m^2, the joint's entry of the mass matrix. weight: inverse of the inertia that it has
-            with all others free.
+        J: the joint's entry of the mass matrix, kg m^2.
+        weight: inverse of the joint's inertia with all other joints free.
+    Returns:
+        torque at velocity v, N m.
     """
     # what a joint that breaks away has to move, while the others give way
     inertia = min(J, 1.0 / weight) if weight > 0.0 else J

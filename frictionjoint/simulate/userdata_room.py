@@ -19,12 +19,12 @@ _warned: set[int] = set()
 
 
 def make_room(model: mujoco.MjModel, need: int) -> None:
-    """Enlarge a compiled model's user data by what friction needs; its own stay in front.
+    """Enlarge a compiled model's user data for the friction; user data of the model stay in front.
 
     Args:
-        model: changed in place. need: numbers of float64.
+        model: changed in place. need: number of float64 to add.
     Raises:
-        ModelError: this would let MuJoCo's reset of data that exist already write past their end.
+        ModelError: MuJoCo's reset of existing data would then write past the end of these data.
     """
     own, data = int(model.nuserdata), mujoco.MjData(model)
     fields = data_structure().from_address(data._address)

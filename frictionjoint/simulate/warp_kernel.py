@@ -112,7 +112,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         gains: motors,
         biases: motors,
     ):
-        """Torque that a joint's motors are asked for: `motor_demand.asked_torque`."""
+        """Commanded torque of a joint's motors, see `motor_demand.asked_torque`."""
         total = double(0.0)
         for n in range(first, last):
             i = acting[n]
@@ -133,7 +133,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     def row_of(
         numbers: doubles, blocks: wp.array(dtype=int), rows: wp.array(dtype=int), k: int, world: int
     ):
-        """Where a joint's row of `simulate.row` begins, and its degree of freedom."""
+        """Index of a joint's row of `simulate.row`, and of its degree of freedom."""
         return rows[k] + FRONT, int(numbers[world % numbers.shape[0], blocks[k] + DOF])
 
     @wp.kernel(enable_backward=False, module="unique")

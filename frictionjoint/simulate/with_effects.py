@@ -61,13 +61,13 @@ def effects_torque(
     gy: float,
     asked: float,
 ) -> float:
-    """Torque of a block's effects at one instant; the memory written is the evaluated one.
+    """Torque of a block's effects at one instant; writes the evaluated memory.
 
-    What the gear transmits is `bias`, forces of gravity, of the motion of other joints and of
-    contacts, plus the inertia behind the gear, that of the joint without its armature, times the
-    acceleration since the committed point; with the armature's it is the joint's load. `asked` is
-    the torque of the joint's motors before anything saturates. An effect `heating` comes first, and
-    has the loss since the committed point.
+    The gear transmits `bias` (forces of gravity, of the motion of other joints and of contacts)
+    plus the inertia behind the gear (the joint's inertia without its armature) times the
+    acceleration since the committed point. The load of the joint also contains the armature times
+    this acceleration. `asked` is the torque command of the joint's motors before saturation. An
+    effect `heating` is evaluated first, with the friction loss since the committed point.
     """
     sig = room(N_SIGNALS)
     dt = t - X[x + T_COMMITTED]
@@ -101,7 +101,7 @@ def effects_torque(
 
 @compiled
 def asks_for_load(P: Vector, effects: int) -> int:
-    """Number of the first effect of the block at P[effects] that looks at the load, or -1."""
+    """Index of the first effect of the block at P[effects] that depends on the load, or -1."""
     at = effects + 1
     for i in range(int(P[effects])):
         for known in _LOADED:
@@ -115,11 +115,12 @@ def asks_for_load(P: Vector, effects: int) -> int:
 def coupled_load(
     P: Vector, p: int, X: Vector, x: int, effect: int, later: bool, others: float
 ) -> float:
-    """What other joints and contacts add to a gear's load, N m, the same for all calls at a time.
+    """Contribution of other joints and contacts to the load of a gear, N m.
 
-    The step before has it: the first call at a later time takes `others`, from the accelerations
-    and constraint forces that MuJoCo still holds of that step. At a start there is none. It is kept
-    where the `effect`, which needs less memory than it has, does not look.
+    It is the same for all calls at one time. The first call at a later time stores `others`, which
+    is computed from the accelerations and constraint forces that MuJoCo still stores from the last
+    step. At a start it is zero. The value is stored in the part of the memory of `effect` that this
+    effect does not use.
     """
     at = x + FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
     if later and X[x + T_EVALUATED] > X[x + T_COMMITTED]:
