@@ -95,10 +95,10 @@ def on_each(objective: Objective, moved: Array, masks: Sequence[Mask]) -> Array:
 def balanced_without_each(
     prepared: Prepared, fitted: Fit, courses: Sequence[Course], masks: Sequence[Mask]
 ) -> Array:
-    """Errors on each kind of the torque fit without it, rad (m), NaN elsewhere, (kinds, n).
+    """Error on each kind of logs, of a torque fit without it, rad (m), NaN elsewhere, (kinds, n).
 
-    Where the drive was measured, of the torque fit to all logs: it is the prior of the refined
-    numbers and decides most of them, so what they are compared with knows all logs too.
+    If the drive was measured, the torque fit uses all logs: this fit is the prior of the refined
+    parameters and largely determines them, so a comparison must use the same logs.
     """
     if courses[0].window_s is not None:
         return np.where(masks, np.concatenate(errors(courses, fitted, None)), np.nan)
@@ -157,13 +157,14 @@ def missing_width(
 ) -> float:
     """Factor on the logs' errors for which prediction bands cover the left-out logs; at least 1.
 
-    An error common to all logs is in no variation of the numbers, but in the errors on left-out
-    kinds, beyond the rounding of the encoder. A log errs as a whole, so for few logs the factor is
-    as uncertain as a variance of as many numbers: the band is Student's.
+    An error common to all logs does not appear in the variation of the parameters. It appears in
+    the errors on left-out kinds of logs, beyond the rounding of the encoder. Errors within a log
+    are not independent. So with few logs the factor is as uncertain as a variance from so few
+    numbers, and the band is Student's.
 
     Args:
-        cov: covariance of the numbers for a factor on the logs' errors, shape (p, p). errors: on
-            left-out kinds, NaN elsewhere, (kinds, n).
+        cov: covariance of the numbers for a factor on the logs' errors, shape (p, p).
+        errors: on left-out kinds, NaN elsewhere, (kinds, n).
     """
     moves = differences(objective.errors, objective.bounds, z, objective.errors(z))
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
@@ -192,8 +193,9 @@ def missing_width(
 def held(low: Array, high: Array) -> Array:
     """Fraction of the encoder readings inside a prediction band.
 
-    A reading stands for all positions that are rounded to it, and is inside with the fraction of
-    its probability that is. So a correct prediction's band contains `BAND` of them for any encoder.
+    A reading represents all positions that are rounded to it. It counts with the fraction of its
+    probability that is inside the band. So the band of a correct prediction contains `BAND` of the
+    readings for any encoder.
 
     Args:
         low, high: predicted probability of less than each reading, and of no more than it.

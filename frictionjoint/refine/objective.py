@@ -36,7 +36,7 @@ class Objective:
         self._last: tuple[bytes, Array] | None = None
 
     def of(self, courses: Sequence[Course]) -> "Objective":
-        """The same for some of the logs."""
+        """The objective for some of the logs."""
         some = copy(self)
         some.courses, some._last = courses, None
         return some

@@ -95,7 +95,7 @@ class Posterior:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
+        """The content of report.json."""
         return {"parameters": self.content, "factor": self.factor.tolist()}
 
     @classmethod
@@ -138,7 +138,7 @@ def numbers_in(content: Mapping[str, Any]) -> Array:
 
 
 def _positive(content: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Which of the numbers are never negative."""
+    """Whether each of the numbers can never be negative."""
     found: list[bool] = []
     for key, x in content.items():
         if key == "knots":

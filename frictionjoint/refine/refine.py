@@ -83,10 +83,10 @@ def refine(
 
 
 def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
-    """A fit with a law whose level does not fall with speed; none if it is so already.
+    """A fit whose friction level does not decrease with speed; none if the given fit is such a fit.
 
-    A torque fit bends that fall to absorb any other error, over speeds at which friction does not
-    fall, and a local search does not return from there.
+    A torque fit can use this decrease to absorb any other error, at speeds where friction does not
+    decrease, and a local search cannot leave that minimum.
     """
     shape = fitted.shape
     numbers = dict(zip(shape.variables, shape.vector(), strict=True))

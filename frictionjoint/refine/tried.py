@@ -110,8 +110,9 @@ def by_windows(
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Vector, Array]:
-    """Of models refined on windows, the one with the smallest error on whole logs, and its
-    numbers."""
+    """The model with the smallest error on whole logs, of models refined on windows, and its
+    numbers.
+    """
     found = []
     for vector in vectors:
         windows = Objective(vector, courses, WINDOW_S, vector.start)

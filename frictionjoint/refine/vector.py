@@ -194,7 +194,7 @@ class Vector:
         return slopes
 
     def fit(self, x: Array) -> Fit:
-        """The model at a point; residual and Jacobian stay those of the torque fit."""
+        """The model at a point; its residual and Jacobian are those of the torque fit."""
         f, k = self.fitted, int(self.has_gain)
         gain = float(np.exp(x[0])) if k else f.gain
         n = self.layout.linear.stop

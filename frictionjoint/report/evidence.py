@@ -100,7 +100,7 @@ def _doubt(
 
 
 def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, ...]:
-    """Candidates of one step, best first."""
+    """Candidates that were tried in one step of the search, best first."""
     chosen = next((e for e in effects if e.name == look["chosen"]), None)
     found = []
     for row in sorted(look["rows"], key=lambda r: -r["gain"]):

@@ -21,7 +21,7 @@ def verdict_lines(s: Summary) -> tuple[tuple[str, str], ...]:
 
 
 def _missing(s: Summary) -> str:
-    """What the model lacks."""
+    """Effects that the model lacks, in a sentence."""
     noise = s.noise_level
     after = next((e for e in s.errors if e.unit == s.units[0] and e.stage == "after"), None)
     error = after.values[s.role] if after else None
@@ -84,7 +84,7 @@ def _falls(s: Summary) -> bool:
 
 
 def _doubts(s: Summary) -> str:
-    """What is undetermined about effects that lower the error together."""
+    """Doubts about effects that lower the error together."""
     return "which of them, or how large each is" if len(s.effects) > 1 else "its size"
 
 

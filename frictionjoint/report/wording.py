@@ -90,7 +90,7 @@ def value(x: Estimate | None, spread: bool = False) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without an exponent if the number is close to one, with a minus sign."""
+    """Text of a number, without an exponent if the number is close to one, with a minus sign."""
     number = float(text)
     if "e" in text and 1e-4 <= abs(number) < 1e7:
         text = f"{number:f}".rstrip("0").rstrip(".") if abs(number) < 1.0 else f"{number:.0f}"

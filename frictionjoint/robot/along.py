@@ -33,11 +33,11 @@ class Along:
     state: Corrections
 
     def __getstate__(self) -> dict[str, object]:
-        """Without the cached columns, which are large and quickly recomputed."""
+        """State for pickling, without the cached columns, which are large but quick to compute."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def corrected(self, state: Corrections) -> "Along":
-        """The same with other corrections."""
+        """The columns with other corrections."""
         found = replace(self, state=state)
         # what does not depend on what changed is not made again
         kept = ["tree", "dof", "_believed"]
@@ -58,7 +58,7 @@ class Along:
 
     @cached_property
     def tree(self) -> Tree:
-        """Its topology."""
+        """Topology of the model."""
         return Tree(self.model)
 
     @cached_property

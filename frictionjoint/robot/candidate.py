@@ -32,12 +32,12 @@ class Candidate:
 
     @property
     def shared(self) -> bool:
-        """Whether it is a cause of the robot, not of one joint."""
+        """Whether the candidate is a cause of the robot, not of one joint."""
         return self.cause is not None or self.common is not None
 
     @property
     def essential(self) -> int:
-        """How many of its numbers, the first ones, it cannot do without."""
+        """Number of leading parameters without which the candidate does not exist."""
         return self.cause.essential if self.cause else len(self.at)
 
     @property
@@ -52,12 +52,12 @@ class Candidate:
 
     @property
     def changed(self) -> str:
-        """Key that all forms of one change share."""
+        """Key that is common to all forms of one change."""
         return self.cause.changed if self.cause else self.label
 
     @property
     def label(self) -> str:
-        """What it is and where."""
+        """Name of the candidate and place where it acts."""
         return self.cause.label if self.cause else f"{self.effect} of {', '.join(self.joints)}"
 
 

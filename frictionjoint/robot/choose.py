@@ -69,7 +69,7 @@ class Choice:
         return self.gain > _BENT
 
     def of(self, cause: Cause) -> "Choice":
-        """The same choice for a part of its cause."""
+        """The choice for a part of its cause."""
         joints = tuple(j for j in self.candidate.joints if cause.acts_on(j))
         return replace(self, candidate=replace(self.candidate, cause=cause, joints=joints))
 
@@ -147,12 +147,12 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
     """Redundant causes in the model, the least needed first.
 
     Args:
-        screened: its effects common to all joints are kept together with the causes. Effects of
-            single joints are not: they would compensate for the harm of a cause.
-        without: the same for each cause removed in turn.
+        screened: model; its effects common to all joints are kept together with the causes. Effects
+            of single joints are not kept, because they would compensate for the harm of a cause.
+        without: the model without each cause.
     Returns:
         index of each, and the ratio of the sums of squares without and with it to first order, by
-        joint, (J,).
+            joint, (J,).
     """
     stack, found = screened.stack, []
     now = stack.held_out(_of_robot(screened))
@@ -237,7 +237,7 @@ def _excluded(candidate: Candidate, taken: Candidate) -> bool:
 
 
 def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
-    """The candidate without numbers that stay on their bounds; None if none is left."""
+    """The candidate without numbers that are at their bounds; None if no number remains."""
     at, room = candidate.at, candidate.room
     if not len(room):
         return candidate

@@ -46,7 +46,7 @@ class Shaft:
         return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
 
     def moved(self, number: int, by: float) -> "Shaft":
-        """With one of its numbers changed."""
+        """The shaft with one of its numbers changed."""
         name = SHAFT_NUMBERS[number]
         return replace(self, **{name: getattr(self, name) + by})
 
@@ -113,7 +113,7 @@ class Corrections:
         return self.offset == other.offset and np.array_equal(self.gravity, other.gravity)
 
     def with_body(self, body: int, phi: Array) -> "Corrections":
-        """The same with other parameters of one body."""
+        """The corrections with other parameters of one body."""
         changed = self.phi.copy()
         changed[body] = phi
         return replace(self, phi=changed)

@@ -94,9 +94,11 @@ def _best(tried: Sequence[OptimizeResult]) -> Array:
 
 
 def _starts(found: Found, left: Callable[[Array], Array], bounds: Array) -> list[Array]:
-    """Starting numbers: the given ones or those of no cause, whichever leave the smaller residual.
+    """Starting numbers: the given ones or those without a cause, whichever have the smaller
+    residual.
 
-    At zero the columns of a homogeneous cause say little; then also the best point along its rays.
+    At zero the columns of a homogeneous cause are not informative. Then the best point along its
+    rays is tried as well.
     """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
@@ -132,7 +134,7 @@ class _Place:
     number: int = 0
 
     def of(self, state: Corrections) -> float:
-        """Its value."""
+        """Value of the coordinate."""
         if self.kind == "phi":
             return float(state.phi[int(self.which), self.number])
         if self.kind == "gravity":
@@ -145,7 +147,7 @@ class _Place:
         return values.get(str(self.which), 0.0)
 
     def moved(self, state: Corrections, by: float) -> Corrections:
-        """The corrections with it changed."""
+        """The corrections with the coordinate changed."""
         if self.kind == "phi":
             phi = state.phi[int(self.which)].copy()
             phi[self.number] += by

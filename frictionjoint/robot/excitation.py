@@ -55,7 +55,7 @@ class Excitation:
     fall: tuple[float, float]
 
     def csv(self) -> str:
-        """As a file with a column of targets per joint."""
+        """The motion as a CSV file with a column of targets per joint."""
         names = [
             f"{n}.target_{'m' if slide else 'rad'}"
             for n, slide in zip(self.joints, self.slides, strict=True)
@@ -67,7 +67,7 @@ class Excitation:
 
     @property
     def text(self) -> str:
-        """Its benefit in a sentence."""
+        """The benefit of the motion, in a sentence."""
         fall = (
             "should reduce the standard errors of the base parameters to "
             f"{self.fall[0]:.0%} of the present ones (median; the largest one to "
@@ -200,7 +200,7 @@ def _checked(
     a: Array,
     limits: _Limits,
 ) -> tuple[Array, bool]:
-    """Which joints would need too much torque, and whether bodies touch."""
+    """Joints that would require too much torque, and whether bodies touch."""
     flags = int(model.opt.disableflags)
     model.opt.disableflags = flags & ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     data = mujoco.MjData(model)

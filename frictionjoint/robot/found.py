@@ -23,7 +23,7 @@ class Found:
 
     @property
     def state(self) -> Corrections:
-        """Corrections with all of them."""
+        """Corrections with all causes."""
         return composed(self.causes, self.numbers, self.original)
 
     @property
@@ -45,7 +45,7 @@ class Found:
         )
 
     def with_cause(self, cause: Cause, x: Array) -> "Found":
-        """The same with one more."""
+        """The causes with one more."""
         return Found(self.original, (*self.causes, cause), (*self.numbers, x))
 
     def pairs(self, i: int) -> list[tuple[Corrections, Corrections, float]]:

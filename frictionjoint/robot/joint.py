@@ -58,7 +58,7 @@ class FittedJoint:
 
     @property
     def name(self) -> str:
-        """Of the joint."""
+        """Name of the joint."""
         return self.prepared.joint
 
     @property
@@ -95,7 +95,7 @@ class FittedJoint:
         return replace(self, alongs=alongs, prepared=prepared, shift=shift)
 
     def refitted(self, anew: bool = False) -> "FittedJoint":
-        """The same with the law fitted again, from its present shape or from all starts."""
+        """The joint with the law fitted again, from its present shape or from all starts."""
         # a rotor's inertia is one with the age of a velocity to the logs
         rotor = self.name in self.alongs[0].state.armature
         nothing = frozenset({VelocityAge.name} if rotor else ())

@@ -28,7 +28,7 @@ class Named(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the log."""
+        """Name of the log."""
         ...
 
 
@@ -95,7 +95,7 @@ class RobotLogs:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Which logs are left out for which joints, one sentence for joints alike."""
+        """Logs that are left out, one sentence for all joints with the same logs left out."""
         alike: dict[tuple[str, ...], list[str]] = {}
         for joint, names in self.at_rest.items():
             alike.setdefault(names, []).append(joint)

@@ -48,8 +48,10 @@ class JointResult:
 
     @property
     def worse(self) -> tuple[str, ...]:
-        """Errors that are larger after on held-out logs: beyond the interval and by a noticeable
-        part of their squares, as no shared cause may add to a joint.
+        """Held-out errors that are clearly larger after the change of the model.
+
+        The increase must exceed its confidence interval, and the squared error must grow by a
+        noticeable fraction. No shared cause may add such an increase to a joint.
         """
         pairs = {
             "torque_rms": (self.before_torque.held_out, self.report.after_torque.held_out),
@@ -186,7 +188,7 @@ class RobotReport:
 
     @property
     def verdict(self) -> Verdict:
-        """Explained if every joint is, or has nothing to explain."""
+        """Verdict on the robot; `explained` if every joint is explained or has nothing to explain."""
         found = {result.report.verdict for result in self.joints.values()}
         if self.failed or any(result.worse for result in self.joints.values()):
             return "partly-explained"

@@ -37,7 +37,7 @@ class Screened:
     candidates: tuple[Candidate, ...]
 
     def without(self, candidate: Candidate) -> "Screened":
-        """The same without a cause, whichever of its numbers are free."""
+        """The screened model without a cause, whichever of its numbers are free."""
         rest = tuple(c for c in self.candidates if c.first != candidate.first)
         return replace(self, candidates=rest)
 

@@ -47,7 +47,7 @@ class _Part:
 
     @property
     def turns(self) -> Array:
-        """Of the shaft, on the kept samples of all logs, rad, shape (n,)."""
+        """Rotation of the shaft, on the kept samples of all logs, rad, shape (n,)."""
         pairs = zip(self.joint.alongs, self.joint.prepared.segments, strict=True)
         return np.concatenate([kept(s, a.turn(self.shaft)[0]) for a, s in pairs])
 

@@ -182,12 +182,12 @@ def _settled(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """The same with other causes, or with other effects of single joints."""
+    """The state with other causes, or with other effects of single joints."""
     return _Now(settle(now.joints, found, each, beside), choices, beside)
 
 
 def _beside(now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]) -> _Now:
-    """The same with the laws fitted together with common effects."""
+    """The state with the laws fitted together with common effects."""
     joints = fitted_beside(now.joints, terms, each)
     return replace(now, settled=replace(now.settled, joints=joints))
 
@@ -198,9 +198,10 @@ def _grown(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now | None:
-    """With all accepted causes, or only the first; None if neither is needed and improves the fit.
+    """The state with all accepted causes, or only the first; None if neither improves the fit.
 
-    They were accepted to first order; with refitted laws they may not improve it.
+    A cause must also be needed after the fit. The causes were accepted to first order; with
+    refitted laws they may not improve the fit.
     """
     for several in [new, new[:1]][: len(new)]:
         trial = _without_idle(_with(now, several, each, beside), each, beside)
@@ -217,8 +218,10 @@ def _with(
     each: Each[FittedJoint, FittedJoint],
     beside: frozenset[str],
 ) -> _Now:
-    """With accepted causes added; a richer change of the same body or joint replaces the simpler
-    one."""
+    """The state with accepted causes added.
+
+    A richer change of the same body or joint replaces the simpler one.
+    """
     terms = tuple(c.candidate.common for c in new if c.candidate.common)
     if terms:
         now = _beside(now, terms, each)
@@ -288,10 +291,10 @@ def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: froze
 
 
 def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now | None:
-    """Without the least needed cause; None if all are needed.
+    """The state without the least needed cause; None if all are needed.
 
-    After refitting the others without it, the residual must be as small as first order promised;
-    the others may replace it only with numbers past their bounds.
+    After refitting the other causes, the residual must be as small as predicted to first order. The
+    other causes may not compensate with numbers past their bounds.
     """
     found = now.settled.found
     others = []

@@ -98,10 +98,10 @@ def _opened(
     terms: Sequence[EffectTerm],
     beside: frozenset[str],
 ) -> tuple[Columns, Screened]:
-    """What is kept together with new causes and effects, and these as candidates.
+    """Causes and effects that are kept, and new ones as candidates.
 
-    Effects of single joints keep the shapes they have with the removed causes, which would
-    otherwise be biased.
+    Effects of single joints keep the shapes they have with the removed causes, because a fit
+    without these causes would bias the shapes.
     """
     here = joints[0].beside
     seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)

@@ -145,7 +145,7 @@ class _Model:
         return self.at(self.X.shape[1] - len(self.names) + self.names.index(name))
 
     def at(self, i: int) -> tuple[float, float] | None:
-        """The same for a column by its index."""
+        """Value and standard error of the coefficient of a column, given by its index."""
         block = np.arange(len(self.y)) * _BLOCKS // len(self.y)
         count = len(self.names)
         left_out = np.array(
@@ -216,7 +216,7 @@ def _with(known: Array, side: Array, element: Array, twist: Array) -> _Model:
 
 
 def _pruned(model: _Model) -> _Model:
-    """Without a gap or a lag that the logs do not show."""
+    """The model without a gap or a lag that the logs do not support."""
     whole = _cost(model.without("torque").without("gap").without("lag"))
     for name in ("gap", "lag"):
         less = model.without(name)

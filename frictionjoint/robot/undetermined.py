@@ -41,7 +41,7 @@ def _is_loose(x: Estimate) -> bool:
 
 
 def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
-    """By owner: parameters that appear only in sums, and the owners of the other terms."""
+    """Parameters that appear only in sums, by owner, and the owners of the other terms."""
     owners: dict[str, tuple[list[str], list[str]]] = {}
     for k, other in enumerate(base.others):
         p = found.parameters[other]

@@ -30,7 +30,7 @@ class Cause(ABC):
     @property
     @abstractmethod
     def place(self) -> dict[str, str]:
-        """Where it acts: a body, or one or two joints, by key of the report."""
+        """Place where the cause acts: a body, or one or two joints, by key of the report."""
 
     @property
     def label(self) -> str:
@@ -60,7 +60,7 @@ class Cause(ABC):
 
     @property
     def start(self) -> Array:
-        """Numbers at which it changes nothing, shape (k,)."""
+        """Parameter values with which the cause has no effect, shape (k,)."""
         return np.zeros(len(self.bounds))
 
     @property
@@ -79,7 +79,7 @@ class Cause(ABC):
 
     @abstractmethod
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """Its values and units by name, relative to corrections without it."""
+        """Values and units of the cause by name, relative to corrections without it."""
 
 
 def composed(
