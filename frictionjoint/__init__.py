@@ -1,4 +1,6 @@
-"""Joint friction for MuJoCo: presliding memory, identified from logs, and what is still missing."""
+"""Joint friction for MuJoCo with presliding memory, identified from logs, and a search for effects
+that the model lacks.
+"""
 
 import importlib
 from typing import TYPE_CHECKING, Any

@@ -83,13 +83,13 @@ def law_values(parameters: "Friction", slide: bool = False) -> tuple[Value, ...]
 
 
 def meaning(name: str) -> str:
-    """What a parameter of a law is, from its name."""
+    """Description of a parameter of a law, from its name."""
     base, _, side = name.rpartition("_")
     return f"{_meaning(base)}, {SIDES[side]}" if side in SIDES else _meaning(name)
 
 
 def meanings(names: Iterable[str]) -> str:
-    """What some parameters of a law are, each once, without directions."""
+    """Descriptions of some parameters of a law, without repetitions and without directions."""
     bases = (name.removesuffix("_pos").removesuffix("_neg") for name in names)
     return ", ".join(dict.fromkeys(_meaning(base) for base in bases))
 
@@ -116,7 +116,7 @@ def effect_texts(joint: "JointFriction", slide: bool = False) -> tuple[str, ...]
 
 
 def one_line(name: str, joint: "JointFriction", slide: bool = False) -> str:
-    """The friction of a joint in one line, as a comment in a model states it."""
+    """The friction of a joint in one line, as in the comments of a model."""
     values = [
         f"{x.symbol} {x.text} ({x.meaning})"
         for x in law_values(joint.parameters, slide)

@@ -7,10 +7,10 @@ from frictionjoint.arrays import Array
 
 
 def eigh(A: Array) -> tuple[Array, Array]:
-    """As `numpy.linalg.eigh`, of matrices of shape (..., k, k).
+    """Eigenvalues and eigenvectors as from `numpy.linalg.eigh`, for shape (..., k, k).
 
-    LAPACK's divide and conquer, which numpy calls, now and then does not converge on a matrix that
-    has nothing wrong with it: that one is done by the slower QR iteration.
+    LAPACK's divide and conquer method, which numpy calls, occasionally does not converge on a valid
+    matrix. In that case the slower QR iteration is used.
     """
     try:
         values, vectors = np.linalg.eigh(A)

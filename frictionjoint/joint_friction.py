@@ -1,4 +1,4 @@
-"""What a joint of a model carries: a friction law and effects with their numbers."""
+"""Friction of a joint in a model: a friction law, and effects with their numbers."""
 
 from dataclasses import dataclass
 

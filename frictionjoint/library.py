@@ -39,7 +39,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Entry:
-    """A kernel in the library: its symbol, what it returns and what it takes."""
+    """A kernel in the library: its symbol, result and parameters."""
 
     symbol: str
     result: str
@@ -59,9 +59,9 @@ def load(kernel: str = "") -> Library:
     """The library of this package.
 
     Args:
-        kernel: module and name of one that it must hold.
+        kernel: module and name of a kernel that it must contain.
     Raises:
-        RuntimeError: there is none with the kernel, or it could not be built.
+        RuntimeError: no library contains the kernel, or the library could not be built.
     """
     found = _load()
     if kernel and kernel not in found.entries:

@@ -13,13 +13,13 @@ import mujoco
 def without_missing_meshes(
     spec: mujoco.MjSpec, folders: Iterable[Path]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Leave out shapes whose mesh files are not there; the spec is changed in place.
+    """Remove shapes whose mesh files are missing; the spec is changed in place.
 
     Args:
-        folders: where the spec's files are looked for.
+        folders: folders to search for the spec's files.
     Returns:
-        names of the missing files whose shapes were left out, and of those whose shapes give a
-        body its mass, which stay.
+        names of the missing files whose shapes were removed, and of the missing files whose shapes
+            give a body its mass and were kept.
     """
     places = list(folders)
     missing = {}

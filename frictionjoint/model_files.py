@@ -39,7 +39,7 @@ def read_spec(model: str | Path, whole: bool = False) -> mujoco.MjSpec:
 
 
 def compile_model(model: str | Path) -> mujoco.MjModel:
-    """The same, compiled."""
+    """Read a model and compile it."""
     return _read(model, False)[1]
 
 
@@ -98,7 +98,7 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
 
 
 def _how_to_balance(urdf: bool) -> str:
-    """Where the setting that MuJoCo names stands in a file."""
+    """Place in a file of the setting that MuJoCo names in its error."""
     setting = f'<compiler {_BALANCED}="true"/>'
     if urdf:
         return f", write <mujoco>{setting}</mujoco> inside <robot>"

@@ -73,8 +73,8 @@ def _explained(text: str, model: mujoco.MjModel) -> str:
 def placed(text: str, folder: Path) -> str:
     """The text with paths of asset files relative to the folder that it will be written to.
 
-    They stay absolute where the folder lies behind a symbolic link: from there ".." leads elsewhere
-    for MuJoCo than for the system.
+    Paths stay absolute if a symbolic link leads to the folder, because MuJoCo and the operating
+    system resolve ".." differently there.
     """
     home = Path(os.path.abspath(folder))
     if home != home.resolve():

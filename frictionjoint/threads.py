@@ -21,7 +21,7 @@ _R = TypeVar("_R")
 
 
 def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The same function with one thread per library while it runs; afterwards as before."""
+    """Run a function with one thread per numerical library, and restore the setting afterwards."""
 
     @functools.wraps(function)
     def run(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -58,11 +58,11 @@ def allow(threads: int) -> None:
 
 @contextmanager
 def side_by_side() -> Iterator[Callable[..., Any]]:
-    """A `map` on as many threads as `allow` says.
+    """A `map` on the number of threads that `allow` permits.
 
     The mapped functions spend their time in kernels, filters and linear algebra, which release
-    Python's lock. Inside one of its threads it is the plain `map`, because the outermost loop is
-    the one worth sharing. The threads are kept, because a search needs them thousands of times.
+    Python's lock. Within a thread of such a map it is the plain `map`, because only the outermost
+    loop is worth distributing. The threads are kept, because a search uses them thousands of times.
     """
     threads = threads_here()
     yield map if threads == 1 else _pool(os.getpid(), threads).map

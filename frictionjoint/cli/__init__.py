@@ -92,8 +92,8 @@ app.add_typer(data, name="data")
 def main() -> None:
     """Run the command line.
 
-    Bad input becomes one line and exit code 2, an interruption exit code 130 (terminated: 143);
-    in all of them nothing half-written stays.
+    Bad input gives one line and exit code 2, an interruption exit code 130 (terminated: 143). No
+    incomplete output remains in any of these cases.
     """
     signal.signal(signal.SIGTERM, _terminated)
     warnings.showwarning = _one_line
@@ -132,8 +132,10 @@ def _one_line(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Warnings as one line without the source location, each once: a model is read several
-    times."""
+    """Warnings as one line without source locations, without repetitions.
+
+    A model is read several times, so the same warning can occur more than once.
+    """
     text = str(message)
     if text not in _warned:
         _warned.add(text)

@@ -44,11 +44,11 @@ class RobotRequest:
 
     @property
     def kept(self) -> list[Path]:
-        """Logs held out."""
+        """Held-out logs."""
         return kept_of([], self.held_out)[0]
 
     def of_unit(self, logs: list[Path]) -> "RobotRequest":
-        """The same for one of several robots."""
+        """The request for one of several robots."""
         return replace(self, logs=logs)
 
     def read(self) -> "RobotLogs":

@@ -169,7 +169,7 @@ def unknown_notes(controller: Controller) -> tuple[str, ...]:
 
 
 def without_unknowns(controller: Controller) -> Controller:
-    """Without unknown entries, except kp, kd and supply_v."""
+    """A controller without its unknown entries, except kp, kd and supply_v."""
     nothing = {"limit": math.inf, "deadband": 0.0, "delay_s": 0.0, "drop_above": math.inf}
     nothing |= {"sag": 0.0, "target_rate": math.inf}
     changed = {name: x for name, x in nothing.items() if getattr(controller, name) == UNKNOWN}

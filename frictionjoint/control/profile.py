@@ -16,15 +16,15 @@ AT, PLACE, SLOPE, AREA = range(4)
 
 
 def held(time: Array, x: Array, at: Array) -> Array:
-    """A command at other times; each value is held until the next one."""
+    """Value of a command at other times, if each value is held until the next one."""
     index = np.searchsorted(time, at + 1e-9, side="right") - 1
     return np.asarray(x[np.clip(index, 0, len(x) - 1)])
 
 
 def held_over(time: Array, command: Array, begin: Array, length: Array | float) -> Array:
-    """Mean of a held command over intervals, shape of `begin`.
+    """Mean over intervals of a command that is held between samples, shape of `begin`.
 
-    It is a smooth function of `begin`, and so of a delay below one sample.
+    The mean is a smooth function of `begin`, and so of a delay below one sample.
 
     Args:
         begin, length: of the intervals, s.
@@ -47,14 +47,18 @@ def followed_over(
 
 
 def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
-    """Position of such a target at other times; inf: `held`."""
+    """Position at other times of a target that moves to each command with limited speed.
+
+    Args:
+        rate: speed of the target, rad/s (m/s); inf gives `held`.
+    """
     if math.isinf(rate):
         return held(time, command, at)
     return np.interp(at, *_corners(time, command, rate))
 
 
 def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
-    """Times and positions between which such a target has constant speed, shape (2 n,) each."""
+    """Times and positions between which a speed-limited target is linear, shape (2 n,) each."""
     path = np.empty((2, 2 * len(time)))
     fill_corners(time, command, len(time), max(rate, 1e-9), path)
     return path[AT], path[PLACE]
@@ -121,7 +125,7 @@ def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -
 
 @in_line
 def area_until(path: Array, i: int, t: float) -> float:
-    """Area under such a target up to a time after corner i, or before the first corner."""
+    """Area under a speed-limited target up to a time after corner i, or before the first corner."""
     s = t - path[AT, i]
     until: float = path[AREA, i] + s * (path[PLACE, i] + 0.5 * max(s, 0.0) * path[SLOPE, i])
     return until

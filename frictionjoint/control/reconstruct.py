@@ -104,10 +104,11 @@ class AllCommands:
     def answer(self, blocks: Array, delays: Array) -> Array:
         """Change of the drive per change of position, per rad (m), shape (n,).
 
-        The error is constant; the integral part, which would wind up, is left out.
+        The position change is constant in time. The integral part is left out, because it would
+        grow without limit.
 
         Args:
-            blocks, delays: as above.
+            blocks, delays: as in `mean_drive`.
         """
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
@@ -128,7 +129,7 @@ class AllCommands:
     def _mean_drive(
         self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
     ) -> Array:
-        """With positions and velocities changed by the given amounts."""
+        """Mean drive, with positions and velocities changed by the given amounts."""
         target, position, velocity, supply, on = self._given
         q, v = position + off, velocity + faster
         drive = np.empty_like(self.time)

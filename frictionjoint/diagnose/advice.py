@@ -1,4 +1,4 @@
-"""What to record next: the motion that would resolve what these logs leave open."""
+"""The next motion to record: the one that would resolve what these logs cannot determine."""
 
 from collections.abc import Iterable, Mapping
 
@@ -34,7 +34,7 @@ def what_to_record(
     law: Mapping[str, Estimate],
     held_out: bool,
 ) -> tuple[str, ...]:
-    """One sentence for everything left open, most important first.
+    """One sentence for each question that the logs leave undetermined, most important first.
 
     Args:
         ties: an added effect and the name of another that explains as much.

@@ -83,7 +83,7 @@ class Blocks:
 
     @cached_property
     def folds(self) -> Folds:
-        """As they are."""
+        """Folds made of whole blocks."""
         return folds_of(self.fold)
 
     @cached_property

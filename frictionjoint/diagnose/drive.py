@@ -1,8 +1,8 @@
-"""Search for effects of the drive: what a controller does that its file does not say.
+"""Search for effects of the drive: behaviour of a controller that its file does not describe.
 
-A delay or a limit changes the drive by far more than friction, and not in proportion to its number,
-so no linear column predicts the residual. There are few such effects: each is fitted from all of
-its starts, on thinned logs, and the best few on all samples.
+A delay or a limit changes the drive by far more than friction, and the change is not proportional
+to the parameter, so no linear column predicts the residual. There are few such effects. Each is
+fitted from all of its starting values on thinned logs, and the best few on all samples.
 """
 
 from collections.abc import Callable, Sequence
@@ -189,7 +189,7 @@ def sign_flips(difference: Array, rng: np.random.Generator) -> float:
 
 
 def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:
-    """How often each is best on random halves of the blocks."""
+    """Fraction of random halves of the blocks on which each effect is the best."""
     half = halves(len(squares[0]), rng)
     first = first_least(np.array(squares) @ half.T)
     return [float(x) for x in np.bincount(first, minlength=len(squares)) / len(half)]

@@ -45,11 +45,11 @@ def look_at_hidden_drive(
 
 
 def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
-    """For each form of an effect, the size with the smallest residual at a law's starts, best
-    first.
+    """For each form of an effect, the size with the smallest residual at a law's starting values.
 
-    Each comes with the reduction relative to the model with the best fit of that law, which is a
-    law with few starts, whatever law the model has.
+    The best is first. Each comes with the reduction of the residual relative to the model with the
+    best fit of that law. That law is one with few starting values, and can differ from the law of
+    the model.
     """
     terms = drive_terms(prepared, fitted.effects)
     coarse, law = prepared.thinned(COARSE), prompt_maxwell_slip()

@@ -111,9 +111,10 @@ def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks)
 
 
 def settle_ties(state: State) -> None:
-    """Exchange each effect for a richer one that it is tied with, if that explains clearly more.
+    """Replace each effect by a richer one with which it is tied, if that one explains clearly more.
 
-    Before all effects are found the simpler one stays: the rest may be another effect.
+    This is done only when all effects have been found. Before, the simpler effect is kept, because
+    the rest of the residual may come from another effect.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
@@ -232,7 +233,7 @@ def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
 
 
 def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
-    """The same with the most promising effects of the joint that have no more numbers."""
+    """Replace the i-th effect by the most promising joint effects with no more parameters."""
     own = state.fit.effects
     rest = replace(state, fit=without(state, own[i]))
     among = [
@@ -277,7 +278,7 @@ def _with_form(finding: Finding, other: Term) -> Finding:
 
 
 def _instead(finding: Finding, candidate: Candidate, seen: Look | None = None) -> Finding:
-    """A finding of one effect, restated for another effect.
+    """A finding of one effect, rewritten for another effect.
 
     Args:
         seen: the step that tried the other effect; None: the step of the finding.

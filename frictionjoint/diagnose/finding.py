@@ -62,7 +62,7 @@ class Finding:
         return next(rows, None)
 
     def tied_with(self, term: Term) -> Self:
-        """The same finding with one more tie; another wave of the same effect is no tie."""
+        """The finding with one more tie; another wave of the same effect is not a tie."""
         if term.name in (self.term.name, *self.ties):
             return self
         rivals = tuple(t for t in self.rivals if t.name != term.name)
@@ -132,13 +132,13 @@ class Trace:
     not_given: tuple[NotGiven, ...] = ()
 
     def as_fitted(self, kept_back: Prepared) -> Prepared:
-        """Held-out logs, corrected by what the fitted logs show of the instruments."""
+        """Held-out logs, corrected for the instrument errors that were found in the fitted logs."""
         if self.prepared.band.sensor_saturates:
             kept_back = kept_back.without_limits()
         return as_given(kept_back, self.not_given)
 
     def without_scale(self) -> "Trace":
-        """The same in units of the drive, if the logs do not determine the gain."""
+        """The trace in units of the drive, if the logs do not determine the gain."""
         return replace(
             self,
             base=without_scale(self.base),

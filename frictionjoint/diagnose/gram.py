@@ -76,16 +76,16 @@ class Screen:
         return squares, trained[folds.place]
 
     def _folds(self, grams: Array) -> Folds:
-        """The folds; halved if one of them alone determines a coefficient."""
+        """The folds; half-log folds if one fold alone determines a coefficient."""
         by_fold = self.blocks.folds.sums(np.einsum("bii->bi", grams))
         if np.any(by_fold.max(axis=0) > CONCENTRATED * by_fold.sum(axis=0)):
             return self.blocks.half_folds
         return self.blocks.folds
 
     def _grams(self, columns: Array, at: Columns) -> Array:
-        """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
+        """Gram matrices of some columns and the residual, by block, shape (B, k + 1, k + 1).
 
-        The initial friction state of the logs is projected out; it has no row of its own.
+        The initial friction state of the logs is projected out; it has no row in the matrices.
         """
         grams = self.blocks.gram(columns, np.append(at, columns.shape[1] - 1))
         begun = np.append(self.begun[at], False)

@@ -25,16 +25,17 @@ def prepare_kept_back(
     band: Band,
     controller: Controller | None = None,
 ) -> Prepared:
-    """Held-out logs; the end of a log begins as warm as the part before it left the joint.
+    """Prepare held-out logs.
 
-    Such a log is prepared as a whole, with its clock, and only its end is used. The controller
-    output is simulated from the first used sample on.
+    A held-out end of a log starts with the temperature at the end of the fitted part. The log is
+    prepared as a whole, with its clock, and only its end is used. The controller output is
+    simulated from the first used sample on.
 
     Args:
         body, band, controller: see `prepare`; the band is that of the fitted logs.
     Raises:
         LogError: the joint stands still, its drive is off throughout, or too few samples remain for
-            a meaningful error.
+            a comparison.
     """
     for log in logs:
         _require_drive_and_motion(log)
@@ -54,7 +55,7 @@ def prepare_kept_back(
 
 
 def _require_drive_and_motion(log: JointLog) -> None:
-    """Raise unless the drive moves the joint: without motion an error says nothing."""
+    """Raise unless the drive moves the joint, because an error without motion has no meaning."""
     source = f"{log.name}, held out"
     require_motion(source, log.position)
     drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)

@@ -74,7 +74,7 @@ class Candidate:
 
     @property
     def kind(self) -> tuple[str, str]:
-        """Key that all shapes of one effect share."""
+        """Key that is common to all shapes of one effect."""
         if isinstance(self.term, EffectTerm):
             return self.term.name, "effect"
         return self.term.name, type(self.term).__name__
@@ -119,11 +119,11 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
 def _beyond_itself(
     prepared: Prepared, fitted: Fit, signals: list[Array], candidates: list[Candidate]
 ) -> list[Candidate]:
-    """Candidates, without a torque limit that explains no more than a scaled torque does.
+    """Candidates without a torque limit that explains no more than a scaled torque does.
 
-    The residual is part of the measured torque and correlates with it, whatever the model lacks.
-    Torque that a drive did not deliver is missing only above its limit, and no multiple of the
-    torque.
+    The residual contains the measured torque and correlates with it, whatever the model lacks.
+    Torque that a drive did not deliver is missing only above the limit and is not proportional to
+    the torque.
     """
     levels = [(c.term, c.columns) for c in candidates if isinstance(c.term, ExcessTerm)]
     if not levels:

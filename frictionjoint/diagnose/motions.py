@@ -100,7 +100,7 @@ class Motion:
         return float(np.abs(np.gradient(self.position, self.dt)).max())
 
     def part(self, duration: float) -> "Motion":
-        """Its beginning."""
+        """The first part of the motion."""
         return replace(self, position=self.position[: round(duration / self.dt) + 1])
 
 
@@ -270,14 +270,14 @@ def _most(limits: Limits, w: float) -> float:
 
 
 def _through(t: Array, corners: list[float], times: list[float], smooth: float) -> Array:
-    """Straight lines between corners, with speed changes over `smooth` seconds."""
+    """Straight lines through corners; the speed changes over `smooth` seconds."""
     q = np.interp(t, times, corners)
     size = max(1, round(smooth / float(t[1] - t[0])))
     return np.asarray(uniform_filter1d(q, size, mode="nearest"))
 
 
 def _sweeps(t: Array, speeds: list[float], limits: Limits) -> Array:
-    """Over the whole range and back at each speed in turn."""
+    """Sweeps over the whole range and back, one per speed."""
     corners, times = [_middle(limits)], [_EASE]
     ends = itertools.cycle((limits.high, limits.low))
     for speed in itertools.cycle(speeds):

@@ -57,7 +57,7 @@ class Looked(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Of the effect, or of the quantity."""
+        """Name of the effect or of the quantity."""
         return self.candidate.term.name
 
 
@@ -121,7 +121,7 @@ def look(
 def _frequencies(
     found: Screen, kinds: Sequence[Sequence[int]], rng: np.random.Generator
 ) -> list[float]:
-    """How often each kind explains most on random halves of the blocks."""
+    """Fraction of random halves of the blocks on which each kind explains most."""
     if not kinds:
         return []
     whole = np.ones((1, found.blocks.count))

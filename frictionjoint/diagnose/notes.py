@@ -33,7 +33,7 @@ NO_LOAD = (
 
 
 def gain_note(error: float) -> tuple[str, ...]:
-    """How uncertain a gain is that the simulated motion determines, if it is uncertain."""
+    """Note that a gain determined from simulated motion is uncertain, if it is."""
     if error < 1.0 / SURE:
         return ()
     return (
@@ -64,7 +64,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
 
 
 def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
-    """That the torque scale rests on the inertia of the MJCF, if gravity is too small."""
+    """Note that the torque scale depends on the inertia in the MJCF, if gravity is too small."""
     if "load" not in fitted.names or fitted.in_drive_units:
         return ()
     signals = np.concatenate([s.at_kept(s.signals) for s in prepared.segments])
@@ -83,7 +83,7 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
 
 
 def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
-    """Parts of logs that are left out because another drive turns the joint."""
+    """Note on parts of logs that are left out because another drive turns the joint."""
     return tuple(
         f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the drive is exactly 0 while "
         "the joint moves, and it does not slow as its friction would slow it, so another drive "
@@ -108,7 +108,7 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
 
 
 def _hold_note(found: Trace) -> tuple[str, ...]:
-    """That the drive is constant between samples."""
+    """Note that the drive is constant between samples."""
     if not found.prepared.band.zero_order_hold:
         return ()
     return ("The torque is held from one sample to the next. The fit accounts for it.",)
@@ -128,7 +128,7 @@ def _laws_note(found: Trace) -> tuple[str, ...]:
 
 
 def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """That the stiffness is assumed, or that the law has no Coulomb friction."""
+    """Note that the stiffness is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
         return (
             "These logs show no Coulomb friction: its fitted value is zero. So the model does "
@@ -144,7 +144,7 @@ def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
 
 
 def _constraint_note(found: Trace) -> tuple[str, ...]:
-    """That friction acts like a constraint of MuJoCo's solver."""
+    """Note that friction acts like a constraint of MuJoCo's solver."""
     shape = found.final.shape
     if not isinstance(shape, ConstraintShape):
         return ()
@@ -176,7 +176,7 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
 
 
 def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str, ...]:
-    """That more than friction holds the joint at rest, and at which position."""
+    """Note that something other than friction also holds the joint at rest, and where."""
     fitted = found.final
     level = float(np.max(np.abs(fitted.friction)))
     # what the model leaves in motion it may leave at rest too
@@ -201,7 +201,7 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
 
 
 def _sight_note(found: Trace) -> tuple[str, ...]:
-    """The smallest detectable effect, if nothing was found."""
+    """Note on the smallest detectable effect, if no effect was found."""
     if found.findings or found.unexplained:
         return ()
     sight = found.sight

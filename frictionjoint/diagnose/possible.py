@@ -77,9 +77,10 @@ def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float
 
 
 def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
-    """Whether parameter k would move past its bound, with the free parameters refitted.
+    """Whether parameter k would move past its bound if the free parameters were refitted.
 
-    To first order; the standard error comes from the spread over blocks of time (White 1980).
+    The refit is to first order. The standard error comes from the spread over blocks of time (White
+    1980).
     """
     w = fitted.weight
     free = fitted.free_jacobian * w[:, None]

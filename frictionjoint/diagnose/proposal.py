@@ -1,4 +1,4 @@
-"""Which motion to record next: the shortest one expected to resolve what the logs leave open."""
+"""The next motion to record: the shortest one expected to determine what the logs cannot."""
 
 import itertools
 from collections.abc import Mapping, Sequence

@@ -78,10 +78,10 @@ class RefinedModel:
     """A refinement in a report.
 
     Attributes:
-        taken: whether it is the result, because it predicted left-out logs better than the fit to
-            torque.
+        taken: whether the refinement is the result, because it predicted left-out logs better than
+            the fit to torque.
         guard: mean absolute errors on left-out logs, before and after, rad (m).
-        loops: whole logs in closed loop; None where the drive was measured.
+        loops: whole logs in closed loop; None if the drive was measured.
         parameters: by name, with standard errors.
     """
 

@@ -202,7 +202,7 @@ def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fi
 
 
 def _of_body(body: RigidBody, segments: list[Segment], fitted: Fit) -> list[Array]:
-    """Errors of the logs of one MJCF."""
+    """Errors of the logs that belong to one MJCF."""
     # with what effects of the drive have made of it
     segments = [changed_drive(s, fitted.terms) for s in segments]
     spec = body.spec()

@@ -55,8 +55,8 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
 def _leave_out_undetermined(state: State) -> list[Term]:
     """Remove, one after the other, effects whose sizes the logs do not determine.
 
-    Several effects may leave each other's sizes open and carry the evidence together. Then those
-    without which the prediction of unlike motion gets worse stay.
+    Several effects may make each other's sizes uncertain and only together have evidence. Then each
+    effect whose removal worsens held-out prediction is kept.
     """
     changed = False
     while unsure := undetermined(state.prepared, state.fit):
@@ -75,7 +75,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
 
 
 def _tied(finding: Finding, unsure: list[Term]) -> Finding:
-    """A finding of an effect of open size, tied with the effects that leave it open."""
+    """A finding of an effect with undetermined size, tied with the effects that cause this."""
     if finding.term in unsure:
         for other in unsure:
             finding = finding.tied_with(other)

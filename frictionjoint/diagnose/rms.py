@@ -7,7 +7,7 @@ from frictionjoint.diagnose.decisions import APART
 
 @dataclass(frozen=True)
 class Rms:
-    """A pair of errors, on fitted and on held-out logs."""
+    """An error on fitted logs and on held-out logs."""
 
     fit: float | None
     held_out: float | None
@@ -20,9 +20,10 @@ class Rms:
 
     @property
     def only_fitted(self) -> bool:
-        """Whether the error on fitted logs is less than half of that on held-out logs.
+        """Whether the error on fitted logs is less than half of the error on held-out logs.
 
-        Then the model predicts them badly, however small the error where it was fitted.
+        In that case the model predicts held-out logs badly, however small the error on fitted logs
+        is.
         """
         if self.fit is None or self.held_out is None:
             return False

@@ -48,7 +48,7 @@ class Scored:
         return self._over_friction(other.total - self.total)
 
     def of_drive(self, other: "Scored") -> float:
-        """The same, relative to that of the drive."""
+        """The rms improvement over another model, relative to the rms of the drive."""
         f = self.fit
         nearer = max(0.0, other.total - self.total) / len(f.residual)
         return float(np.sqrt(nearer)) * f.error_unit / f.target_rms

@@ -28,9 +28,9 @@ class Noise:
 
     Args:
         residual: of a fit, shape (n,); log_index: log of each sample.
-        blocks: number of independent stretches of it.
-        every: decimation of a recording with respect to the logs; a sample stands for the mean of
-            that many.
+        blocks: number of independent parts of the residual.
+        every: decimation of a recording relative to the logs; each sample is the mean of so many
+            samples.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Moments:
 
 
 def moments(U: Array, noise: Noise) -> Moments:
-    """Moments of one recording's columns, shape (n, k), sampled as `noise` says."""
+    """Moments of the columns of one recording, shape (n, k), which has the sampling of `noise`."""
     W = noise.every * noise.coloured(U)
     return Moments(noise.every * (U.T @ U), W.T @ W)
 
@@ -96,11 +96,11 @@ class Effect:
 
     @property
     def _slopes(self) -> tuple[float, ...]:
-        """Its shape numbers, without a delay, whose column is a derivative already."""
+        """Shape numbers of the effect, except a delay, whose column is already a derivative."""
         return self.term.free_shape if self.term.coefficients else ()
 
     def columns(self, prepared: Prepared, fitted: Fit) -> Array:
-        """Its columns, then the derivatives by its free shape numbers, then its torque."""
+        """Columns of the effect, their derivatives by its free shape numbers, and its torque."""
         signals = signals_of(prepared, fitted)
         X = columns_of(prepared, signals, self.term)
         torque = X @ self.coefficients

@@ -113,8 +113,8 @@ def periodic_terms(
 ) -> tuple[list[Term], float]:
     """Harmonics of position: the strongest spatial frequencies of the residual.
 
-    They are those of all folds together and of all but each one, so that a frequency can be chosen
-    on data it is not tested on.
+    The frequencies come from all folds together and from all folds but one, for each fold, so that
+    a frequency can be chosen on data on which it is not tested.
 
     Returns:
         the terms, and the number of independent lines that were searched.

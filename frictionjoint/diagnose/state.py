@@ -70,7 +70,7 @@ class State:
         return self._way(self._model)
 
     def blocks_of(self, prepared: Prepared, fitted: Fit) -> Blocks:
-        """Blocks of another model of these logs, which may have other weights."""
+        """Blocks for another model of these logs, which may weight the samples differently."""
         return self._way(_Model(prepared, fitted))
 
     @property

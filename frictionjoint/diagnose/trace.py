@@ -126,10 +126,10 @@ def trace(
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
-    """One change of the model, if any is justified; names of added effects.
+    """Make one change of the model, if any is justified; return the names of added effects.
 
-    Effects that are certain to exist come first, then effects of the drive, then the rest: each
-    group is mistaken while the one before is missing.
+    Effects that are certain to exist are tried first, then effects of the drive, then all others.
+    The evidence for each group is unreliable while an effect of an earlier group is missing.
     """
     if not state.fit.effects:
         return (
@@ -309,10 +309,11 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 def _looked_at_again(
     state: State, now: Scored, tried: Sequence[_Tried], best: _Tried
 ) -> tuple[Scored, list[_Tried]]:
-    """The leading changes with the weights of the best one, and with an unbiased law.
+    """The leading changes, screened again with the weights of the best one and with an unbiased
+    law.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
-    states; then the residual depends on which change was tried first.
+    states. Then the residual depends on which change was tried first.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
@@ -383,7 +384,7 @@ def _beyond_chance(move: Move, seen: Look) -> bool:
 
 
 def _clearly(one: _Tried, other: _Tried) -> bool:
-    """Whether one of two effects, added to the other, explains what an effect must explain."""
+    """Whether adding one effect to a model with another effect explains enough to accept it."""
     return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
 
 

@@ -33,8 +33,7 @@ _MOST = 4
 
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
-    """These effects, each fitted jointly with the best of some laws, in all forms, from all
-    starts."""
+    """Effects fitted jointly with the best of some laws, in all forms, from all starting values."""
     with side_by_side() as each:
         places = list(each(lambda forms: ripened(prepared, terms, forms)[0], laws))
     place = best_of(places, lambda place: place.cost)

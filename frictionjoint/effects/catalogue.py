@@ -85,7 +85,7 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
 
 
 def title(name: str) -> str:
-    """Common name of an effect, from its canonical name; a place after " of " stays.
+    """Common name of an effect, from its canonical name; a location after " of " is kept.
 
     An effect without a title is called by its canonical name, with spaces instead of dashes.
     """

@@ -68,10 +68,10 @@ _heating = heating.torque
 
 @compiled
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Torque of one effect. A kernel cannot use a table of functions, hence the chain of
-    conditions.
+    """Torque of one effect, selected by its id.
 
-    Ids 8 and 15 belonged to effects that no longer exist.
+    A kernel cannot use a table of functions, so a chain of conditions selects the effect. Ids 8 and
+    15 belonged to effects that no longer exist.
     """
     if effect_id == 1:
         return _bias(P, e, sig, X, x)

@@ -18,7 +18,7 @@ _NOTHING = 1e-17
 
 @compiled
 def given(asked: float, s: float) -> float:
-    """The T with T + s T^3 = asked, s >= 0 (Cardano, hyperbolic form)."""
+    """Torque T that solves T + s T^3 = asked, s >= 0 (Cardano, hyperbolic form)."""
     if s * asked * asked < _NOTHING:
         return asked
     scale = 2.0 / math.sqrt(3.0 * s)

@@ -59,9 +59,10 @@ def with_assumed_stiffness(
 ) -> Fit:
     """The same fit with an assumed stiffness, if the logs do not determine it.
 
-    It is as high as the encoder's resolution and the time step allow (see `shortest`), so that the
-    joint sticks. The logs determine a stiffness if its standard error is below half of it, or if
-    nothing else in the law makes up for the assumed one.
+    The assumed value is as high as the encoder's resolution and the time step allow (see
+    `shortest`), so that the joint sticks. The logs determine a stiffness if its standard error is
+    below half of its value, or if no other parameter of the law can compensate for the assumed
+    value.
 
     Args:
         covariance: function of logs and fit that returns the covariance of its parameters.

@@ -18,11 +18,11 @@ class Bodies:
     """Rigid bodies of one joint under one or several loads.
 
     Args:
-        model: an MJCF, or one per pattern of log names (``light*``), of which the first match
-            counts.
+        model: an MJCF, or one per pattern of log names (``light*``); the first pattern that matches
+            is used.
         joint: name. fixed: see `RigidBody`.
     Raises:
-        ModelError: see `RigidBody`; no pattern at all.
+        ModelError: see `RigidBody`; there is no pattern.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
-"""Concatenated logs, so that each kernel is called once for all of them.
+"""Concatenated logs, so that each kernel is called once for all logs.
 
-For a short log, the overhead of a call exceeds the computation, and blocks other threads.
+For a short log, a call takes longer than the computation and blocks other threads.
 """
 
 from collections.abc import Sequence
@@ -138,7 +138,9 @@ class Bundle(Generic[_Log]):
 
     @cached_property
     def _damping_rate(self) -> Array:
-        """The same for the unchanged drives, which every search of a controller's log needs."""
+        """The damping rate of unchanged drives, cached because every search of such logs requires
+        it.
+        """
         return self._damping_rate_of(())
 
     def _damping_rate_of(self, changes: Sequence[Change]) -> Array:

@@ -42,7 +42,7 @@ class Commanded:
         return CommandedLogs([self]).drive(changes)
 
     def thinned(self, smooth: LowPass) -> "Commanded":
-        """The same on a coarser grid, after one more filter."""
+        """The commands on a coarser grid, after one more filter."""
         return replace(self, filters=(*self.filters, smooth))
 
 
@@ -63,11 +63,11 @@ class CommandedLogs:
         self.places = places([log.filters[-1].given for log in logs])
 
     def drive(self, changes: Sequence[Change]) -> Array:
-        """See `Commanded.drive`, all logs in turn, shape (n,)."""
+        """Drives of all logs, concatenated, shape (n,); see `Commanded.drive`."""
         return self._behind(self._commands.mean_drive(*self._changed(changes)))
 
     def answer(self, changes: Sequence[Change]) -> Array:
-        """Change of such a drive per small error of position, per rad, (n,)."""
+        """Change of the drives per small change of position, per rad, (n,)."""
         return self._behind(self._commands.answer(*self._changed(changes)))
 
     def damping(self, changes: Sequence[Change]) -> Array:

@@ -137,7 +137,7 @@ def gradient(x: Array, time: Array, edges: Index) -> Array:
 
 @compiled
 def _fill_gradient(x: Vector, time: Vector, edges: Index, out: Vector) -> None:
-    """Of second order between the ends of each motion."""
+    """Second-order derivative of x over time inside each motion, first order at its ends."""
     for i in range(len(edges) - 1):
         first, last = edges[i], edges[i + 1] - 1
         if first == last:

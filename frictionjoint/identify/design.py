@@ -94,7 +94,7 @@ class Balance:
         return np.concatenate(found)
 
     def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
-        """Of the logs of a part; so are all that follow."""
+        """Columns for the logs of part i; the following methods also compute part i only."""
         known, names = self._parts[i].load_and_velocity, self.layout.base
         age = age_of(terms, DampingAge)
         if age:
@@ -109,10 +109,10 @@ class Balance:
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
-        """Sum of the law and of the terms that follow it, shape (n,).
+        """Sum of the law and of the terms that depend on the law, shape (n,).
 
         Args:
-            held: friction over Fc at the first sample of each log, instead of its own.
+            held: friction over Fc at the first sample of each log, instead of the stored value.
         """
         at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
         found, first = [], 0
@@ -145,7 +145,7 @@ class Balance:
         return drive if self.prepared.gain_unknown else drive - known
 
     def _damping_rate(self, terms: tuple[Term, ...], i: int) -> Array:
-        """Of the drive that the terms make, see `Bundle`."""
+        """Damping rate of the drive as changed by the terms, see `Bundle`."""
         part = self._parts[i]
         key = "damping rate", _changes(terms)
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
@@ -175,7 +175,7 @@ class Balance:
         return np.concatenate([torque_of(term, s, signals, own) for s, signals in logs])
 
     def _signals(self, term: Term, law: Shape, i: int) -> Iterable[Array]:
-        """Of each log, as a term sees them."""
+        """Signals of each log in the form that a term requires."""
         if term.follows_law:
             return with_track(self._track(law, i), self._parts[i])
         return [s.signals for s in self._parts[i].logs]

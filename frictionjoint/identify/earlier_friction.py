@@ -12,15 +12,15 @@ from frictionjoint.simulate.uninstall import carrying, take_out
 def before_friction(
     model: str | Path, joints: Collection[str]
 ) -> tuple[str | Path, tuple[str, ...]]:
-    """A model as it was before joints got friction, to identify it again.
+    """A model without friction of this package at some joints, to identify it again.
 
     Args:
         model: path or text of an MJCF or URDF.
     Returns:
-        the model itself if none of the joints has friction, else an MJCF's text; and which of them
-        did.
+        the model itself if none of the joints has friction, else the text of an MJCF; and the
+            joints that had friction.
     Raises:
-        ModelError: it does not compile, or a block is damaged.
+        ModelError: the model does not compile, or a block is damaged.
     """
     spec = read_spec(model)
     there = [name for name in carrying(spec) if name in joints]

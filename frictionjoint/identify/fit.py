@@ -97,7 +97,7 @@ class Fit:
 
     @property
     def rms_in_motion(self) -> float:
-        """rms of the residual of these samples, N m, used to compare laws."""
+        """rms of the residual over the samples in motion, N m, used to compare laws."""
         return root_mean_square(self.residual[self.in_motion])
 
     @property
@@ -109,10 +109,10 @@ class Fit:
     def error_unit(self) -> float:
         """Torque per unit of error for comparing models.
 
-        A log with a target shows where the joint went. A residual torque stands for the position
-        error that requires it: the likelihood of the motion contains the determinant of this
-        map in addition to the residual torques. Without it, a drive that hardly acts, with
-        little residual, would explain any motion.
+        A log with a target shows the motion that resulted. A residual torque represents the
+        position error that requires this torque: the likelihood of the motion contains the
+        determinant of this map in addition to the residual torques. Without this factor, a drive
+        with little effect, and so with little residual, would explain any motion.
         """
         return self.gain * self.holding
 
@@ -125,9 +125,9 @@ class Fit:
     def open(self) -> NDArray[np.bool_]:
         """Parameters that can change in both directions, shape (p,).
 
-        A time offset at the end of its sample is no sampling offset any more and cannot. And the
-        residual must change with the parameter within the range of one search: the numbers of a
-        law without a friction level change almost nothing.
+        A time offset at the end of its range cannot, because it is no longer a sampling offset. The
+        residual must also change with the parameter within the range of one search: the parameters
+        of a law without a friction level change almost nothing.
         """
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)

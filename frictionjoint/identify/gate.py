@@ -84,7 +84,7 @@ class Balance(NamedTuple):
         return np.ones(len(self.drive))
 
     def of_log(self, i: int) -> "Balance":
-        """The samples of one log, in as many blocks as all logs had."""
+        """The samples of one log, divided into the same number of blocks as all logs together."""
         own = self.log == i
         part = Balance._make(x[own] for x in self)
         return part._replace(block=_blocks(len(part.drive)))
@@ -176,10 +176,11 @@ def load_shows(fitted: Fit) -> bool:
 
 
 def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) -> None:
-    """The load must not be reversed, nor friction drive, in all logs together or in one.
+    """Check that the load is not reversed and friction does not drive the joint, in any log or in
+    all.
 
     The balance of one log may be wrong by more than its standard errors, for example if gravity and
-    inertia of a free oscillation cancel. So the balance of the other logs must agree that its sign
+    inertia of a free oscillation cancel. So the balance of the other logs must agree that the sign
     is wrong.
     """
     if prepared.gain_unknown:
@@ -318,7 +319,7 @@ def _blocks(n: int) -> NDArray[np.int64]:
 
 
 def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Least squares, and the covariance where samples of one block are not independent."""
+    """Least squares, and its covariance if samples within a block are not independent."""
     size = np.linalg.norm(X, axis=0)
     size[size == 0.0] = 1.0
     Z = X / size

@@ -1,7 +1,7 @@
-"""Joints held at a position: joints that a log does not measure stay where they are assumed to be.
+"""Joints that a log does not measure, held at their assumed positions.
 
-A compiled model is changed in place. The position is folded into the frames of the bodies, so that
-new data of the model have it; a lock is an armature that no torque moves.
+A compiled model is changed in place. The position is built into the frames of the bodies, so that
+new data of the model contain it. The joint is locked by an armature that no torque can move.
 """
 
 from collections.abc import Mapping, Sequence

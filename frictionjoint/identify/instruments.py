@@ -31,7 +31,10 @@ class ExcessTerm(TunedTerm):
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """A saturated drive delivers nothing beyond its level: at most all of that is missing."""
+        """Bounds of the fraction: a saturated drive delivers nothing beyond its level.
+
+        So at most all of the torque beyond the level is missing.
+        """
         return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     @property
@@ -116,7 +119,7 @@ class MissingTerm(SmoothTerm):
         return np.zeros((len(signals), 1)) if where is None else where[:, None]
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """How much is missing."""
+        """The missing torque, in a sentence."""
         return (
             f"Where the logged torque stands at its largest value, {-coefficients[0]:.2g} {unit} "
             "more acted on average: the sensor, or what writes the log, saturates. The final fit "

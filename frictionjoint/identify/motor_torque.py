@@ -24,7 +24,7 @@ def follows_motor(term: Term) -> bool:
 
 
 def solutions(terms: tuple[Term, ...]) -> int:
-    """How often coefficients are solved until the motor torque is consistent with them."""
+    """Number of solutions for the coefficients until the motor torque is consistent with them."""
     return 1 + _MORE * any(follows_motor(term) for term in terms)
 
 

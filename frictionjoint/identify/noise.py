@@ -75,13 +75,13 @@ class Noise:
 
 
 def density_above(x: Array, dt: float) -> float:
-    """Noise density of a signal, measured above its motion, unit^2 / Hz.
+    """Noise density of a signal, measured at frequencies above its motion, unit^2 / Hz.
 
-    The median ignores lines. For a spectrum averaged over few pieces it is below the mean, as the
-    median of a chi-squared variable is.
+    The median is not affected by spectral lines. For a spectrum averaged over few segments the
+    median is below the mean, and is corrected as for a chi-squared variable.
 
     Args:
-        x: shape (n,). dt: s between samples.
+        x: shape (n,). dt: sampling interval, s.
     """
     window = min(len(x), _PIECE)
     f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")

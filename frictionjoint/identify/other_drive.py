@@ -40,6 +40,6 @@ def turned_by_another(
 
 
 def _friction(lost: Array, velocity: Array) -> float:
-    """Work over distance; 0 where nothing moves."""
+    """Friction as work over distance; 0 if nothing moves."""
     distance = float(np.sum(np.abs(velocity)))
     return float(np.sum(lost * velocity)) / distance if distance else 0.0

@@ -128,7 +128,7 @@ def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> floa
 
 
 def _drive(log: JointLog) -> tuple[Drive, Array]:
-    """What a log holds of the motor; `with_drive` sees to it that there is something."""
+    """Kind and values of the drive that a log contains; `with_drive` ensures that there is one."""
     for name in get_args(Drive):
         values = getattr(log, name)
         if values is not None:
@@ -220,10 +220,10 @@ def _segment(
 
 
 def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
-    """Where a drive is at its largest value, 1, or its smallest, -1; None: nowhere.
+    """1 where a drive is at its largest value, -1 where it is at its smallest; None if never.
 
-    Samples accumulate there, within the noise. At the crest of a wave there are only a few more
-    than below.
+    At a limit many samples have the same value, within the noise. At the crest of a wave there are
+    only a few more samples than below it.
     """
     found = np.zeros(len(values))
     steps = np.abs(np.diff(values))
@@ -248,7 +248,7 @@ def _per_torque(drive: Array, load: Array, velocity: Array) -> float:
 
 
 def _away_from_switching(enabled: Array, edge: int) -> NDArray[np.bool_]:
-    """False within `edge` samples of a drive that goes on or off: a filter smears the moment."""
+    """False within `edge` samples of a switching of the drive, which a filter smears in time."""
     away = np.ones(len(enabled), dtype=bool)
     for k in np.flatnonzero(np.diff(enabled)):
         away[max(0, k - edge + 1) : k + edge + 1] = False

@@ -8,11 +8,11 @@ _MEASURED = {"voltage": "voltage_v", "current": "current_a"}
 
 
 class _Columns(NamedTuple):
-    """Of the position and of what drives the joint, and their units.
+    """Column names and units for the position and for the drive.
 
     Attributes:
-        what: the drive, or the target where a controller makes it.
-        rest: of the drive, that no column says.
+        what: name of the drive, or of the target if a controller computes the drive.
+        rest: further checks on the drive for the message, which no column states.
     """
 
     position: str

@@ -63,7 +63,7 @@ def scale_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
 
 
 def _coefficient_unit(fitted: Fit, unit: str, slide: bool) -> str:
-    """Of a linear coefficient; where its column is a torque of the model, per unit of that."""
+    """Unit of a linear coefficient; per unit of torque if its column is a torque of the model."""
     torque, position = units_of(fitted, slide)
     if not fitted.in_drive_units or "T" in unit:
         return _spelled(unit, torque, position)

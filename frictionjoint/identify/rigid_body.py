@@ -112,9 +112,10 @@ class RigidBody:
         return np.maximum(low - position, position - high)
 
     def at_limit(self, position: Array) -> NDArray[np.bool_]:
-        """Where the joint is at a limit, whose torque no motion determines, shape (n,).
+        """Whether the joint is at a limit, whose torque no motion determines, shape (n,).
 
-        Nowhere if it moves far beyond: then the limit is another joint's, or the zero is different.
+        It is False everywhere if the joint moves far beyond the limit: then the limit belongs to
+        another joint, or the zero position differs.
         """
         low, high = self.limits
         beyond = self.beyond_limits(position)

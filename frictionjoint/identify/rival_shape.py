@@ -129,7 +129,7 @@ class RivalShape:
         return [self]
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """See `Shape`: that of a rival stays as it was fitted."""
+        """See `Shape`; the fitted stiffness of a rival law is kept."""
         return self
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:

@@ -175,7 +175,7 @@ class Search:
         self._last: tuple[bytes, Solution] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
-        """Of the numbers of a law, and of those of terms from where they are."""
+        """Ranges of the numbers of a law, and of those of terms around their present values."""
         low, high = (list(x) for x in law.bounds(self.vmax, self.balance.span))
         for term in terms:
             for (least, most), (x, reach) in zip(
@@ -256,11 +256,10 @@ class Search:
     def _descended(self, x: Array, steps: int, closeness: float) -> Place:
         """Result of steps along derivatives.
 
-        A change of a number by its scale costs as much as the last step may gain. Otherwise a
-        number with hardly any influence (a part of a curve that the motion does not reach) would
-        follow rounding
-        errors: steps that
-        a trust region shortens are as long as the region, whatever they contain.
+        A change of a parameter by its scale costs as much as the last step may gain. Otherwise a
+        parameter with hardly any influence (a part of a curve that the motion does not reach) would
+        follow rounding errors, because a step that a trust region shortens has the length of the
+        region in any case.
         """
         still, axes = np.zeros(len(x)), np.diag(1.0 / self.scale)
 

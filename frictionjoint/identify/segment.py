@@ -279,7 +279,7 @@ class Prepared:
         return whole.load_and_velocity[:, 0]
 
     def bundles(self, parts: int) -> tuple[Bundle[Segment], ...]:
-        """The logs in at most so many parts with about equal numbers of samples."""
+        """The logs in at most a given number of parts, with about equal numbers of samples."""
         parts = min(parts, len(self.segments))
         if parts not in self._bundles:
             lengths = np.array([len(s.drive) for s in self.segments])

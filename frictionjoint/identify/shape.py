@@ -202,8 +202,10 @@ class IntegratedShape:
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """With the estimated transition curve, and with a straight one: a small n is curved
-        enough."""
+        """Starting shapes: with the estimated transition curve, and with a straight one.
+
+        A straight one is sufficient because a small n makes the loops curved enough.
+        """
         first, second = np.clip(start.bend, *_BENDS)
         straight = _BENDS[1]
         return [

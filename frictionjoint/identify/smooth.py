@@ -74,7 +74,7 @@ class SmoothTerm:
         return False
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The same: there are no shape numbers."""
+        """The term itself, because it has no shape numbers."""
         return self
 
     def says(self, coefficients: Array, unit: str) -> str:
@@ -131,7 +131,7 @@ class SplineTerm(SmoothTerm):
     def _basis(self, x: Array) -> Array:
         """Cubic B-splines of uniform knots at x, shape (n, pieces + 2).
 
-        Without the last one, because all of them add up to a constant.
+        The last one is left out, because the sum of all is a constant.
         """
         at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
         piece = np.minimum(at.astype(int), self.pieces - 1)
@@ -149,8 +149,10 @@ class SplineTerm(SmoothTerm):
         return out[:, :-1]
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
-        """The same curve without its mean over the kept samples, and without the slope that the
-        model contains; an odd one has neither.
+        """The curve without its mean over the kept samples, and without a slope that the model
+        contains.
+
+        An odd curve has neither.
         """
         if self.odd:
             return self
@@ -213,7 +215,7 @@ class TunedTerm(SmoothTerm):
         return (self.within,)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The same with another number."""
+        """The term with another shape number."""
         return replace(self, at=shape[0])
 
 
@@ -242,7 +244,7 @@ class WaveTerm(TunedTerm):
         return np.hstack([wave * x for x in own])
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """Its size and frequency."""
+        """Size and frequency of the wave, in a sentence."""
         size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
         torque = f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz"
         if self.moved > _MOVED:

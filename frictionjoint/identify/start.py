@@ -97,7 +97,7 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
 def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
     """Deflection of an elastic joint at the first sample of a log, and its rate.
 
-    What is left of the log is linear in both.
+    The residual of the log is linear in both.
     """
     (segment,) = one.segments
     at = [i for i, t in enumerate(fitted.terms) if swings(t)]

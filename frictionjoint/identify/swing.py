@@ -32,5 +32,5 @@ def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
 
 
 def swings_of(prepared: Prepared, term: Term) -> Array:
-    """The same for all logs, each with two columns of its own, shape (n, 2 k)."""
+    """Columns of `swing_columns` for all logs, two per log, shape (n, 2 k)."""
     return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))

@@ -100,7 +100,7 @@ class EffectTerm:
         return self.effect.shape_bounds[self.effect.shape_fixed :]
 
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
-        """The same effect at another point of its grid."""
+        """The effect with other shape numbers."""
         return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape))
 
     @property
@@ -153,12 +153,12 @@ class DriveTerm(EffectTerm):
     """An effect of the drive, for logs with a known controller: it has no columns of its own."""
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
-        """Its change of a controller's block and delay."""
+        """A controller's block and delay as changed by the effect."""
         assert self.effect.drive is not None
         return self.effect.drive(block, delay, self.shape)
 
     def figures(self, controller: Controller) -> dict[str, Any]:
-        """Its changes of a controller file."""
+        """Changes of a controller file that the effect corresponds to."""
         assert self.effect.controller is not None
         return self.effect.controller(controller, self.shape)
 

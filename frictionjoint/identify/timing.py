@@ -52,7 +52,7 @@ class Timing:
         return ((-self.sample, self.sample),)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The same with another time."""
+        """The offset with another time."""
         return replace(self, shape=shape)
 
     def columns(self, segment: Segment, signals: Array) -> Array:

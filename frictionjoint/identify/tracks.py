@@ -76,7 +76,7 @@ class Tracks:
 
     @cached_property
     def _averaged(self) -> NDArray[np.bool_]:
-        """Of all logs, see `Path`."""
+        """`Path.averaged` of all logs, concatenated."""
         return np.concatenate([path.averaged for path in self.paths])
 
     def _samples(self, begin: Index) -> Index:
@@ -86,11 +86,11 @@ class Tracks:
 
     @cached_property
     def _own_samples(self) -> Index:
-        """The same without approaches."""
+        """Indices of the samples if no log is preceded by an approach."""
         return self._samples(self._paths[2][:-1])
 
     def _whole(self, law: Shape) -> tuple[Array, Array, Index, Index]:
-        """Time, position and edges along which a law is driven, and the samples' indices in it.
+        """Time, position and edges of the motions for a law, and the indices of the logs' samples.
 
         A log with initial friction is preceded by an approach to that friction.
         """

@@ -36,7 +36,7 @@ class Errors(NamedTuple):
 
 
 def reweighed(prepared: Prepared, fitted: Fit, closeness: float = CLOSE) -> tuple[Prepared, Fit]:
-    """The logs weighted by a fit of them, and that fit again."""
+    """The logs with weights from a fit, and the fit repeated with these weights."""
     prepared = weighted(prepared, fitted, errors_of(prepared, fitted))
     return prepared, refit(prepared, fitted.terms, fitted.shape, closeness)
 

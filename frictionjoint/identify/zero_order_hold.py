@@ -42,10 +42,11 @@ def of_drive(omega: Array, sample: float) -> Array:
 
 
 def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
-    """Whether logs balance like those of a constant drive between samples.
+    """Whether the drive of logs is constant between samples, as judged by their torque balance.
 
-    Then the drive is half a sample late, which is easier to detect than its amplitude, and with
-    that delay and the corrections the residual is smaller than without corrections with any delay.
+    Such a drive is half a sample late, which is easier to detect than its amplitude. It is constant
+    if the residual with this delay and the corrections is smaller than the residual without
+    corrections at any delay.
 
     Args:
         smooth, held: the same logs, prepared without and with the corrections.
