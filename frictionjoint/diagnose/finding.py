@@ -50,7 +50,7 @@ class Finding:
 
     @property
     def margin(self) -> float:
-        """Difference between its gain and the runner-up's."""
+        """Difference between the gain of the effect and that of the runner-up."""
         if self.against:
             return self.against[1]
         runner = self._next_of_look

@@ -127,7 +127,7 @@ class Effect:
 
     @property
     def decided_first(self) -> bool:
-        """Whether every torque is wrong without it: an effect of the motor or of the drive."""
+        """Whether the effect is one of the motor or of the drive, which changes every torque."""
         return self.first or self.drive is not None
 
     @property

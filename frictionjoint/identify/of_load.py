@@ -29,7 +29,7 @@ def with_load(X: Array, layout: Layout) -> Array:
 
 
 def less_load(X: Array, y: Array, layout: Layout) -> Array:
-    """A target minus such effects of a known load, shape (n,)."""
+    """A target minus the effects that are tied to a known load, shape (n,)."""
     at = _own(layout)
     return y - X[:, at].sum(axis=1) if at and "load" not in layout.base else y
 

@@ -1,8 +1,8 @@
-"""Parts of a log in which another drive turns the joint: its own is exactly zero there.
+"""Parts of a log in which another drive turns the joint while the joint's own drive is off.
 
 A joint that coasts loses energy to its friction, about as much over a distance as when it is
-driven. Where another motor turns it, that motor pays for the friction: the balance of the joint's
-own drive and the rigid body shows next to none.
+driven. If another motor turns the joint, that motor supplies this energy. Then the balance of the
+joint's own drive and the rigid body shows almost no friction.
 """
 
 import numpy as np

@@ -139,7 +139,12 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
 def _segment(
     log: JointLog, body: RigidBody, motion: Motion, band: Band, controller: Controller | None
 ) -> Segment:
-    """A log along its motion; `controller` where its drive was made from its commands."""
+    """Prepare a log whose motion is known.
+
+    Args:
+        controller: controller that computes the drive from the log's commands; None: measured
+            drive.
+    """
     grid, sample, smooth, rigid = motion.raw_time, motion.sample, motion.smooth, motion.rigid
     t, dt, n = motion.time, motion.dt, len(motion.time)
     signals = np.zeros((n, N_SIGNALS))

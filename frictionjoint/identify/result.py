@@ -37,7 +37,7 @@ def units_of(fitted: Fit, slide: bool) -> tuple[str, str]:
 
 
 def _drive_unit(fitted: Fit, slide: bool) -> str:
-    """Unit of a drive that is no torque; that of a position for a torque over kp."""
+    """Unit of a drive that is not a torque; a position unit if torques are divided by kp."""
     if fitted.over_kp:
         return "m" if slide else "rad"
     return _DRIVE_UNITS[fitted.drive]

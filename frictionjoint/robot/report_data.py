@@ -188,7 +188,7 @@ class RobotReport:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the robot; `explained` if every joint is explained or has nothing to explain."""
+        """`explained` if every joint is explained or has nothing to explain."""
         found = {result.report.verdict for result in self.joints.values()}
         if self.failed or any(result.worse for result in self.joints.values()):
             return "partly-explained"
