@@ -106,7 +106,7 @@ def test_a_reset_empties_the_figures():
 
 
 def test_a_joint_without_friction_is_refused():
-    with pytest.raises(ModelError, match="'wrist' has no friction, joint1 has"):
+    with pytest.raises(ModelError, match="'wrist' has no friction: choose from joint1"):
         Scope(fj.load_model(kuka_model()), "wrist")
 
 

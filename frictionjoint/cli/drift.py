@@ -38,7 +38,7 @@ def drift(
     options: LogOptions = NO_OPTIONS,
     as_json: Json = False,
 ) -> None:
-    """State which friction numbers of a report new logs confirm, and which have changed.
+    """State which friction numbers of a report are confirmed by new logs and which have changed.
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
     *Not resolvable*: the new logs would not show a change by half of the number.

@@ -27,15 +27,15 @@ def export(
     ],
     log: Annotated[
         Path | None,
-        typer.Option("--log", metavar="LOG", help="Fit and measure along the motion of this log."),
+        typer.Option("--log", metavar="LOG", help="Motion to fit and to state the error for."),
     ] = None,
     speeds: Annotated[
         str | None,
         typer.Option(
             "--speeds",
             metavar="LOW:HIGH",
-            help="Fit and measure over these speeds, rad/s or m/s. Default without a log: 0.1 to "
-            "20 Stribeck velocities; for isaac, the speeds above the Stribeck range.",
+            help="Speeds to fit and to state the error for, rad/s or m/s. Default without a log: "
+            "0.1 to 20 Stribeck velocities; for isaac, the speeds above the Stribeck range.",
         ),
     ] = None,
     column: Annotated[
@@ -62,10 +62,10 @@ def export(
 
     * `c`: a C99 header for controllers, with the same torque as the simulation.
     * `native`: an MJCF with MuJoCo's own friction, for every program that loads MJCF.
-    * `mjx`: the same for MJX, without what MJX refuses or passes over.
+    * `mjx`: the same for MJX, without what MJX does not support.
     * `urdf`: links, joints and their `<dynamics>`.
-    * `mjlab`: an actuator configuration whose joints have the whole friction.
-    * `newton`, `isaac`: the joints' numbers in Newton's and Isaac Lab's terms.
+    * `mjlab`: an actuator configuration with the complete friction.
+    * `newton`, `isaac`: joint parameters of Newton and Isaac Lab.
 
     Examples:
 

@@ -27,8 +27,8 @@ Columns = Annotated[
     typer.Option(
         "--column",
         metavar="OURS=THEIRS",
-        help="Name of a column in your file, e.g. time_s=t; its number, from 1, in a file without "
-        "a header. time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
+        help="Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
+        "time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
     ),
 ]
 Signals = Annotated[
@@ -86,8 +86,8 @@ DropNan = Annotated[
     bool,
     typer.Option(
         "--drop-nan",
-        help="Leave out rows with an empty cell or NaN, and say how many. Without it they are "
-        "refused.",
+        help="Leave out rows with an empty cell or NaN, and say how many. Otherwise such logs "
+        "are refused.",
     ),
 ]
 ControllerFile = Annotated[
