@@ -65,7 +65,7 @@ def test_a_lost_byte_of_the_bus_is_interpolated_and_said(tmp_path):
     assert abs(log.position[77] - whole.position[77]) < 2 * COUNT
     np.testing.assert_array_equal(np.delete(log.position, 77), np.delete(whole.position, 77))
     (note,) = log.notes
-    assert "1 reading stands alone (sample 78" in note
+    assert "1 outlier (first in sample 78" in note
     assert whole.notes == ()
 
 

@@ -266,7 +266,7 @@ def test_rows_that_stand_several_times_are_taken_once(tmp_path: Path, times: int
     np.testing.assert_array_equal(log.time, columns()["time_s"][::times])
     np.testing.assert_array_equal(log.position, columns()["position_rad"][::times])
     assert log.notes == (
-        f"log: every row stands {times} times in turn: {N // times} of {N} rows are used.",
+        f"log: every row is repeated {times} times: {N // times} of {N} rows are used.",
     )
 
 

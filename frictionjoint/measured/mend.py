@@ -79,7 +79,7 @@ def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple
             steps = 0.5 * (x[1:] + x[:-1]) * np.diff(found["time_s"])
             found[position] = np.concatenate([[0.0], np.cumsum(steps)])
             notes.append(
-                "the log has no position: it was integrated from the velocity, from 0 on. What "
+                "the log has no position: it was integrated from the velocity, starting at 0. What "
                 "depends on the position itself cannot be trusted."
             )
     return found, tuple(notes)
@@ -114,9 +114,9 @@ def without_lone_readings(
         mended = x.copy()
         mended[lone] = near[lone]
         found[name] = mended
-        what = "1 reading stands" if lone.sum() == 1 else f"{int(lone.sum())} readings stand"
+        what = "1 outlier" if lone.sum() == 1 else f"{int(lone.sum())} outliers"
         row = int(np.argmax(lone)) + 1
-        notes.append(f"{name}: {what} alone (sample {row}: {x[row - 1]:.4g}): interpolated.")
+        notes.append(f"{name}: {what} (first in sample {row}: {x[row - 1]:.4g}): interpolated.")
     return found, tuple(notes)
 
 
@@ -250,5 +250,5 @@ def without_repeats(
     kept = np.concatenate(
         [np.arange(a, max(b - k // 2, a + 1), k) for a, b in itertools.pairwise(ends)]
     )
-    note = f"every row stands {k} times in turn: {len(kept)} of {n} rows are used."
+    note = f"every row is repeated {k} times: {len(kept)} of {n} rows are used."
     return {name: x[kept] for name, x in columns.items()}, (note,)

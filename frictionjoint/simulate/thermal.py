@@ -125,7 +125,7 @@ def _places(
         if places:
             found[name] = places
     if not found:
-        raise ModelError(f"no joint of the model has an effect with a {what}")
+        raise ModelError(f"no joint of the model has an effect that depends on {what}")
     return found
 
 
