@@ -32,7 +32,7 @@ def base_fit(
 ) -> tuple[Prepared, Fit]:
     """The law alone, fitted to logs, with the weights that follow from it.
 
-    Without the contact's damping and an assumed stiffness, which are decided last.
+    The law has no contact damping and no assumed stiffness; both are decided last.
 
     Raises:
         ParameterError: no law has this name.

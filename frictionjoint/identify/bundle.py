@@ -123,7 +123,7 @@ class Bundle(Generic[_Log]):
         return self._filters.spectra(drive[None])
 
     def answer(self, changes: Sequence[Change]) -> Array:
-        """Change of such drives per small error of position, per rad (m), (m,).
+        """Change of the controllers' drives per small error of position, per rad (m), (m,).
 
         Zero for a measured drive.
         """
@@ -133,7 +133,7 @@ class Bundle(Generic[_Log]):
         return self.kept(found[None])[:, 0]
 
     def damping_rate(self, changes: Sequence[Change]) -> Array:
-        """Rate of the damping part of such drives, in units of the drive per s, (m,)."""
+        """Rate of the damping part of the controllers' drives, in drive units per s, (m,)."""
         return self._damping_rate_of(changes) if changes else self._damping_rate
 
     @cached_property
@@ -150,7 +150,7 @@ class Bundle(Generic[_Log]):
         return self.kept((found * self.row(A))[None])[:, 0]
 
     def _put(self, made: Array, all_logs: Array) -> None:
-        """Controller outputs in the slices of their logs."""
+        """Write controller outputs into the slices of their logs."""
         commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
         assert self._commanded is not None
         for i, own in zip(commanded, self._commanded.places, strict=True):

@@ -34,7 +34,7 @@ class Commanded:
 
     @property
     def damped(self) -> bool:
-        """Whether its controller damps the joint."""
+        """Whether the controller damps the joint."""
         return bool(self.commands.block[KD])
 
     def drive(self, changes: Sequence[Change]) -> Array:
@@ -71,7 +71,7 @@ class CommandedLogs:
         return self._behind(self._commands.answer(*self._changed(changes)))
 
     def damping(self, changes: Sequence[Change]) -> Array:
-        """Decrease of such drives per small velocity, per rad/s, (n,)."""
+        """Decrease of the drives per small velocity, per rad/s, (n,)."""
         return self._behind(self._commands.damping(*self._changed(changes)))
 
     def _changed(self, changes: Sequence[Change]) -> tuple[Array, Array]:

@@ -284,7 +284,7 @@ def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
 
 
 def term_key(term: Term, law: Shape | None) -> tuple[object, ...]:
-    """Cache key for the columns of a term, including the law if they follow it."""
+    """Cache key for the columns of a term, including the law if the columns depend on it."""
     return "term", id_of(term), law
 
 

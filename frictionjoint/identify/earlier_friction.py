@@ -1,4 +1,4 @@
-"""Friction that a model carries from an earlier run: the loop finds it anew."""
+"""Friction in a model from an earlier run, which is removed and identified again."""
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -31,7 +31,7 @@ def before_friction(
 
 
 def said_of(joints: Sequence[str]) -> str:
-    """A sentence for the report on removed friction."""
+    """Sentence of the report on removed friction."""
     which = "joint" if len(joints) == 1 else "joints"
     return (
         f"The model contains friction at {which} {few(joints)} from an earlier run: it is ignored "

@@ -150,8 +150,8 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     """Whether friction is known in N m (N), and not only in amperes or volts.
 
-    If the torque was not measured, the load of the model determines the torque per current. It does
-    so if the torque of the load, beyond what any other parameter could explain, exceeds the
+    If the torque was not measured, the load of the model determines the torque per current. This
+    requires that the part of the load torque that no other parameter can explain exceeds the
     residual of the fit, because the residual may be correlated with the load.
     """
     if not prepared.gain_unknown:
@@ -171,7 +171,7 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
 
 
 def load_shows(fitted: Fit) -> bool:
-    """Whether a drive grows with the load of the model; a measured torque need not."""
+    """Whether a fit finds the load of the model in the drive; True for a measured torque."""
     return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
@@ -213,7 +213,7 @@ def _check_drive_changes(prepared: Prepared, names: str) -> None:
 
 
 def _turned(b: Balance, i: int) -> bool:
-    """Whether all other logs show the i-th log's torque with the opposite sign."""
+    """Whether the i-th log's torque has the opposite sign to a prediction from all other logs."""
     own = b.log == i
     X = _free(b)
     beta, _ = _regression(X[~own], b.drive[~own], b.block[~own])
@@ -262,7 +262,7 @@ def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
 
 
 def _load_factors(b: Balance) -> _Load:
-    """From a balance that also contains friction and a constant torque."""
+    """Load factors from a balance that also contains friction and a constant torque."""
     gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
     X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)

@@ -18,7 +18,7 @@ def hanging(prepared: Prepared, fitted: Fit) -> tuple[Term, ...]:
     """The terms of a fit, each with the share of the inertia that the fit puts behind its spring.
 
     A model that combines motor and link has one inertia. A rotor is balanced, so gravity acts on
-    the link alone, which sags the more, the less inertia it has at a given resonance.
+    the link alone. At a given resonance the link sags more if its inertia is smaller.
     """
     return tuple(_hung(prepared, fitted, i) for i in range(len(fitted.terms)))
 

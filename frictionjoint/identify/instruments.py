@@ -1,7 +1,7 @@
 """Measurement artefacts: torque that was not delivered, sensor saturation, encoder eccentricity.
 
-They are quantities that a residual depends on, like those of `smooth`, and have no place in a
-simulation: the log is wrong, not the model.
+Like the terms of `smooth`, they are quantities on which a residual depends. They are not simulated,
+because the log is wrong and not the model.
 """
 
 from collections.abc import Sequence
@@ -31,10 +31,7 @@ class ExcessTerm(TunedTerm):
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of the fraction: a saturated drive delivers nothing beyond its level.
-
-        So at most all of the torque beyond the level is missing.
-        """
+        """Bounds of the fraction around 1: a saturated drive delivers nothing beyond its level."""
         return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     @property
@@ -69,7 +66,7 @@ class ExcessTerm(TunedTerm):
         return noise < _ABOUT * squares and pressing < _MOSTLY * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """The level, and the undelivered fraction, at most all."""
+        """The level, and the fraction that was not delivered, in a sentence."""
         whole = coefficients[0] >= 1.0 - 0.5 * _ABOUT
         missing = "all of it" if whole else f"{coefficients[0]:.0%}"
         return (
@@ -101,16 +98,18 @@ def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
 
 @dataclass(frozen=True)
 class MissingTerm(SmoothTerm):
-    """Mean torque that a saturated sensor does not show."""
+    """Mean torque that a saturated sensor does not measure."""
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """The true torque is larger than logged, not smaller."""
+        """Bounds of the coefficient: the true torque is larger than the logged torque, never
+        smaller.
+        """
         return ((-np.inf, 0.0),)
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """The negative of the missing torque."""
+        """Name of the coefficient, which is the negative of the missing torque."""
         return ("missing",)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -163,7 +162,7 @@ class EncoderTerm(SmoothTerm):
         return np.asarray(along)
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """Amplitude of the position error."""
+        """Amplitude of the position error, in a sentence."""
         return (
             f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, in "
             f"{self.order:g} waves a turn: an encoder or a shaft off its centre."

@@ -113,7 +113,7 @@ def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
 
 
 def _check_limit(log: JointLog, body: RigidBody) -> None:
-    """A torque that no actuator of the model could give is in another unit."""
+    """Reject a torque that no actuator of the model could deliver: its unit is probably wrong."""
     model, j = body.model, body.joint_id
     if log.torque is None or not model.jnt_actfrclimited[j]:
         return
@@ -128,7 +128,7 @@ def _check_limit(log: JointLog, body: RigidBody) -> None:
 
 
 def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
-    """Every joint of a log must be the model's; every relevant position must be known."""
+    """Check that the model has every joint of the logs, and that relevant positions are known."""
     model = body.model
     fixed = {model.joint(j).name for j in body.poses}
     both = sorted(fixed & set(log.other_positions))
@@ -163,7 +163,7 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
 
 
 def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
-    """Indices of the joints with unknown positions that change the torque along a log."""
+    """Indices of joints with unknown positions on which the torque along a log depends."""
     model = body.model
     known = {*body.poses, body.joint_id, *(model.joint(n).id for n in _of(log, body))}
     open_ones = [j for j in range(model.njnt) if j not in known]

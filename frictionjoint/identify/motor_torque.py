@@ -19,7 +19,7 @@ _MORE = 3
 
 
 def follows_motor(term: Term) -> bool:
-    """Whether its column depends on the motor torque."""
+    """Whether the column of a term depends on the motor torque."""
     return isinstance(term, EffectTerm) and MOTOR in term.effect.needs
 
 

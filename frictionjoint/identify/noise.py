@@ -66,7 +66,7 @@ class Noise:
         return self.torque * float(np.sum(passed)) * df, float(np.sum(made * passed)) * df
 
     def band_hz(self, least: float, most: float) -> float:
-        """Corner of the balance that these noises allow, between two others."""
+        """Corner frequency of the balance for this noise, within given limits."""
         for corner in np.geomspace(most, least, 60):
             torque, position = self.left(float(corner))
             if position <= _ADDED * torque:

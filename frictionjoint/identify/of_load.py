@@ -1,8 +1,8 @@
 """Effects whose coefficient is tied to the load coefficient.
 
-A gap transmits the torque of the whole link. A free coefficient would measure how well the link can
-be
-followed: if impacts scatter, least squares reduce it, and a model with part of a link is no joint.
+A gap transmits the torque of the whole link. A free coefficient would measure how well the motion
+of the link can be predicted: if impacts scatter, least squares reduce the coefficient, and a model
+with a part of a link has no physical meaning.
 """
 
 from frictionjoint.arrays import Array
@@ -11,12 +11,12 @@ from frictionjoint.identify.terms import EffectTerm
 
 
 def with_load(X: Array, layout: Layout) -> Array:
-    """Columns of such effects added to the load's column, if the gain is unknown.
+    """Columns of effects tied to the load, added to the load's column if the gain is unknown.
 
     Args:
-        X: by the parameters of the layout, or its linear ones, shape (n, p).
+        X: by the parameters of the layout, or by its linear ones, shape (n, p).
     Returns:
-        `X` itself if there are none; else their own columns are zero, shape (n, p).
+        `X` itself if there are no such effects; else with zeros in their columns, shape (n, p).
     """
     at = _own(layout)
     if not at:
@@ -35,7 +35,7 @@ def less_load(X: Array, y: Array, layout: Layout) -> Array:
 
 
 def with_sizes(beta: Array, layout: Layout) -> Array:
-    """Coefficients with those of such effects set to the load's, shape (k,)."""
+    """Coefficients, with those of effects tied to the load set from the load's, shape (k,)."""
     at = _own(layout)
     if at:
         beta = beta.copy()
@@ -44,7 +44,7 @@ def with_sizes(beta: Array, layout: Layout) -> Array:
 
 
 def _own(layout: Layout) -> list[int]:
-    """Places of their coefficients."""
+    """Indices of the coefficients of effects tied to the load."""
     return [
         k
         for i, term in enumerate(layout.terms)

@@ -24,14 +24,14 @@ class _Columns(NamedTuple):
 
 
 def driven(prepared: Prepared, name: str, errors: float) -> str:
-    """Friction would drive the joint, by that many standard errors."""
+    """Message: friction would drive the joint, by this number of standard errors."""
     return _wrong_sign(
         prepared, name, f"friction would drive the joint ({errors:.0f} standard errors)"
     )
 
 
 def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float) -> str:
-    """Gravity and inertia of the model appear in the drive with these negative factors."""
+    """Message: gravity and inertia of the model appear in the drive with these negative factors."""
     why = (
         f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
         f"{inertia:.3g})"
@@ -49,7 +49,7 @@ def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
 
 
 def too_large(prepared: Prepared, names: str, factor: float) -> str:
-    """The torque is that many times the load of the model, in gravity and inertia alike."""
+    """Message: the torque is this many times the load of the model, in gravity and in inertia."""
     c = _columns(prepared)
     torque, check = f"measured {c.what}", f"the unit of {c.drive} (N mm, mN m, N cm?)"
     if prepared.commanded:

@@ -124,13 +124,13 @@ class RigidBody:
         return np.asarray(beyond >= 0.0)
 
     def spec(self) -> mujoco.MjSpec:
-        """A new spec of the MJCF, to be changed."""
+        """A new spec of the MJCF, which the caller may change."""
         return read_spec(self.mjcf)
 
     def hold(self, model: mujoco.MjModel) -> None:
         """Hold all joints but this one, at the given positions or at qpos0.
 
-        A simulation of this joint alone needs it: joints without a drive would fall.
+        A simulation of this joint alone requires it, because joints without a drive would fall.
 
         Args:
             model: compiled from `spec`, with additions; changed in place.
@@ -199,7 +199,7 @@ class RigidBody:
 
 
 def _moved(model: mujoco.MjModel, body: int) -> slice:
-    """A body and all that hang from it, which MuJoCo has one after the other."""
+    """A body and all bodies attached to it, which are consecutive in MuJoCo."""
     end = body + 1
     while end < model.nbody and model.body_parentid[end] >= body:
         end += 1

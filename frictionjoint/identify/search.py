@@ -186,9 +186,9 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges; a frequency in time no higher than the band of the balance shows.
+        """Physical ranges; a frequency in time is limited to the band of the balance.
 
-        And in position no less than a whole wave.
+        A frequency in position is at least one wave per turn.
         """
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
@@ -240,7 +240,7 @@ class Search:
 
     @property
     def leaping(self) -> list[int]:
-        """Indices of the numbers in which a torque is discontinuous."""
+        """Indices of the numbers with discontinuous influence on the torque."""
         first = self.layout.linear.stop
         return [
             k - first
@@ -343,11 +343,11 @@ class Search:
         return float(np.exp(np.average(change, weights=self.weight**2)))
 
     def _drive(self, y: Array) -> Array:
-        """The drive of a target, without the load if that is known."""
+        """The part of a target that comes from the drive, without the load if the load is known."""
         return y if self.prepared.gain_unknown else y + self.prepared.balanced_load
 
     def residual(self, x: Array) -> Array:
-        """Target minus model, weighted; for a drive of zero, the whole drive before."""
+        """Weighted target minus model; the original drive if the changed drive is zero."""
         X, y, beta, _, unit = self.solved(x)
         if unit != 1.0 and not np.any(y):
             return np.asarray(self.prepared.balanced_drive * self.weight)

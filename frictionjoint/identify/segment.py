@@ -1,8 +1,8 @@
 """A log prepared for a fit: smooth motion, rigid-body torque, signals, on one grid.
 
-Motion and drive pass a steep filter that is flat in the torque band; all columns and the target of
-the balance pass a second one. So both sides of the balance are filtered equally, and a law is
-driven along a motion sharper than the balance.
+Motion and drive pass a steep filter that is flat in the torque band. All columns and the target of
+the balance pass a second filter. So both sides of the balance are filtered equally, and the law is
+evaluated along a motion with a wider band than the balance.
 """
 
 from collections.abc import Sequence
@@ -181,9 +181,9 @@ class Segment:
 
 
 def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
-    """Samples at least one period of a filter's corner away from unknown torque, shape (n,).
+    """Samples at least one period of the filter's corner away from unknown torque, shape (n,).
 
-    The filter spreads it that far.
+    The filter spreads unknown torque over that time.
     """
     reach = max(1, int(1.0 / (bandwidth_hz * dt)))
     return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))

@@ -12,7 +12,7 @@ from frictionjoint.identify.terms import delay_of
 
 
 def driven(prepared: Prepared, fitted: Fit) -> Prepared:
-    """Motions with the drive that a fitted law needs, without its other terms."""
+    """Motions with the drive that a fitted law requires, without the fit's other terms."""
     segments = []
     signals = full_signals(prepared, fitted.shape, *fitted.levels)
     for s, x in zip(prepared.segments, signals, strict=True):

@@ -34,14 +34,14 @@ class Shape(Protocol):
 
     @property
     def steps(self) -> bool:
-        """Whether it is a simulation's own law, whose time steps its logs show."""
+        """Whether the law belongs to a simulator, so that the logs contain its time steps."""
 
     @property
     def assumed(self) -> bool:
-        """Whether its stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
+        """Whether the stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """This shape with a stiffness that is assumed and no longer searched.
+        """This shape with an assumed stiffness, which is not searched.
 
         Args:
             reach: the shortest presliding length that the logs resolve, rad (m).

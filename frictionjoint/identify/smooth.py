@@ -1,6 +1,6 @@
 """Terms without a physical name: dependences of a residual that no known effect explains.
 
-Each names the measured quantity on which it depends. They have no place in a simulation.
+Each term names the measured quantity on which it depends. These terms are not simulated.
 """
 
 from collections.abc import Sequence
@@ -70,7 +70,7 @@ class SmoothTerm:
 
     @property
     def follows_law(self) -> bool:
-        """Most columns do not change with the law."""
+        """Whether the columns depend on the law; for most terms they do not."""
         return False
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
@@ -110,7 +110,9 @@ class SplineTerm(SmoothTerm):
 
     @property
     def follows_law(self) -> bool:
-        """Only times the direction of friction."""
+        """Whether the columns depend on the law, as they do if multiplied by the direction of
+        friction.
+        """
         return self.odd
 
     @property

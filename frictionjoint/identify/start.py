@@ -142,7 +142,7 @@ def _left(one: Prepared, fitted: Fit) -> Array:
 
 
 def _of_law(prepared: Prepared, fitted: Fit, held: Array) -> Array:
-    """Everything that depends on the law, by the torque over Fc at the first sample of each log."""
+    """Torque that depends on the law, given the torque over Fc at the first sample of each log."""
     balance = Balance(prepared, fitted.shape, fitted.terms)
     return balance.of_law(fitted.shape, fitted.terms, fitted.beta, held)
 
@@ -157,7 +157,7 @@ def _squares(x: Array) -> float:
 
 
 def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
-    """Beginnings of logs: until the law has become independent of its initial state."""
+    """The first parts of logs, until the law has become independent of its initial state."""
     (whole,) = prepared.bundles(1)
     sides = [np.full(len(prepared), x) for x in _TRIALS[[0, -1]]]
     first, last = (whole.tracks.begun(held).along(shape)[0] for held in sides)
@@ -169,7 +169,11 @@ def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
 
 
 def _head(segment: Segment, apart: Index) -> Segment:
-    """Beginning of a log; `apart`: samples where the law still depends on its initial state."""
+    """The first part of a log.
+
+    Args:
+        apart: samples at which the law still depends on its initial state.
+    """
     reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):

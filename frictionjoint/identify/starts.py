@@ -1,7 +1,7 @@
 """Multi-start fit: every form of a law, started from a linear fit.
 
-Each form of a law has its own local minimum, which no start predicts. So every form is followed for
-some steps, and the best ones to the end.
+Each form of a law has its own local minimum, and the starting values do not show which is best. So
+the search runs for some steps from every form, and to the end from the best ones.
 """
 
 from collections.abc import Callable, Sequence

@@ -54,7 +54,7 @@ class Term(Protocol):
 
     @property
     def opposes_voltage(self) -> bool:
-        """Whether it is a voltage that a turning motor induces."""
+        """Whether the term is the voltage that a turning motor induces."""
         ...
 
     @property
@@ -105,12 +105,12 @@ class EffectTerm:
 
     @property
     def follows_law(self) -> bool:
-        """Effects on the friction level depend on Fh."""
+        """Whether the columns depend on the law; effects on the friction level depend on Fh."""
         return self.effect.entry == "scales the friction level"
 
     @property
     def opposes_voltage(self) -> bool:
-        """Whether it is a voltage that a turning motor induces."""
+        """Whether the term is the voltage that a turning motor induces."""
         return self.effect.opposes_voltage
 
     @property
@@ -197,7 +197,7 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
 
 
 def leaps(term: Term) -> bool:
-    """Whether its torque is discontinuous in a shape number, see `Effect.leaps`."""
+    """Whether the torque of a term is discontinuous in a shape number, see `Effect.leaps`."""
     return isinstance(term, EffectTerm) and term.effect.leaps
 
 

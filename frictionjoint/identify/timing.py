@@ -38,7 +38,7 @@ class Timing:
 
     @property
     def at_its_end(self) -> bool:
-        """Whether it is as long as its sample, and thus no sampling offset."""
+        """Whether the offset is as long as its sample, so that it cannot be a sampling offset."""
         return abs(self.shape[0]) > _LATE * self.sample
 
     @property
@@ -60,10 +60,10 @@ class Timing:
         return np.zeros((len(signals), 0))
 
     def says(self, size: str) -> str:
-        """A note on it.
+        """A note on the time offset.
 
         Args:
-            size: the time in words, without its sign.
+            size: the time as text, without its sign.
         """
         raise NotImplementedError
 

@@ -80,7 +80,7 @@ class Tracks:
         return np.concatenate([path.averaged for path in self.paths])
 
     def _samples(self, begin: Index) -> Index:
-        """Indices of all samples, if the path of each log begins there."""
+        """Indices of all samples, if the path of each log starts at a given index."""
         parts = zip(self.paths, begin.tolist(), strict=True)
         return np.concatenate([first + path.samples for path, first in parts])
 

@@ -1,9 +1,9 @@
-"""Sample weights from the fitted law: samples that the position does not resolve count less.
+"""Sample weights from the fitted law: samples that the encoder does not resolve count less.
 
-While a contact sticks, its torque follows the position steeply: K dq for an encoder error dq, up to
-the whole level. And every law is wrong there by a few per cent of the level, for none is exact. In
-sliding neither matters. Both follow from a fitted law, so rest below the encoder's resolution needs
-no separate rule.
+While a contact sticks, its torque depends strongly on the position: an encoder error dq changes it
+by K dq, up to the whole level. In addition, every law is wrong there by a few per cent of the
+level. In sliding neither error matters. Both errors follow from a fitted law, so rest below the
+encoder's resolution needs no separate rule.
 """
 
 from collections.abc import Sequence
