@@ -96,5 +96,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """The public names, so that completion shows what there is before it is loaded."""
+    """The public names, so that completion lists them before the modules are loaded."""
     return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -1,6 +1,7 @@
-"""Checks of argument types at the public functions: a TypeError with the fix.
+"""Checks of argument types in public functions: a TypeError that states the fix.
 
-Without them Python would fail somewhere inside, with an unknown attribute.
+Without these checks Python would fail later, inside the package, with a message about a missing
+attribute.
 """
 
 from collections.abc import Mapping
@@ -38,7 +39,7 @@ def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
     """Raise unless the argument is an MjData of a model.
 
     Raises:
-        ModelError: of another model. TypeError: no MjData.
+        ModelError: the data belong to another model. TypeError: not an MjData.
     """
     if isinstance(data, mujoco.MjData):
         _require_own(data, function, model)

@@ -10,7 +10,7 @@ Index = NDArray[np.int64]
 
 
 class Vector(Protocol):
-    """A float64 array of shape (n,) as a kernel uses it: its numbers by index.
+    """A float64 array of shape (n,) in a kernel, which accesses its numbers by index.
 
     An element of ``NDArray`` is ``Any`` to a type checker, and ``Any`` hides mistakes.
     """

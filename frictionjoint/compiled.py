@@ -64,7 +64,7 @@ def room(n: int) -> Vector:
 
 
 def pointer(array: Any, at: int) -> Vector:
-    """Pointer to number `at` of a contiguous array of any shape."""
+    """Pointer to element `at` of a contiguous array of any shape."""
     return cast("Vector", array.reshape(-1)[at:])
 
 
@@ -113,7 +113,7 @@ class External(Generic[_Arguments, _Result]):
         functools.update_wrapper(self, stub)
 
     def bind(self, address: int) -> None:
-        """Set its address, before a kernel that calls it runs."""
+        """Set the function's address; required before a kernel that calls the function runs."""
         ctypes.c_void_p.in_dll(load().shared, f"fj_{self.name}").value = address
 
     def __call__(self, *arguments: _Arguments.args, **keywords: _Arguments.kwargs) -> _Result:
@@ -285,7 +285,7 @@ def _taken(structure: Any) -> tuple[Any, ...]:
 
 
 def _made(structure: Any, values: Any) -> Any:
-    """A tuple's numbers in a structure."""
+    """A structure with the numbers of a tuple."""
     made = structure()
     for (name, kind), value in zip(structure._fields_, values, strict=True):
         nested = issubclass(kind, ctypes.Structure)

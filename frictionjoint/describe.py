@@ -127,7 +127,7 @@ def one_line(name: str, joint: "JointFriction", slide: bool = False) -> str:
 
 
 def short(fields: Mapping[str, Any]) -> str:
-    """Fields of parameters as `name=value`, twins of both directions together."""
+    """Fields of parameters as `name=value`; equal values of both directions appear once."""
     parts: list[str] = []
     for name, x in fields.items():
         base, _, side = name.rpartition("_")

@@ -79,7 +79,7 @@ def load(kernel: str = "") -> Library:
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """One process builds at a time, as far as the system has locks on files."""
+    """Allow one process at a time to build, if the file system supports locks."""
     FOLDER.mkdir(exist_ok=True)
     with open(FOLDER / "lock", "w", encoding="utf-8") as held:
         if sys.platform != "win32":
@@ -135,7 +135,7 @@ def stamps(files: list[Path]) -> dict[str, list[int]]:
 
 
 def _is_fresh() -> bool:
-    """Whether no file that went into the library has changed, and no new one has kernels."""
+    """Whether the library is up to date: no source has changed, and no new file has kernels."""
     try:
         listed: dict[str, Any] = json.loads((FOLDER / LISTED).read_text(encoding="utf-8"))
         known = {_PACKAGE / name for name in listed["sources"]}

@@ -88,7 +88,7 @@ def placed(text: str, folder: Path) -> str:
 
 
 def require_compiles(path: Path) -> None:
-    """See to it that a written model is found whole by MuJoCo.
+    """Check that MuJoCo can compile a written model with all its files.
 
     Raises:
         ModelError: it does not compile there.

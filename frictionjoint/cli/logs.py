@@ -115,7 +115,7 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     """An MJCF, or one per pattern of log names.
 
     Raises:
-        ModelError: some with a pattern and some without.
+        ModelError: some models have a pattern and others do not.
     """
     if not any("=" in text for text in model):
         return model[-1]  # as any option given twice

@@ -109,7 +109,9 @@ class Controller:
             self._check_nothing_beside_kp()
 
     def _check_nothing_beside_kp(self) -> None:
-        """Terms added to an output relative to kp would have to be relative to kp too."""
+        """Reject terms that would be added to an output relative to kp, unless they are relative
+        too.
+        """
         for name in ("kd", "ki", "feed_forward"):
             value = getattr(self, name)
             if value not in (0.0, UNKNOWN):

@@ -90,6 +90,6 @@ def fill_mean_drives(
 
 @in_line
 def _next(at: Vector, n: int, c: int, since: float, end: float, longest: float) -> float:
-    """End of the part of a stretch that begins at `since`, after corner c."""
+    """End of the part of an interval that begins at `since`, after corner c."""
     until = end if end - since < 1.5 * longest else since + longest
     return min(until, at[c + 1]) if c + 1 < n else until

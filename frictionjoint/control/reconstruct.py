@@ -62,7 +62,7 @@ class Commands:
         return AllCommands([self]).mean_drive(block[None], np.array([delay]))
 
     def _along(self, target: Array, block: Array) -> Array:
-        """Drive for a target that has been followed already."""
+        """Drive for a target to which the speed limit has already been applied."""
         block = block.copy()
         block[k.SLEW] = np.inf
         drive = np.empty_like(self.time)
@@ -121,7 +121,7 @@ class AllCommands:
         """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,).
 
         Args:
-            blocks, delays: as above.
+            blocks, delays: as in `mean_drive`.
         """
         less, more = (self._mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * _NUDGE)
@@ -196,7 +196,7 @@ def with_drive(log: JointLog, controller: Controller | None) -> JointLog:
 
 
 def with_known_drive(log: JointLog, controller: Controller | None) -> JointLog:
-    """The log with the drive of a controller that is known in numbers; others as they are."""
+    """The log with the drive of a controller whose values are all known; other logs unchanged."""
     if controller is None or UNKNOWN in (controller.kp, controller.supply_v):
         return log
     return log if log.target is None else with_drive(log, controller)

@@ -63,7 +63,7 @@ def what_to_record(
 
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:
-    """Parameters of the law that the logs hardly determine, by the motion that would."""
+    """Parameters of the law that the logs hardly determine, grouped by the motion that would."""
     found = []
     for motion, names in _DETERMINED_BY.items():
         loose = tuple(name for name in names if name in law and _is_loose(law[name]))
@@ -73,7 +73,7 @@ def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, 
 
 
 def quantity(variable: str) -> str:
-    """A measured quantity as a reader knows it."""
+    """A measured quantity in the words of a report."""
     joint, dot, name = variable.rpartition(".")
     return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")
 

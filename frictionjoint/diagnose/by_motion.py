@@ -64,7 +64,7 @@ def named_by_motion(
 def _asked_for(
     found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
 ) -> tuple[Trace, Refined]:
-    """The model with the effects that whole motions support."""
+    """The model with the effects that the simulated motion of whole logs supports."""
     cov = stated_covariance(found.prepared, found.final)
     now = refine(found.prepared, found.final, cov, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
@@ -170,7 +170,8 @@ def taken(other: Tried, now: Refined) -> float:
 def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
     """Whether an effect removes as much as the search by torque requires, and one encoder count.
 
-    No law is exact: below that the logs do not show whether it is an effect or an error of the law.
+    No law is exact. The logs do not show whether a smaller improvement comes from an effect or from
+    an error of the law.
     """
     nearer = taken(other, now)
     count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
@@ -182,10 +183,10 @@ def _promising(
 ) -> list[tuple[Fit, Array]]:
     """Models with one more effect whose simulated motion is nearest to the logs, best first.
 
-    An effect is tried if it reduces the error to first order, next to the refined numbers or in the
-    torque balance, with the coefficients found there, N m. First order with the refined numbers
-    alone is not enough: numbers that compensate for a missing effect must first return to their
-    values, and the torque balance with the effect has them there.
+    An effect is tried if it reduces the error to first order, either with the refined parameters or
+    in the torque balance, with the coefficients found there, N m. The refined parameters alone are
+    not enough: parameters that compensate for a missing effect must first return to their true
+    values, as in the torque balance with the effect.
     """
     prepared, final = found.prepared, found.final
     objective = Objective(now.vector, courses, WINDOW_S, now.values)
@@ -213,7 +214,7 @@ def _promising(
 
 
 def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
-    """Effects that the torque balance shows, but not clearly enough to be named."""
+    """Effects for which the torque balance gives evidence, but not enough to name them."""
     blocks = make_blocks(prepared, final)
     candidates = effects(prepared, final, blocks)
     if not candidates:
@@ -286,5 +287,5 @@ def _gain(r: Array, C: Array) -> tuple[float, Array]:
 
 
 def _moved(findings: Sequence[Finding], fitted: Fit) -> tuple[Finding, ...]:
-    """Findings with the terms of a later fit."""
+    """Findings with the terms of a later fit in place of their own."""
     return tuple(replace(f, term=t) for f, t in zip(findings, fitted.effects, strict=False))

@@ -44,12 +44,12 @@ _MOST = 2
 
 
 def best_forms(state: State) -> bool:
-    """Give each effect the form that predicts best; the initial screening used a biased law.
+    """Give each effect the form that predicts best, because the first screening used a biased law.
 
     Among forms that predict equally well, the simplest is used.
 
     Returns:
-        whether a form changed; then an effect that compensated for the wrong form may be redundant.
+        whether a form changed. Then an effect that compensated for the wrong form may be redundant.
     """
     before = state.fit
     for i in range(len(state.fit.effects)):
@@ -132,9 +132,9 @@ def settle_ties(state: State) -> None:
 
 
 def exchange_bent(state: State) -> bool:
-    """Try other effects in place of each effect that biases the law, with the law fitted anew.
+    """Try other effects in place of each effect that biases the law, with the law fitted again.
 
-    The law was fitted together with the effect found first, and may have adapted to it.
+    The law was fitted together with the first effect, and may have adapted to it.
 
     Returns:
         whether another effect explains clearly more.
@@ -299,7 +299,7 @@ def _in_place_of(
 
 
 def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
-    """Candidates in place of the i-th effect, most promising first."""
+    """Candidates for replacing the i-th effect, most promising first."""
     seen = screen(state.fit, blocks, others)
     rest = [at for k, at in enumerate(seen.terms) if k != i]
     left = [float(seen.held_out([*rest, at])[0].sum()) for at in seen.candidates]
@@ -312,7 +312,7 @@ def _no_richer(state: State, term: Term) -> list[Candidate]:
 
 
 def _seen_with(state: State, term: Term) -> list[Candidate]:
-    """Named candidates of the step in which an effect of the model was found."""
+    """Named candidates from the step of the search that added an effect of the model."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
     named = [c for c in state.candidates if not c.unnamed]
     return [c for c in named if all(look.holds(c) for look in looks)]

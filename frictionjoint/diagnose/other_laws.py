@@ -90,8 +90,9 @@ class OtherLaws:
         return [_FORMS[names] for names in self._own]
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
-        """Starting shapes for refitting the law after effects are removed: as it is, and
-        unbiased."""
+        """Starting shapes for refitting the law after effects are removed: the present one, and
+        unbiased ones.
+        """
         return tuple(dict.fromkeys((shape, self._alone[shape.variables])))
 
     def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:

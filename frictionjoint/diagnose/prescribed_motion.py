@@ -34,7 +34,7 @@ class Prescribed:
         return cls(model, data, list(known.values()), in_time)
 
     def put(self, k: int) -> None:
-        """Set their positions and velocities at a sample."""
+        """Set the positions and velocities of the other joints at a sample."""
         for (array, at), row in zip(self._moved, self._motion[k], strict=True):
             array[at] = row
 

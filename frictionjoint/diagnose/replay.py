@@ -87,7 +87,7 @@ def replay_rms(fit: Replay, held_out: Replay | None) -> Rms:
 
 
 def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
-    """The fit's effects as a model contains them.
+    """The fit's effects in the form in which a model contains them.
 
     An inertia error becomes armature, back-EMF becomes part of the motor. A saturation stays an
     effect: the callback subtracts it from the actuator force.
@@ -141,7 +141,7 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 
 
 def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
-    """A text in the model that replaces the text of an earlier fit."""
+    """Write the assumptions into the model as text; the text of an earlier fit is replaced."""
     remove_assumed(spec, joint)
     if fitted.shape.assumed:
         text = spec.add_text()
@@ -155,8 +155,8 @@ def replayed_whole(
     (k,).
 
     Returns:
-        None if it does not, see `simulated_whole`; a replay does not include the delay of a log
-        either.
+        None if the simulation does not contain the whole fit, see `simulated_whole`. A replay does
+            not represent the delay of a log either.
     """
     armature = (body if isinstance(body, RigidBody) else body[0]).armature
     late = any(isinstance(term, EffectTerm) and term.delay for term in fitted.terms)
@@ -166,14 +166,15 @@ def replayed_whole(
 
 
 def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) -> bool:
-    """Whether a simulation that starts from measured motion contains the whole fit.
+    """Whether a simulation that starts from measured motion can represent the whole fit.
 
-    No log shows on which side of a gap a link is when a run begins; behind a spring, its state
-    follows from the motion before. A negative armature cannot be simulated.
+    No log shows on which side of a gap a link is at the start of a run. Behind a spring, the state
+    of the link follows from the earlier motion. A negative armature cannot be simulated.
 
     Args:
-        armature: of the MJCF. in_closed_loop: simulated by `one_joint`, which knows the temperature
-            of the log and has no link behind the joint.
+        armature: of the MJCF.
+        in_closed_loop: whether `one_joint` runs the simulation, which knows the temperature of the
+            log and has no link behind the joint.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):

@@ -18,7 +18,7 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
     """Quantities that explain as much as the quantity of the i-th effect, which is a curve.
 
     Returns:
-        also the fraction of the residual that each explains.
+        the quantities, and the fraction of the residual that each explains.
     """
     own = state.fit.effects
     term = own[i]

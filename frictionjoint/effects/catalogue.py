@@ -102,7 +102,7 @@ def _numbered(number: int) -> Effect:
 
 
 def _reduced(effect: Effect) -> Any:
-    """Pickle an effect by its place here, so that another process gets the same object."""
+    """Pickle an effect by its index in the catalogue; other processes then get the same object."""
     number = next((i for i, known in enumerate(_ALL) if known is effect), None)
     return object.__reduce_ex__(effect, 2) if number is None else (_numbered, (number,))
 

@@ -132,7 +132,7 @@ class Effect:
 
     @property
     def scales(self) -> bool:
-        """Whether its coefficient is the relative error of the measured torque."""
+        """Whether the coefficient is the relative error of the measured torque."""
         return self.units == ("1",) and self.entry == "acts on the measurement"
 
     @property

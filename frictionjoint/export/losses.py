@@ -77,8 +77,9 @@ def losses(
     """The losses of each joint along its motion.
 
     Args:
-        ours: the model with friction. bare: the same without. exported: the same with the exported
-            friction; actuators that it adds act. Flags and time steps of all three are changed.
+        ours: the model with friction. bare: the model without friction.
+        exported: the model with the exported friction; the actuators that it adds are active. Flags
+            and time steps of all three are changed.
         actuators: torque along the motion, by joint, of actuators that represent friction and are
             unknown to inverse dynamics; shape (n,).
         presliding: distance from a reversal beyond which a joint slides, rad (m).
@@ -144,7 +145,7 @@ def _alone(model: mujoco.MjModel, actuators: int) -> None:
 
 
 def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) -> Array:
-    """Torque that the motion takes at the joint, shape (n,)."""
+    """Torque at the joint that the motion requires, shape (n,)."""
     data, before = mujoco.MjData(model), (model.opt.timestep, model.opt.integrator)
     tracks = _tracks(model, joint, motion)
     dof = int(model.jnt_dofadr[model.joint(joint).id])

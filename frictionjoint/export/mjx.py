@@ -61,7 +61,7 @@ def fit_for_mjx(spec: mujoco.MjSpec) -> list[str]:
 
 
 def _of(value: object, names: tuple[str, ...]) -> list[str]:
-    """The plain name of an enumerated value where it is one of some."""
+    """Plain name of a value that is an enumeration member of one of some types."""
     name = str(getattr(value, "name", value))
     return [name.split("_", 1)[1].lower()] if name in names else []
 
@@ -72,7 +72,7 @@ def _delete(
     kinds: Callable[[Any], list[str]] = lambda x: [""],
     what: str = "",
 ) -> list[str]:
-    """Delete elements of some kinds, and name them."""
+    """Delete elements of some kinds from a spec, and return a description of each."""
     said = []
     for element in list(elements):
         for kind in kinds(element)[:1]:

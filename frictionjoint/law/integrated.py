@@ -118,7 +118,7 @@ def _on_virgin(X: Vector, h: int) -> bool:
 
 @in_line
 def _reverse(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> None:
-    """The torque at the turning point becomes an extremum and the base of the new curve."""
+    """Store the torque at the turning point as an extremum and as the base of the new curve."""
     Fh = X[h + FH]
     from_masing_virgin = P[p + MASING] == 1.0 and _on_virgin(X, h)
     n_min = int(X[h + N_MIN])
@@ -153,7 +153,7 @@ def _close(P: Vector, p: int, X: Vector, h: int, s: int, direction: float) -> No
 
 @in_line
 def _reset(X: Vector, h: int, s: int, direction: float) -> None:
-    """Full sliding wipes the memory; the base becomes the limit behind the motion."""
+    """Clear the memory after full sliding; the base becomes the limit opposite to the motion."""
     X[h + N_MIN] = 1.0
     X[h + N_MAX] = 1.0
     X[h + VIRGIN] = 0.0

@@ -128,7 +128,7 @@ def hold_rival(
 
 @in_line
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
-    """Torque after a displacement from the committed point; leaves the committed point alone."""
+    """Torque after a displacement from the committed point, which is not changed."""
     if P[p] == INTEGRATED:
         return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
     return step_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
@@ -188,7 +188,7 @@ def commit_rival(P: Vector, p: int, X: Vector, x: int) -> None:
 
 @in_line
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
-    """The last evaluated point becomes the committed one."""
+    """Make the last evaluated point the committed one."""
     if P[p] == INTEGRATED:
         for i in range(HEADER):
             X[x + i] = X[x + HEADER + i]

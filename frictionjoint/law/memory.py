@@ -31,13 +31,13 @@ CAPACITY = 24
 
 @compiled
 def make_room(X: Vector, h: int, s: int) -> None:
-    """Give up one pair of extrema when a stack is full, so that a step always finds a free slot.
+    """Remove one pair of extrema from a full stack, so that a step always finds a free slot.
 
-    The pair given up is the one whose loss moves the torque least. While pair k is missing, a
-    curve that passes its extremum keeps the inner, stiffer base until the next extremum out.
-    Curves are concave, so the torque is ahead by at most the distance between the neighbours'
-    extrema on that side; sums over all pairs given up bound the error (X[h + BOUND]).
-    The bound starts again from zero when a reset wipes the memory.
+    The pair is the one whose loss changes the torque least. While pair k is missing, a curve that
+    passes its extremum keeps the inner, stiffer base until the next outer extremum. Curves are
+    concave, so the torque is too large by at most the distance between the neighbouring extrema on
+    that side. The sum over all removed pairs bounds the error (X[h + BOUND]). The bound is zero
+    again after a reset clears the memory.
     """
     n_min = int(X[h + N_MIN])
     n_max = int(X[h + N_MAX])

@@ -44,7 +44,7 @@ def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F
 
 
 def edges_of(position: Array, edges: Index | None) -> Index:
-    """Edges of motions, those of a single one where none are given."""
+    """Edges of motions; those of a single motion if none are given."""
     return np.array([0, len(position)]) if edges is None else edges
 
 

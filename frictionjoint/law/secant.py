@@ -111,7 +111,7 @@ def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[fl
 def implicit_step(
     P: Vector, p: int, X: Vector, x: int, h: float, J: float, impulse: float
 ) -> tuple[float, float, float, float]:
-    """`secant` for a step that ends where the impulse takes it; last, dz/dq there.
+    """`secant` for the step whose final velocity follows from the impulse, and dz/dq at its end.
 
     Args: h: s, the step. J: kg m^2, the joint's inertia. impulse: N m s, r above.
     """

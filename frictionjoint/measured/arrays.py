@@ -24,7 +24,7 @@ def one_line(error: Exception) -> str:
 
 
 def corrupt(path: Path, error: Exception) -> LogError:
-    """The error for a file whose parser gave up."""
+    """The error for a file that its parser could not read."""
     return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
 
 
@@ -35,7 +35,7 @@ def whole(name: str) -> str:
 
 
 def part_of(value: Any, field: str) -> Any:
-    """A field of a message, with those of its parts: ``state.q[2]``."""
+    """A field of a message, including parts of fields: ``state.q[2]``."""
     for name in field.split("."):
         part = _PART.fullmatch(name)
         value = getattr(value, part[1] if part else name)

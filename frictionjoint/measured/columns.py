@@ -186,7 +186,7 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
 
 
 def _mend(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
-    """The options that name everything still missing, with the likely columns filled in."""
+    """The command options that would name all missing columns, with likely columns filled in."""
     names, parts = list(table), []
     ours = {x.removeprefix(prefix) for x in names}
     position = () if ours & {"position_rad", "position_m"} else ("position_rad",)

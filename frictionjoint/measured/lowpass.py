@@ -122,18 +122,18 @@ class LowPass:
 
     @cached_property
     def pad(self) -> int:
-        """Samples of the continuation before the beginning."""
+        """Number of samples of the continuation before the beginning."""
         wanted = min(self.n - 1, max(8, int(_CONTINUED / (self.corner_hz * self.dt))))
         return max(1, wanted // self.step) * self.step if wanted >= self.step else 0
 
     @property
     def tail(self) -> int:
-        """Samples of the continuation after the end."""
+        """Number of samples of the continuation after the end."""
         return min(self.length - self.pad - self.n, self.pad)
 
     @cached_property
     def length(self) -> int:
-        """Samples of the transform."""
+        """Number of samples of the Fourier transform."""
         return self.step * int(next_fast_len(-(-(self.n + 2 * self.pad) // self.step), real=True))
 
     @cached_property
@@ -221,7 +221,7 @@ class _Alike:
         self._back = where, np.array([f.given for f in filters]), pad * self._up // self._step, n
 
     def spectrum(self, x: Array) -> Spectrum:
-        """Spectra of the logs' parts of all rows."""
+        """Spectrum of the part of each log in every row."""
         whole = np.zeros((len(self._dt), len(x), self._length))
         ends = np.empty((len(self._dt), len(x), 2))
         _fill_continued(x, *self._given, self._fade, whole, ends)
@@ -235,7 +235,7 @@ class _Alike:
         weight: Callable[[Array], Array] | None,
         out: Array,
     ) -> None:
-        """Fill the logs' parts of all rows."""
+        """Write the filtered part of each log into every row of `out`."""
         response = self._amplitude
         if weight is not None:
             response = response * weight(self._omega)

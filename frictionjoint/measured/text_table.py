@@ -352,7 +352,7 @@ def _last(cells: list[str]) -> int:
 
 
 def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
-    """Names for every cell of a sample, if the surplus of either is empty."""
+    """Column names for every cell of a sample, if the surplus names or cells are empty."""
     wide = len(sample)
     if sample and wide < len(names) and not any(names[wide:]):
         return names[:wide]

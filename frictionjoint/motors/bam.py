@@ -198,7 +198,7 @@ def to_bam(
 
 
 def _loads(joint: JointFriction) -> tuple[float, float, list[str]]:
-    """Coefficients of the load, constant and falling with speed, and what else there is."""
+    """Load coefficients, constant and decreasing with speed, and what BAM cannot represent."""
     load = falling = 0.0
     said: list[str] = []
     for effect in joint.effects:

@@ -56,7 +56,7 @@ def kinds(courses: Sequence[Course]) -> list[Mask]:
 
 
 def _groups(courses: Sequence[Course]) -> list[list[int]]:
-    """Logs of each kind, for every way in which logs differ in kind."""
+    """Groups of logs of the same kind, for every quantity in which logs differ."""
     names = sorted({name for c in courses for name in c.figures})
     found: dict[tuple[tuple[int, ...], ...], None] = {}
     for name in names:

@@ -44,7 +44,7 @@ class Refined:
 
     @property
     def stands(self) -> Array:
-        """`left_out` of the model that is used."""
+        """`left_out` of the model that was selected."""
         before, after = self.left_out
         return after if self.taken else before
 

@@ -55,7 +55,7 @@ class Clock:
         )
 
     def of_sample(self, joint: FittedJoint) -> Index:
-        """Block of each kept sample of a joint's logs, shape (n,)."""
+        """Block number of each kept sample of a joint's logs, shape (n,)."""
         return _of_sample(joint, self.number, self.length, self.first, self.count)
 
 

@@ -126,6 +126,6 @@ def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cau
 
 
 def _beside(columns: Array, more: Array, size: int) -> Array:
-    """Columns with others from a given index on, zero in between."""
+    """Columns padded with zeros, so that others begin at a given index."""
     room = np.zeros((len(columns), size - columns.shape[1]))
     return np.column_stack([columns, room, more])

@@ -133,8 +133,7 @@ def screened(
 def squares_left(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
 ) -> Array:
-    """Sum of squares of each joint and block with causes and with some effects of joints, (J,
-    B)."""
+    """Residual sum of squares by joint and block with causes and some effects of joints, (J, B)."""
     seen = screened(joints, blocks, found, beside)
     return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
 

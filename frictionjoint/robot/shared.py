@@ -261,7 +261,7 @@ def _simplified(
 
 
 def _strays(after: _Now, before: _Now) -> bool:
-    """Whether bodies move noticeably away from the model's nominal values."""
+    """Whether bodies differ noticeably from the model's nominal values."""
     return nearer(before.settled.found.strayed, after.settled.found.strayed)
 
 

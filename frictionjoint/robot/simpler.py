@@ -118,7 +118,7 @@ def _settled(
     several: Sequence[Candidate],
     beside: frozenset[str],
 ) -> Found:
-    """Causes fitted together with others, with numbers as exact as theirs."""
+    """Causes fitted together with others, with numbers as accurate as theirs."""
     start = rest
     for candidate in several:
         assert candidate.cause is not None
@@ -149,8 +149,8 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
 def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ...]]:
     """Single causes and pairs with fewer numbers.
 
-    A cause past its bounds alone, where it compensates for another one, may be within them together
-    with that.
+    A cause can be past its bounds alone, because it compensates for another cause, and within its
+    bounds together with that cause.
     """
     stack = seen.stack
     inside = [within_bounds(stack, c, known) for c in seen.candidates]

@@ -175,7 +175,7 @@ def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
 
 
 def _moved(positions: Sequence[Array]) -> Array:
-    """Each without its mean, concatenated."""
+    """Each array without its mean, concatenated."""
     return np.concatenate([x - x.mean() for x in positions])
 
 

@@ -251,7 +251,7 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
 
 
 def _size(model: mujoco.MjModel | ModelView, at: int) -> int:
-    """Numbers that a block has room for."""
+    """Number of elements for which a block has room."""
     return int(model.numeric_size[np.flatnonzero(np.asarray(model.numeric_adr) == at)[0]])
 
 

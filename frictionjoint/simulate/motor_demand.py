@@ -94,7 +94,7 @@ def asked_torque(
 
 
 def controls(model: mujoco.MjModel | ModelView) -> tuple[int, bool, Any, Any, Any]:
-    """Number of actuators, whether they differ from the controls, and the three arrays of that."""
+    """Number of actuators, whether controls are numbered separately, and three index arrays."""
     if not hasattr(model, "nactuator"):
         none = np.zeros(0, dtype=np.int32)
         return model.nu, False, none, none, none

@@ -82,7 +82,7 @@ def _has_springdamper(joint: mujoco.MjsJoint) -> bool:
 
 
 def counts_twice(found: dict[str, str]) -> str:
-    """The sentence for a message."""
+    """Sentence of a message that native friction would count twice."""
     joints = "; ".join(f"{name!r} has {words}" for name, words in found.items())
     return f"friction counts twice where native friction acts too: joint {joints}: {MEND}"
 

@@ -274,17 +274,14 @@ def copy(X: Vector, to: Vector) -> None:
 
 @compiled
 def _tried(given: _Given, X: Vector, tried: Vector, q: float, d: float, asked: float) -> float:
-    """`_unbalanced` for a row that starts as X."""
+    """Result of `_unbalanced` for a row that starts as a copy of X."""
     copy(X, tried)
     return _unbalanced(given, tried, q, d, asked)
 
 
 @compiled
 def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> float:
-    """Torque of everything minus the drive's, at rest at q after a slow displacement d.
-
-    The friction starts as never moved.
-    """
+    """Torque minus drive, at rest at q after a slow displacement d of a contact that never moved."""
     P, effects, h = given.P, given.effects, given.step
     c, s = math.cos(q), math.sin(q)
     bias = _load_torque(given.load, given.body, 0, q, c, s)

@@ -54,7 +54,7 @@ def row_size(law_row: int, n_effects: int) -> int:
 
 @in_line
 def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
-    """The effects' evaluated memory becomes the committed one."""
+    """Make the effects' evaluated memory the committed one."""
     n = MEMORY * int(P[effects])
     if n > 0:
         memory = x + FRONT + law_row_size(P, p)

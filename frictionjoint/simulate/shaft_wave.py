@@ -91,7 +91,7 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
 
 
 def said_of_waves(model: mujoco.MjModel) -> list[str]:
-    """A sentence for each tendon with a wave, which other programs lack."""
+    """A sentence for each tendon with a wave, which other programs do not support."""
     found = []
     for name, at in wave_blocks(model).items():
         size = math.hypot(*model.numeric_data[at + _SIN : at + _COS + 1])

@@ -83,7 +83,7 @@ def sticks(velocity: float, rate: float, stribeck: float) -> bool:
 
 
 def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float) -> float:
-    """Velocity at the end of the step that begins at the time `evaluated`."""
+    """Velocity at the end of the step that starts at the time `evaluated`."""
     v = float(data.qvel[dof])
     return v if data.time > evaluated else v + model.opt.timestep * float(data.qacc[dof])
 

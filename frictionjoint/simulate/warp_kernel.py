@@ -74,7 +74,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
 
     @wp.func
     def follow(X: Any, x: Any, t: Any, q: Any, v: Any, h: Any):
-        """Our clock and place at the time and position shown; writes them down."""
+        """Update the row's own time and position from the simulation's time and position."""
         step = t - X[x + TIME_SHOWN]
         way = q - X[x + PLACE_SHOWN]
         if step < double(0.0):

@@ -1,4 +1,4 @@
-"""Torque of the effects beyond the law, as the callbacks add it."""
+"""Torque of the effects beyond the law, as added by the callbacks."""
 
 import numpy as np
 

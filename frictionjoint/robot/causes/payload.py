@@ -51,7 +51,7 @@ class Payload(Cause):
         return ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     def rays(self, x: Array) -> list[Array]:
-        """See `Cause`: the first moment is known first, and how far out it is not."""
+        """See `Cause`. The first moment is determined first; the distance of the mass is not."""
         moment, inertia = float(np.linalg.norm(x[1:4])), max(0.0, float(x[4]))
         masses = [moment / reach for reach in _REACHES if moment]
         return [np.array([mass, *x[1:4], inertia]) for mass in masses]
