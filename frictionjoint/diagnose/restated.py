@@ -161,7 +161,7 @@ def _within_error(seen: Look, row: Looked) -> set[str]:
 
 
 def _rivals(seen: Look, finding: Finding, row: Looked) -> list[Term]:
-    """The best other effects with no more numbers, without ties."""
+    """The best alternatives to an effect with no more numbers, without its ties."""
     terms = [r.candidate.term for r in seen.rows if not r.candidate.unnamed]
     own = {row.name, *finding.ties}
     most = numbers_of(finding.term)

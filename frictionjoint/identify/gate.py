@@ -199,7 +199,10 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
 
 
 def _check_drive_changes(prepared: Prepared, names: str) -> None:
-    """A drive of one magnitude and unknown scale equals friction of that level at any speed."""
+    """Reject a drive with constant magnitude and unknown scale.
+
+    It cannot be distinguished from a constant friction level.
+    """
     drive = np.concatenate([s.drive for s in prepared.segments])
     v = np.concatenate([s.signals[:, V] for s in prepared.segments])
     along = (drive * np.sign(v))[np.abs(v) > _MOVES * np.max(np.abs(v))]

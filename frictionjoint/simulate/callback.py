@@ -35,7 +35,7 @@ from frictionjoint.simulate.with_effects import (
 
 
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """The same callback in Python: slower, but every line can be stepped through."""
+    """The passive callback in Python: slower than in C, but every line can be stepped through."""
     P, X = model.numeric_data, data.userdata
     if lacks_room(model, data):
         warn_of_no_room(model._address)

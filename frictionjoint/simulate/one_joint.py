@@ -281,7 +281,7 @@ def _tried(given: _Given, X: Vector, tried: Vector, q: float, d: float, asked: f
 
 @compiled
 def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> float:
-    """Torque minus drive, at rest at q after a slow displacement d of a contact that never moved."""
+    """Torque minus drive, at rest at q after a slow displacement d from a relaxed contact."""
     P, effects, h = given.P, given.effects, given.step
     c, s = math.cos(q), math.sin(q)
     bias = _load_torque(given.load, given.body, 0, q, c, s)

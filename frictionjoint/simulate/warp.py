@@ -202,7 +202,8 @@ class WarpFriction:
     def torque(self) -> Any:
         """Friction torques over the last step, positive against positive motion.
 
-        After ``mujoco_warp.forward`` those that a step from here would have.
+        After ``mujoco_warp.forward`` they are the torques that a step from the present state would
+        have.
 
         Returns: warp array of floats on the model's device, shape (nworld, number of `joints`), N m
         (N for a slide joint); overwritten by the next call.
