@@ -1,5 +1,6 @@
 """The command line: bad input gives one line, exit code 2, and nothing written."""
 
+import inspect
 import json
 import re
 import subprocess
@@ -11,6 +12,8 @@ from pathlib import Path
 import pytest
 from command_line import run
 
+import frictionjoint as fj
+from frictionjoint.cli.close_loop import close_loop_command
 from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.parameters import FrictionParameters
 
@@ -223,3 +226,11 @@ def test_json_goes_to_scripts_alone(tmp_path):
     (row,) = json.loads(run("check", "with.xml", "--json", cwd=tmp_path).stdout)
     assert row["joint"] == "joint"
     assert row["stiffness"] == pytest.approx(3200.0)
+
+
+def test_close_loop_refines_by_default_as_its_python_function_does():
+    defaults = [
+        inspect.signature(function).parameters["refine"].default
+        for function in (close_loop_command, fj.close_loop)
+    ]
+    assert defaults == [None, None]
