@@ -88,9 +88,10 @@ def close_loop(
         fixed: positions of joints that the logs do not contain, by name, rad (m).
         controller: what drove the joints to their targets: a `Controller`, its file, the name of a
             preset, one per joint by name, or "mjcf" for the model's own position servos.
-        refine: fit all numbers of the result to simulated motion in the end, and take them if they
-            predict unlike motion better. True: also in windows driven by the measured drive; None:
-            only where a target and its controller tell the whole motion; False: never.
+        refine: whether all parameters are finally fitted to simulated motion. They are used if they
+            predict logs better that were left out. None: if the logs have a target and the
+            controller is known; True: also by runs of half a second with the measured torque;
+            False: never.
         jobs: processes for the joints of a robot; None: one per core. With more than one, a script
             needs the guard ``if __name__ == "__main__":``. The result does not depend on it.
     Returns:

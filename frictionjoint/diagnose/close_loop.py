@@ -109,9 +109,10 @@ def close_loop(
         controller: what drove the joint to its target: a file, the name of a preset, one of these
             per joint by name, or "mjcf" for the model's own position servo. Required for logs
             without torque, voltage or current; all logs are simulated with it.
-        refine: fit all numbers of the result to simulated motion in the end, and take them if they
-            predict unlike motion better. True: also in windows driven by the measured drive; None:
-            only where a target and its controller tell the whole motion; False: never.
+        refine: whether all parameters are finally fitted to simulated motion. They are used if they
+            predict logs better that were left out. None: if the logs have a target and the
+            controller is known; True: also by runs of half a second with the measured torque;
+            False: never.
     Raises:
         FrictionJointError: bad logs or model, in one line.
         TypeError: an argument has a wrong type.
