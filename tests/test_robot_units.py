@@ -48,7 +48,7 @@ def test_the_page_states_units_that_failed():
         ((), "no log"),
         (("a.csv", "--robot", "x=b.csv"), "every log as NAME=LOG"),
         (("--robot", "b.csv"), "write NAME=LOG"),
-        (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "leave it out with one"),
+        (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "omit it for one joint"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(tmp_path, arguments, said):
