@@ -124,11 +124,13 @@ def laws(rng: np.random.Generator) -> list:
 
 
 def motion(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Time and position: presliding, sliding, rest and turns."""
+    """Time and position: presliding, sliding, rest and turns; in the end a loop that closes."""
     t = 1e-3 * np.arange(SAMPLES)
     steps = rng.normal(size=SAMPLES) * 10 ** rng.uniform(-6, -2.5, SAMPLES)
     steps = np.abs(steps) * np.repeat(rng.choice([-1.0, 1.0], SAMPLES // 6), 6)
     steps[rng.random(SAMPLES) < 0.1] = 0.0
+    # forth, back by less, and forth again beyond where it had turned
+    steps[-18:] = rng.uniform(1e-5, 5e-5) * np.repeat([1.0, -1.0, 1.0], (7, 4, 7))
     return t, np.cumsum(steps)
 
 
@@ -176,6 +178,8 @@ def along_logs(rng: np.random.Generator) -> None:
         a = 10 ** rng.uniform(-4, 1)
         relaxation.distance(r, relaxation.advance(r, a, n), n)
         stribeck.stribeck_level(np.array([1.5, 1.0, 0.1, n, 0.1]), 0, abs(r))
+        # next to the end of the curve, which no number between hits often
+        relaxation.advance(1.0 + 1e-5 * r, a, n)
 
 
 def joints_alone(rng: np.random.Generator) -> None:
