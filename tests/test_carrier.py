@@ -125,14 +125,19 @@ def test_data_made_before_their_model_got_room_are_left_alone_with_one_warning(b
             fj.torque(model, early)
 
 
+def parent_of_friction(own):
+    """A model with user data of its own, to which one with friction is attached."""
+    parent = mujoco.MjSpec()
+    parent.nuserdata = own
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
+        parent.attach(carrying(friction()), prefix="L_", frame=parent.worldbody.add_frame())
+    return parent
+
+
 def test_friction_of_an_attached_child_acts_whatever_user_data_the_parent_has(tmp_path):
     for own in (0, 3):
-        child, parent = carrying(friction()), mujoco.MjSpec()
-        parent.nuserdata = own
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
-            parent.attach(child, prefix="L_", frame=parent.worldbody.add_frame())
-            model = parent.compile()
+        model = parent_of_friction(own).compile()
         with fj.attach(model):
             data = mujoco.MjData(model)
             data.qfrc_applied[0] = 0.5
@@ -276,11 +281,7 @@ def test_numbers_changed_by_hand_or_in_a_compiled_model_count(tmp_path):
 
 @pytest.mark.parametrize("own", [100, 1000])
 def test_a_parent_with_many_user_data_keeps_them_all(own):
-    child, parent = carrying(friction()), mujoco.MjSpec()
-    parent.nuserdata = own
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
-        parent.attach(child, prefix="L_", frame=parent.worldbody.add_frame())
+    parent = parent_of_friction(own)
     model = parent.compile()
     with fj.attach(model):
         room = model.nuserdata

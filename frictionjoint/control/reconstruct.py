@@ -153,11 +153,11 @@ def commands(log: JointLog, controller: Controller) -> Commands:
         velocity = np.gradient(log.position, log.time)
     on = log.torque_enabled
     return Commands(
-        time=np.ascontiguousarray(log.time),
-        target=np.ascontiguousarray(log.target),
-        position=np.ascontiguousarray(log.position),
-        velocity=np.ascontiguousarray(velocity),
-        supply=np.ascontiguousarray(supply_of(controller, log)),
+        time=log.time,
+        target=log.target,
+        position=log.position,
+        velocity=velocity,
+        supply=supply_of(controller, log),
         block=block_of(controller, log),
         delay=delay_of(controller),
         on=np.ones(len(log.time), dtype=bool) if on is None else on,

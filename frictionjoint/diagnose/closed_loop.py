@@ -50,9 +50,9 @@ class Course:
         run: for the controller as given. motion: measured position and velocity at its steps.
         delay: of the controller, s. figures: quantities that distinguish kinds of logs, by name:
             metadata of the log, its motion, its load.
-        window_s: s between restarts from the measured motion where the drive was measured, which
-            leads no joint back to its path; None: nothing but the target is given.
-        counts: samples whose position is compared, shape (n,); None: all.
+        window_s: s between restarts from the measured motion, if the drive was measured: such a
+            drive does not return a joint to its path. None: a controller follows the target.
+        counts: whether the position of a sample is compared, shape (n,); None: all are.
     """
 
     name: str
@@ -132,10 +132,8 @@ def courses_of(
         if log.target is None:
             raise LogError(f"{log.name}: no target to follow, add target_rad")
         block, delay = block_of(controller, log), delay_of(controller)
-        course = _course(log, body, log.target, block, delay, loads.index(id(body)))
-        time = log.time[0] + course.run.step * np.arange(len(course.run.target))
-        supply = held(log.time, supply_of(controller, log), time)
-        found.append(replace(course, run=replace(course.run, supply=supply)))
+        supply = supply_of(controller, log)
+        found.append(_course(log, body, log.target, supply, block, delay, loads.index(id(body))))
     return tuple(found)
 
 
@@ -153,21 +151,26 @@ def driven_courses(
     block[MEASURED] = 1.0
     found = []
     for log, body, segment in zip(logs, bodies, prepared.segments, strict=True):
-        drive = getattr(log, prepared.drive)
-        course = _course(log, body, drive, block, 0.0, loads.index(id(body)))
-        time = log.time[0] + course.run.step * (np.arange(len(course.run.target)) + 0.5)
-        run = replace(course.run, target=np.interp(time, log.time, drive))
+        drive, supply = getattr(log, prepared.drive), np.ones_like(log.time)
+        course = _course(log, body, drive, supply, block, 0.0, loads.index(id(body)))
         since = log.time - log.time[0]
         inside = np.interp(since, segment.signals[:, TIME], segment.mask.astype(float)) == 1.0
         window = (since / window_s).astype(int)
         whole = np.bincount(window, ~inside) == 0.0
-        found.append(replace(course, run=run, window_s=window_s, counts=whole[window]))
+        found.append(replace(course, window_s=window_s, counts=whole[window]))
     return tuple(found)
 
 
 def _course(
-    log: JointLog, body: RigidBody, target: Array, block: Array, delay: float, load: int
+    log: JointLog,
+    body: RigidBody,
+    target: Array,
+    supply: Array,
+    block: Array,
+    delay: float,
+    load: int,
 ) -> Course:
+    """A log with its target, or a measured drive in its place, and its supply, shape (n,) each."""
     h = _step(log.duration, float(block[PERIOD]))
     steps = max(1, math.ceil(log.duration / h - _WHOLE))
     time = log.time[0] + h * np.arange(steps + 1)
@@ -191,8 +194,12 @@ def _course(
         target=target,
         run=Run(
             step=h,
-            target=held_over(log.time, target, time - delay, h),
-            supply=np.ones(len(time)),
+            target=(
+                np.interp(time + 0.5 * h, log.time, target)
+                if block[MEASURED]
+                else held_over(log.time, target, time - delay, h)
+            ),
+            supply=held(log.time, supply, time),
             on=on,
             start=(float(log.position[0]), start),
             load=_load(body, velocity, others),

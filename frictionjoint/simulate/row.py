@@ -183,6 +183,32 @@ def over_the_step(
 
 
 @compiled
+def rare_torque(
+    P: Vector,
+    p: int,
+    effects: int,
+    X: Vector,
+    x: int,
+    t: float,
+    q: float,
+    v: float,
+    step: float,
+    h: float,
+    J: float,
+    weight: float,
+) -> float:
+    """Friction torque for any step, N m; for the arguments see `torque_now` and
+    `over_the_step`.
+
+    The torque is explicit if h is 0. `step` is the model's time step, s.
+    """
+    F = torque_now(P, p, effects, X, x, t, q, v, step)
+    if F == F and h > 0.0:
+        return over_the_step(P, p, X, x, h, v, J, weight)
+    return F
+
+
+@compiled
 def evaluate(
     P: Vector,
     p: int,
@@ -195,8 +221,6 @@ def evaluate(
     h: float,
     J: float,
 ) -> float:
-    """`torque_now`, or with a step h, s, `over_the_step` of a joint alone, of inertia J, kg m^2."""
-    F = torque_now(P, p, effects, X, x, t, q, v, h)
-    if F == F and h > 0.0:
-        return over_the_step(P, p, X, x, h, v, J, 1.0 / J if J > 0.0 else 0.0)
-    return F
+    """`rare_torque` of a joint alone, of inertia J, kg m^2, for a step of h seconds."""
+    weight = 1.0 / J if J > 0.0 else 0.0
+    return rare_torque(P, p, effects, X, x, t, q, v, h, h, J, weight)

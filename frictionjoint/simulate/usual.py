@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import in_line
 from frictionjoint.law.integrated import (
     KNOTS,
     MASING,
@@ -58,9 +58,8 @@ from frictionjoint.simulate.row import (
     V_COMMITTED,
     V_EVALUATED,
     commit_effects,
-    over_the_step,
+    rare_torque,
     shared_out,
-    torque_now,
 )
 
 # negligible torque, as a fraction of the breakaway torque: some hundred times its rounding error
@@ -204,31 +203,6 @@ def usual_torque(
     X[x + TORQUE] = constant
     X[x + GAIN] = gain
     return constant + gain * v
-
-
-@compiled
-def rare_torque(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    step: float,
-    h: float,
-    J: float,
-    weight: float,
-) -> float:
-    """Friction torque for any step, N m; the arguments are those of `usual_torque`.
-
-    The torque is explicit if h is 0. `step` is the model's time step, s.
-    """
-    F = torque_now(P, p, effects, X, x, t, q, v, step)
-    if F == F and h > 0.0:
-        return over_the_step(P, p, X, x, h, v, J, weight)
-    return F
 
 
 @in_line

@@ -13,11 +13,12 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.law_basis import element_reaches
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 
-# reaches of the elements: how many, the least and the largest over the travel
-_ELEMENTS, _SHORTEST, _LONGEST = 10, 1e-5, 0.2
+# reaches of the elements: how many, and the largest over the travel
+_ELEMENTS, _LONGEST = 10, 0.2
 # speeds over the top speed at which the level has fallen to 1/e of what it falls by
 _FALLS = (0.005, 0.02, 0.06)
 # speeds over the top speed at which friction that never sticks turns round
@@ -53,10 +54,7 @@ class LawBasis:
     @cached_property
     def reaches(self) -> Array:
         """Of the elements, rad (m), shape (k,)."""
-        span = self.prepared.span
-        resolved = max(s.noise.resolution for s in self.prepared.segments)
-        least = min(max(_SHORTEST * span, resolved), 0.1 * _LONGEST * span)
-        return np.geomspace(least, _LONGEST * span, _ELEMENTS)
+        return element_reaches(self.prepared, _ELEMENTS, _LONGEST)
 
     @cached_property
     def along(self) -> list[Array]:
