@@ -19,6 +19,7 @@ from frictionjoint.diagnose.state import compared
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of, in_order
+from frictionjoint.identify.search import Place
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import ripened, screened_starts
@@ -28,6 +29,8 @@ from frictionjoint.threads import side_by_side
 
 # further searches from where the first one led: each follows where the last was clearly nearer
 _SEARCHES = 4
+# forms that are fitted to their end
+_FORMS = 3
 # effects that are tried because they leave less where nothing has bent the law, the best first
 _MOST = 4
 
@@ -35,10 +38,18 @@ _MOST = 4
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
     """Effects fitted jointly with the best of some laws, in all forms, from all starting values."""
     with side_by_side() as each:
-        places = list(each(lambda forms: ripened(prepared, terms, forms)[0], laws))
-    place = best_of(places, lambda place: place.cost)
-    law, moved = place.search.split(place.x)
-    found = compared(prepared, tuple(t for t in moved if not isinstance(t, Timing)), law)
+        ripe = [
+            p for some in each(lambda forms: ripened(prepared, terms, forms), laws) for p in some
+        ]
+    # forms that are this close after some steps may yet change places
+    leaders = in_order(ripe, lambda place: place.cost)[:_FORMS]
+
+    def at_its_end(place: Place) -> Fit:
+        law, moved = place.search.split(place.x)
+        return compared(prepared, tuple(t for t in moved if not isinstance(t, Timing)), law)
+
+    with side_by_side() as each:
+        found = best_of(list(each(at_its_end, leaders)), lambda f: f.drive_rms)
     for _ in range(_SEARCHES):
         # one search moves an effect's numbers only so far
         last, found = found, compared(prepared, found.effects, found.shape)
