@@ -49,7 +49,7 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
         return compared(prepared, tuple(t for t in moved if not isinstance(t, Timing)), law)
 
     with side_by_side() as each:
-        found = best_of(list(each(at_its_end, leaders)), lambda f: f.drive_rms)
+        found: Fit = best_of(list(each(at_its_end, leaders)), lambda f: f.drive_rms)
     for _ in range(_SEARCHES):
         # one search moves an effect's numbers only so far
         last, found = found, compared(prepared, found.effects, found.shape)
