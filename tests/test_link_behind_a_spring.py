@@ -163,7 +163,6 @@ def lumped(mjcf):
     return ElementTree.tostring(root, encoding="unicode")
 
 
-@pytest.mark.xfail(reason="the fit stops short of a rotor lumped into the link: 0.27 for 0.375")
 def test_all_of_gravity_hangs_behind_a_spring_whatever_the_model_lumps_together(tmp_path):
     w = 2.0 * np.pi * 6.0
     link = PENDULUM.inertia

@@ -93,7 +93,7 @@ class OtherLaws:
         """Starting shapes for refitting the law after effects are removed: the present one, and
         unbiased ones.
         """
-        return tuple(dict.fromkeys((shape, self._alone[shape.variables])))
+        return tuple(dict.fromkeys((shape, self._alone.get(shape.variables, shape))))
 
     def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """Fit all laws with the effects of a model.

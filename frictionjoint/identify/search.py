@@ -6,18 +6,19 @@ Everything but the shapes is linear, so the shapes are searched and the rest is 
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize_scalar
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import Q
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
+from frictionjoint.identify.elastic_share import RESOLUTION, implied_share
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.hanging import hanging
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.of_load import less_load, with_load, with_sizes
@@ -25,7 +26,7 @@ from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, leaps
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, leaps
 from frictionjoint.identify.timing import DampingAge, DriveTiming, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import one_thread
 
@@ -34,8 +35,6 @@ _ON_BOUND = 1e-4
 _MOST_STEPS = 20
 # times that what leaps is sought in finite steps, and what one must gain for another to follow
 _ROUNDS, _GAINED = 3, 1e-3
-# most turns of a fit and the parts of an inertia behind springs
-_PARTS = 3
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 # least that a drive may come to: to compare errors over it
@@ -113,15 +112,37 @@ def refit(
 
 
 def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> Fit:
-    """A fit and the shares of the inertia that it puts behind springs, fitted alternately, see
-    `hanging`."""
-    for _ in range(_PARTS):
-        terms = hanging(prepared, found)
-        if terms == found.terms:
-            break
-        search = Search(prepared, terms, found.shape)
-        found = search.result(search.run(search.start, steps, closeness).x)
+    """A fit, with the share of the inertia behind each spring that leaves the smallest residual."""
+    for i in range(len(found.terms)):
+        share = implied_share(prepared, found, i)
+        if share is not None:
+            found = _with_best_part(prepared, found, i, share, steps, closeness)
     return found
+
+
+def _with_best_part(
+    prepared: Prepared, found: Fit, i: int, share: float, steps: int, closeness: float
+) -> Fit:
+    """The fit with the best share of the inertia behind the spring of term i.
+
+    It is sought around the share that the fit implies. Fit and implied share in turn would not
+    converge: with a share that is too small, the fitted inertia is too small as well.
+    """
+    fits = [found]
+
+    def left(log_share: float) -> float:
+        near = best_of(fits, lambda f: f.drive_rms)
+        term = near.terms[i]
+        assert isinstance(term, EffectTerm)
+        terms = in_place(near.terms, i, replace(term, part=math.exp(log_share)))
+        search = Search(prepared, terms, near.shape)
+        fits.append(search.result(search.run(search.start, steps, closeness).x))
+        return fits[-1].drive_rms
+
+    middle, reach = math.log(share), math.log(2.0)
+    bounds = middle - reach, min(middle + reach, 0.0)
+    minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": RESOLUTION})
+    return best_of(fits, lambda f: f.drive_rms)
 
 
 def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:

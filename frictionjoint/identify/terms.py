@@ -72,7 +72,8 @@ class EffectTerm:
     """An effect of the catalogue with given shape numbers.
 
     Attributes:
-        part: ratio of the effect's own inertia to the inertia on which gravity acts, see `hanging`.
+        part: ratio of the effect's own inertia to the inertia on which gravity acts, see
+            `elastic_share`.
     """
 
     effect: Effect
