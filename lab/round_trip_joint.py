@@ -23,8 +23,10 @@ from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.attach import attach
@@ -114,8 +116,12 @@ def plant(name: str, seconds: float, seed: int = 0) -> PlantSpec:
     )
 
 
-def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[Fit, Fit]:
-    """The fit without the effect, and with it, in one form or any, from the best of its shapes."""
+def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[Prepared, Fit, Fit]:
+    """The logs with their weights, the fit without the effect, and with it, from its best shape.
+
+    Weights and initial states follow from the fit, as in `base_fit`: samples in which the joint
+    sticks would bias the law.
+    """
     base = fit(prepared)
     signals = signals_of(prepared, base)
     terms = [
@@ -129,7 +135,9 @@ def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[F
     nearest = min(fits, key=lambda f: f.drive_rms)
     # the law without the effect was bent by it, and leads to no better one from there
     again = (fit(prepared, nearest.effects), refit(prepared, nearest.effects, nearest.shape))
-    return base, with_last_freedoms(prepared, min(again, key=lambda f: f.drive_rms))
+    best_fit = min(again, key=lambda f: f.drive_rms)
+    prepared, best_fit = reweighed(*settled(*reweighed(prepared, best_fit)))
+    return prepared, base, with_last_freedoms(prepared, best_fit)
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:
@@ -140,10 +148,10 @@ def _gain(base: Fit, columns: np.ndarray) -> float:
     return float(np.sum((J @ np.linalg.lstsq(J, e, rcond=1e-10)[0]) ** 2))
 
 
-def searched(prepared: Prepared) -> tuple[Fit, Fit]:
-    """Begin and end of the whole search."""
+def searched(prepared: Prepared) -> tuple[Prepared, Fit, Fit]:
+    """The logs with their weights, begin and end of the whole search."""
     found = trace(prepared)
-    return found.base, found.final
+    return found.prepared, found.base, found.final
 
 
 def form_of(found: Fit, name: str) -> Effect | None:
@@ -261,7 +269,7 @@ def joint_trip(
     logs = plant_logs(name, spec, folder)
     body = RigidBody(body_path, "joint")
     first_logs = prepare(logs, body)
-    base, found = searched(first_logs) if search else nominated(first_logs, name)
+    first_logs, base, found = searched(first_logs) if search else nominated(first_logs, name)
     first = numbers(first_logs, found, name)
     if not first:
         raise ValueError(f"{name} was not found on the plant: {_names(found)}")
@@ -269,8 +277,11 @@ def joint_trip(
     write_model(path, body_path, found)
     second_logs = prepare([model_log(path, name, spec, i, x) for i, x in enumerate(logs)], body)
     form = form_of(found, name)
-    again = nominated(second_logs, name, form.effect_id if form else None)
-    _, refound = searched(second_logs) if search else again
+    second_logs, _, refound = (
+        searched(second_logs)
+        if search
+        else nominated(second_logs, name, form.effect_id if form else None)
+    )
     return Trip(
         name,
         _names(refound),

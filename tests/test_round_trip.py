@@ -13,10 +13,7 @@ QUICK = (
     "spring",
     "load-dependent",
     "direction-asymmetry",
-    pytest.param(
-        "back-emf",
-        marks=pytest.mark.xfail(reason="the replay of the second model errs 1.8 times the first"),
-    ),
+    "back-emf",
     "command-delay",
     "drive-limit",
 )
