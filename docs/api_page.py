@@ -29,7 +29,7 @@ MODULES = (
     "frictionjoint.rivals",
     "frictionjoint.errors",
     "frictionjoint.effects.effect",
-    "frictionjoint.diagnose.report_data",
+    "frictionjoint.report.joint_report",
     "frictionjoint.simulate.carrier",
     "frictionjoint.simulate.gymnasium",
     "frictionjoint.simulate.dm_control",

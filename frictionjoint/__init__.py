@@ -5,6 +5,8 @@ that the model lacks.
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from frictionjoint.callable_package import make_callable
+
 if TYPE_CHECKING:
     from frictionjoint.batch import FrictionBatch
     from frictionjoint.commands import close_loop, export, identify
@@ -86,6 +88,9 @@ __all__ = [
 
 # public name -> name in its module, where that differs
 _OTHER_NAMES = {"check": "check_model"}
+
+
+make_callable(__name__)
 
 
 def __getattr__(name: str) -> Any:

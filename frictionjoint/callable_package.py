@@ -5,10 +5,14 @@ binds a package to its name when one of its modules is imported, replacing a fun
 so the package itself is made callable.
 """
 
-import inspect
 import sys
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from inspect import Signature
+
+_CALLABLE = ("export", "identify")
 
 
 class _CallablePackage(ModuleType):
@@ -16,13 +20,22 @@ class _CallablePackage(ModuleType):
         return _function(self)(*arguments, **named)
 
     @property
-    def __signature__(self) -> inspect.Signature:
-        return inspect.signature(_function(self))
+    def __signature__(self) -> "Signature":
+        from inspect import signature
+
+        return signature(_function(self))
+
+
+class _Parent(ModuleType):
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _CALLABLE and isinstance(value, ModuleType):
+            value.__class__ = _CallablePackage
+        super().__setattr__(name, value)
 
 
 def make_callable(name: str) -> None:
-    """Forward calls of a package to the function of its name in `frictionjoint.commands`."""
-    sys.modules[name].__class__ = _CallablePackage
+    """Make packages in the package `name` callable as functions of `frictionjoint.commands`."""
+    sys.modules[name].__class__ = _Parent
 
 
 def _function(package: ModuleType) -> Any:

@@ -11,12 +11,12 @@ from frictionjoint.measured.arguments import expect
 
 if TYPE_CHECKING:
     from frictionjoint.control.controller_file import GivenController
-    from frictionjoint.diagnose.report_data import Report
     from frictionjoint.export.run import Exported
     from frictionjoint.identify.held import Pose
     from frictionjoint.identify.run import Identified
     from frictionjoint.measured.log import JointLog
-    from frictionjoint.robot.report_data import RobotReport
+    from frictionjoint.report.joint_report import Report
+    from frictionjoint.report.robot_report import RobotReport
 
 Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
 

@@ -24,10 +24,10 @@ from scipy.linalg import lstsq
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from searches import options, search_all
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import A
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.lowpass import LowPass, gentle

@@ -24,9 +24,9 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, term_estimates

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 from real_robots import HELD_OUT, ROBOTS, ROOT
 
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects.signals import V
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import IN_MOTION
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.robot.along import Along

@@ -25,9 +25,9 @@ import sysid_robot
 from real_robots import HELD_OUT, PAGE, ROBOTS, ROOT
 
 import frictionjoint as fj
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.identify.fit import IN_MOTION
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.robot.corrections import direction

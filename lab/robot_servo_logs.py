@@ -32,10 +32,10 @@ from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import STATE, one_tick
 from frictionjoint.control.profile import held
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.files import joint_friction
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log
+from frictionjoint.report.joint_report import Report
 from frictionjoint.simulate.carrier import blocks, install
 from frictionjoint.simulate.motor import Motor, add_motor
 

@@ -11,9 +11,7 @@ from round_trip_joint import Trip, numbers
 from frictionjoint.control.block import block_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import STATE, one_tick
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.library import drive_terms
-from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
@@ -23,6 +21,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
+from frictionjoint.replay.free_runs import friction_spec
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model
 

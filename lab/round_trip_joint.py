@@ -8,15 +8,14 @@ import mujoco
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import effect_terms
-from frictionjoint.diagnose.replay import friction_spec, motor_of, replay, replayed_whole
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
@@ -29,6 +28,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
+from frictionjoint.replay.free_runs import friction_spec, motor_of, replay, replayed_whole
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model
 from frictionjoint.simulate.thermal import set_temperature

@@ -14,8 +14,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.closed_loop import Course
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
 import second_servos

@@ -24,9 +24,9 @@ import numpy as np
 
 from frictionjoint import close_loop
 from frictionjoint.control import PRESETS
-from frictionjoint.diagnose.refined import LoopErrors
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
+from frictionjoint.replay.loops import LoopErrors
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = ROOT / "models"

@@ -28,17 +28,17 @@ from servo_hands import HANDS, JOINT, KINDS, NOTHING, Servo
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.close_loop import explain
-from frictionjoint.diagnose.closed_loop import (
-    Course,
-    closed_loop,
-    courses_of,
-    joint_model,
-)
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.terms import drive_changes
 from frictionjoint.refine.guard import held as in_band
+from frictionjoint.replay.closed_loop import (
+    Course,
+    closed_loop,
+    courses_of,
+    joint_model,
+)
 from frictionjoint.simulate.one_joint import simulate
 
 TORQUE_GAIN = "torque-gain"

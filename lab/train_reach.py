@@ -29,12 +29,12 @@ from numba import njit
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # lab.third_hand
 import frictionjoint as fj
-from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.export.run import Target, export
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.measured.readers import read_log
+from frictionjoint.replay.free_runs import friction_spec
 from lab.third_hand.files import write
 from lab.third_hand.friction import slip_elements
 from lab.third_hand.integrate import LOAD, STATES, derivative, runge_kutta

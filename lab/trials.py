@@ -30,7 +30,6 @@ sys.path.insert(0, str(Path(__file__).parent))
 from judging import read_answer, tables, told
 from linear_search.traced import traced
 
-from frictionjoint.diagnose.replay import replayed_whole
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor
 from frictionjoint.identify.fit import Fit
@@ -41,6 +40,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.weights import errors_of, weighted
 from frictionjoint.measured.readers import read_log
+from frictionjoint.replay.free_runs import replayed_whole
 from frictionjoint.threads import allow
 
 

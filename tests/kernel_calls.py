@@ -27,11 +27,11 @@ from frictionjoint.compiled import native
 from frictionjoint.control import kernel as control
 from frictionjoint.control.profile import fill_means, followed
 from frictionjoint.control.reconstruct import fill_mean_drives
-from frictionjoint.diagnose.blocks import gram_matrices
 from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED
 from frictionjoint.effects.joint_elasticity import free_swing
 from frictionjoint.effects.kernel import columns, torques
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
+from frictionjoint.identify.blocks import gram_matrices
 from frictionjoint.identify.commanded import _fill_uniform
 from frictionjoint.identify.constraint_shape import gradient
 from frictionjoint.identify.reversals import fill_grid, path_of

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from frictionjoint import close_loop, uninstall
-from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.notes import stiffness_note
 from frictionjoint.identify.base_fit import base_fit, shortest, with_assumed_stiffness
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.notes import stiffness_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody

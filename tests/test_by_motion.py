@@ -11,7 +11,6 @@ from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 from frictionjoint.control.kernel import BLOCK
 from frictionjoint.control.kernel import COUNT as COUNT_AT
 from frictionjoint.diagnose.by_motion import held_out_evidence, is_large, named_by_motion, taken
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.diagnose.finding import Finding, Sight, Trace
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Looked
@@ -22,6 +21,7 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.refine.vector import with_term
+from frictionjoint.replay.closed_loop import closed_loop, courses_of, joint_model
 
 MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
 

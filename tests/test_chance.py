@@ -5,9 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Screen
+from frictionjoint.identify.blocks import Blocks
 
 COUNT, LENGTH, FOLDS = 60, 20, 4
 N = COUNT * LENGTH

@@ -7,9 +7,9 @@ import pytest
 from law_shapes import law_at
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.score import scored
 from frictionjoint.effects import direction_asymmetry, position_periodic
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.search import CLOSE, ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared

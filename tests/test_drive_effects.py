@@ -9,11 +9,9 @@ from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
 from frictionjoint.control import Controller
 from frictionjoint.control.block import block_of
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
-from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects import drive_limit, duty_drop
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import without_scale
@@ -26,6 +24,8 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit, ripened
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
+from frictionjoint.replay.free_runs import friction_spec
 
 EMF_TERM = EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf"))
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
 from frictionjoint.measured import JointLog
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.page import render
 from tests.command_line import run
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.score import scored
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import library
 from frictionjoint.effects.signals import GX, GY, N_SIGNALS, A, Q, V
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody

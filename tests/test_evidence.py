@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose import blocks as blocking
 from frictionjoint.diagnose import chance
-from frictionjoint.diagnose.blocks import Blocks, correlation_time, make_blocks
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import N_SIGNALS, A, Q, V
+from frictionjoint.identify import blocks as blocking
+from frictionjoint.identify.blocks import Blocks, correlation_time, make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.noise import Noise

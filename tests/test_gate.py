@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from frictionjoint.diagnose.notes import inertia_note
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
 from frictionjoint.identify.bodies import Bodies
@@ -20,6 +19,7 @@ from frictionjoint.identify.gate import (
     check_signs,
     scale_is_determined,
 )
+from frictionjoint.identify.notes import inertia_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit

@@ -7,9 +7,9 @@ import pytest
 from law_shapes import law_at
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.effects import back_emf, load_dependent, measurement_delay, spring
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import refit, timed

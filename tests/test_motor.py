@@ -10,7 +10,6 @@ from servo_loop import Servo, run_servo
 from frictionjoint import FrictionParameters, attach
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.library import effect_terms
-from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.gate import load_shows, scale_is_determined
@@ -23,6 +22,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import errors_of, reweighed, weighted
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.free_runs import friction_spec
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor, motor_id
 

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from frictionjoint import FrictionParameters, attach
-from frictionjoint.diagnose.replay import motor_of, replay
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects import motor_saturation
 from frictionjoint.effects.motor_saturation import given as given_torque
@@ -19,6 +18,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.start import predict
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.free_runs import motor_of, replay
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.possible import LEAST_ACTING, impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
 from frictionjoint.effects.drive_limit import EFFECT as LIMITED
 from frictionjoint.effects.nonlinear_viscous import EFFECT
 from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm

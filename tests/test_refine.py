@@ -10,7 +10,6 @@ from scipy.stats import norm
 from scipy.stats import t as student
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, joint_model
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -21,6 +20,7 @@ from frictionjoint.refine import refine
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import without_stribeck
 from frictionjoint.refine.vector import Vector
+from frictionjoint.replay.closed_loop import closed_loop, courses_of, joint_model
 
 HIDDEN = {"delay": 0.03}
 TERMS = (

@@ -11,8 +11,6 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.diagnose import close_loop as loop
 from frictionjoint.diagnose.notes import DIVERGES
-from frictionjoint.diagnose.replay import Replay, replay, simulated_whole
-from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.effects import backlash, duty_drop, joint_elasticity
 from frictionjoint.identify.prepare import prepare
@@ -20,6 +18,8 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured import JointLog
+from frictionjoint.replay.free_runs import Replay, replay, simulated_whole
+from frictionjoint.report.joint_report import Rms
 
 N, DT = 2000, 4e-3
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>

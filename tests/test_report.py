@@ -9,11 +9,11 @@ import pytest
 
 from frictionjoint.cli.terminal import show_estimates, show_report
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.report import charts, presliding, wording
+from frictionjoint.report.joint_report import Rms
 from frictionjoint.report.page import render
 from frictionjoint.report.write import made
 
@@ -281,7 +281,7 @@ def test_a_gap_or_a_pause_is_no_turn():
 
 
 def found_curve(t, q, zero):
-    from frictionjoint.diagnose.report_data import Curve
+    from frictionjoint.report.joint_report import Curve
 
     return Curve("log", "fit", t, q, *(zero,) * 6, zero == 0.0, {})
 

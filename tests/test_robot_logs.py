@@ -6,13 +6,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.report_data import Rms
 from frictionjoint.errors import LogError
+from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
+from frictionjoint.report.joint_report import Rms
+from frictionjoint.report.robot_report import mean_percent
 from frictionjoint.report.write_robot import page_names
 from frictionjoint.robot.joint import first_fit
-from frictionjoint.robot.logs import joints_to_explain, read_robot
-from frictionjoint.robot.report_data import mean_percent
+from frictionjoint.robot.logs import read_robot
 from tests.arms.arm import hide_mass, random_arm
 from tests.arms.fitted import joint_logs
 

@@ -6,20 +6,20 @@ from types import SimpleNamespace
 
 import pytest
 
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rms import Rms
 from frictionjoint.report.page import render
-from frictionjoint.report.robot_summary import joint_content, summarise_robot
-from frictionjoint.report.wording import percentage
-from frictionjoint.report.write import made
-from frictionjoint.report.write_robot import page_names, render_robot
-from frictionjoint.robot.report_data import (
+from frictionjoint.report.robot_report import (
     JointResult,
     RobotErrors,
     RobotReport,
     SharedCause,
     notes_of,
 )
+from frictionjoint.report.robot_summary import joint_content, summarise_robot
+from frictionjoint.report.wording import percentage
+from frictionjoint.report.write import made
+from frictionjoint.report.write_robot import page_names, render_robot
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',

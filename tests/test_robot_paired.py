@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from frictionjoint.diagnose.replay import Replay
+from frictionjoint.replay.free_runs import Replay
 from frictionjoint.robot import explain
 from frictionjoint.robot.paired import error_increase, replay_increase
 

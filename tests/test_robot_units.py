@@ -7,8 +7,8 @@ import pytest
 from frictionjoint.cli.robot import robots_of
 from frictionjoint.errors import LogError
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.units_report import Spread, UnitsReport
 from frictionjoint.report.write_robot_units import render_units
-from frictionjoint.robot.units import Spread, UnitsReport
 from tests.command_line import run
 
 ROW = Spread(

@@ -8,8 +8,8 @@ from round_trip_drive import nominated, servo_logs
 from scipy.optimize import least_squares
 from servo_plant import COUNT, PLANT
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.effects import backlash, torque_bias
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.compass import compass
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.of_load import less_load, with_load, with_sizes

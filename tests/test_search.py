@@ -8,11 +8,11 @@ import pytest
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.errors import ParameterError
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_parameters, term_estimates
 from tests.plants.spec import Effect, Motion
 

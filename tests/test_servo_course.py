@@ -20,7 +20,6 @@ from servo_plant import (
 
 from frictionjoint.control.kernel import KP, STATE, one_tick
 from frictionjoint.control.kernel import TICK as TICK_AT
-from frictionjoint.diagnose.closed_loop import closed_loop, courses_of, found_controller
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -30,6 +29,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import TargetTiming
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
 
 MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from law_shapes import law_at
 
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A, H, Q
 from frictionjoint.identify.design import full_signals
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody

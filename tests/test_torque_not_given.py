@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.outcome import _without_unnamed
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, as_given
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit

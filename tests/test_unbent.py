@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import look
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
@@ -14,6 +13,7 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import compared
 from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit

@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.effects.signals import N_SIGNALS, V
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.noise import Noise

@@ -19,8 +19,8 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     from collections.abc import Mapping
 
     from frictionjoint.identify.held import Pose
+    from frictionjoint.report.units_report import UnitsReport
     from frictionjoint.robot.logs import RobotLogs
-    from frictionjoint.robot.units import UnitsReport
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,9 @@ class RobotRequest:
         Raises:
             LogError: see `read_log`, or a joint is named twice.
         """
+        from frictionjoint.identify.driven_joints import joints_to_explain
         from frictionjoint.model_files import compile_model
-        from frictionjoint.robot.logs import RobotLogs, joints_to_explain
+        from frictionjoint.robot.logs import RobotLogs
 
         names = self.joints
         if len(set(names)) < len(names):

@@ -13,9 +13,9 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
-    from frictionjoint.diagnose.report_data import Report
     from frictionjoint.identify.result import Estimate
-    from frictionjoint.robot.report_data import RobotReport
+    from frictionjoint.report.joint_report import Report
+    from frictionjoint.report.robot_report import RobotReport
 
 # "fit: start 3 of 12": work that says how much is left
 _COUNTED = re.compile(r"(\d+)(?: of |/)(\d+)")

@@ -6,6 +6,7 @@ from frictionjoint.describe import meanings
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.wording import quantity
 
 # A parameter whose standard error exceeds this fraction of it counts as not determined.
 _LOOSE = 0.5
@@ -70,12 +71,6 @@ def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, 
         if loose:
             found.append((motion, loose))
     return found
-
-
-def quantity(variable: str) -> str:
-    """A measured quantity in the words of a report."""
-    joint, dot, name = variable.rpartition(".")
-    return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")
 
 
 def _is_loose(x: Estimate) -> bool:

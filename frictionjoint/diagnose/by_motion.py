@@ -16,18 +16,16 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
-from frictionjoint.diagnose.blocks import make_blocks
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import effect_terms, effects, without_columns
 from frictionjoint.diagnose.moves import Look, Looked, look
-from frictionjoint.diagnose.replay import simulated_whole
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -39,6 +37,8 @@ from frictionjoint.refine.refine import Refined, judged, outcome, refine
 from frictionjoint.refine.secant import differences
 from frictionjoint.refine.tried import Tried, tried
 from frictionjoint.refine.vector import Vector, with_term
+from frictionjoint.replay.closed_loop import Course
+from frictionjoint.replay.free_runs import simulated_whole
 
 # of the torque's rms, by which a coefficient moves it for a difference
 _STEP = 0.01

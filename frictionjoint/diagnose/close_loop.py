@@ -13,22 +13,11 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive, with_known_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
-from frictionjoint.diagnose.closed_loop import found_controller
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes, other_drive_note
+from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
-from frictionjoint.diagnose.refined import Loops, RefinedModel, refined_in_windows
-from frictionjoint.diagnose.replay import (
-    friction_spec,
-    replay,
-    replay_rms,
-    replayed_whole,
-    simulated_effects,
-    simulated_whole,
-)
-from frictionjoint.diagnose.report_data import LogEntry, Report
 from frictionjoint.diagnose.report_parts import (
     added,
     curves,
@@ -42,13 +31,14 @@ from frictionjoint.diagnose.report_parts import (
     ties,
     torque_rms,
 )
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.notes import other_drive_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     law_estimates,
@@ -57,6 +47,7 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
+from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.joint_friction import JointFriction
@@ -69,7 +60,19 @@ from frictionjoint.model_text import model_text
 from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
+from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
 from frictionjoint.refine.vector import Vector
+from frictionjoint.replay.closed_loop import found_controller
+from frictionjoint.replay.free_runs import (
+    friction_spec,
+    replay,
+    replay_rms,
+    replayed_whole,
+    simulated_effects,
+    simulated_whole,
+)
+from frictionjoint.replay.loops import Loops
+from frictionjoint.report.joint_report import LogEntry, Report
 from frictionjoint.threads import one_thread
 
 # standard error of a gain over the gain, beyond which it may as well be any
@@ -197,7 +200,7 @@ def explain(
             refined = RefinedModel.of(outcome, loops, body.slide, scaled)
         closed = loops.errors((found.base, found.final))
     elif refine and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
-        outcome = refined_in_windows(found, logs, mine, progress)
+        outcome = refined_in_windows(found.prepared, found.final, logs, mine, progress)
         refined = RefinedModel.of(outcome, None, body.slide, scaled)
     best = outcome.fit if outcome else found.final
     if not scaled:
@@ -266,6 +269,7 @@ def explain(
         laws=(law_parameters(found.base), law_parameters(found.final)),
         curves=curves(moving, kept_moving, found),
         rankings=rankings(found),
+        thresholds={"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
         proposals=(*open_questions, *computed),
         notes=(
             *((DIVERGES,) if diverges else ()),

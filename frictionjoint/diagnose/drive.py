@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import halves, make_blocks
 from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.blocks import halves, make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed

@@ -9,7 +9,6 @@ from functools import partial
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.drive import COARSE, look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
@@ -24,6 +23,7 @@ from frictionjoint.diagnose.state import (
     numbers_of,
     without,
 )
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
@@ -33,6 +32,7 @@ from frictionjoint.diagnose.state import (
 )
 from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.start import settled

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.arrays import root_mean_square
-from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.instruments import NotGiven, as_given
 from frictionjoint.identify.segment import Prepared

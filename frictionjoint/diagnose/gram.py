@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks, Folds, whitened
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.eigen import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
+from frictionjoint.identify.blocks import Blocks, Folds, whitened
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.timing import Timing

@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
@@ -15,6 +14,7 @@ from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TEMP, Q, parts_of_load
 from frictionjoint.identify.basis import without
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.design import lengths, term_bounds
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import scale_is_determined

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks, halves
 from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.diagnose.library import Candidate
+from frictionjoint.identify.blocks import Blocks, halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import EQUAL, first_least, in_order
 from frictionjoint.identify.terms import Term, in_place

@@ -5,7 +5,6 @@ import numpy as np
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Trace, sight
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -20,6 +19,7 @@ from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.identify.base_fit import with_assumed_stiffness
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY, TIE
 from frictionjoint.identify.basis import without
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import shape_limits

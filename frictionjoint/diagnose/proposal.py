@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.describe import meanings
 from frictionjoint.diagnose.advice import loose_parameters
-from frictionjoint.diagnose.blocks import make_blocks
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.motions import (
     Carried,
@@ -36,6 +35,7 @@ from frictionjoint.diagnose.separation import (
     with_further,
 )
 from frictionjoint.effects.catalogue import title
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody

@@ -6,13 +6,23 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.closed_loop import ClosedLoop
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.intervals import rms_interval
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.diagnose.refined import LoopErrors
-from frictionjoint.diagnose.replay import Replay
-from frictionjoint.diagnose.report_data import (
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.signals import TIME, Q, V
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import rms_interval
+from frictionjoint.identify.result import term_estimates
+from frictionjoint.identify.rms import Rms
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.smooth import VARIABLES
+from frictionjoint.identify.start import Prediction, predict
+from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.replay.closed_loop import ClosedLoop
+from frictionjoint.replay.free_runs import Replay
+from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.report.joint_report import (
     Added,
     Curve,
     Evidence,
@@ -21,16 +31,6 @@ from frictionjoint.diagnose.report_data import (
     Role,
     SimulatedPosition,
 )
-from frictionjoint.diagnose.rms import Rms
-from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import TIME, Q, V
-from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import term_estimates
-from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import Prediction, predict
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
 
 # length of the blocks of an rms's interval, s
 _BLOCK_S = 0.5

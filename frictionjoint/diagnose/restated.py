@@ -20,7 +20,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.decisions import MOSTLY, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
@@ -29,6 +28,7 @@ from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
+from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import Search

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.possible import impossible
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.reach import unreached
 from frictionjoint.identify.rounding import EQUAL

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import FEWEST_WAVES

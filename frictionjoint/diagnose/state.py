@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from frictionjoint.diagnose.blocks import Blocks, make_blocks
 from frictionjoint.diagnose.decisions import (
     APART,
     DISCREPANCY,
@@ -16,6 +15,7 @@ from frictionjoint.diagnose.library import Candidate, library
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.score import Scored
+from frictionjoint.identify.blocks import Blocks, make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.decisions import (
     APART,
     SIGNIFICANCE,
@@ -44,6 +43,7 @@ from frictionjoint.diagnose.state import (
 )
 from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.identify.base_fit import base_fit
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer

@@ -3,10 +3,10 @@
 In an arm that moves alone the load is a function of position, and no log distinguishes them.
 """
 
-from frictionjoint.diagnose.blocks import Blocks
 from frictionjoint.diagnose.exchange import most_first
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, compared
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import Term, in_place
 

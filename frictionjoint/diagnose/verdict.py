@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from frictionjoint.diagnose.blocks import correlation_time
 from frictionjoint.diagnose.decisions import AS_WHITE, AT_THE_FLOOR
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.report_data import Verdict
-from frictionjoint.diagnose.rms import Rms
+from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.report.joint_report import Verdict
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:

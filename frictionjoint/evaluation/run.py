@@ -179,7 +179,7 @@ def evaluate(
 
 def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
     """Joints to evaluate if the user names none."""
-    from frictionjoint.robot.logs import joints_to_explain
+    from frictionjoint.identify.driven_joints import joints_to_explain
 
     names = [model.joint(j).name for j in range(model.njnt)]
     held = [[x.joint] if isinstance(x, JointLog) else joints_with_drive(x) for x in paths]

@@ -6,7 +6,3 @@ each.
 The package is callable: ``frictionjoint.export(model, to, out)`` is
 `frictionjoint.commands.export`.
 """
-
-from frictionjoint.callable_package import make_callable
-
-make_callable(__name__)

@@ -3,7 +3,3 @@
 The package is callable: ``frictionjoint.identify(logs, model, joint)`` is
 `frictionjoint.commands.identify`.
 """
-
-from frictionjoint.callable_package import make_callable
-
-make_callable(__name__)

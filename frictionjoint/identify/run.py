@@ -9,8 +9,6 @@ from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.describe import meaning
-from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.notes import inertia_note, other_drive_note, stiffness_note
 from frictionjoint.files import toml_text, toml_text_without_scale
 from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
 from frictionjoint.identify.bodies import Bodies
@@ -18,7 +16,9 @@ from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.gate import check as check_balance
 from frictionjoint.identify.gate import check_fit, scale_is_determined
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
+from frictionjoint.identify.notes import inertia_note, other_drive_note, stiffness_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,

@@ -14,7 +14,7 @@ from frictionjoint.recordings.between import Between, between
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 
 if TYPE_CHECKING:
-    from frictionjoint.diagnose.report_data import Report
+    from frictionjoint.report.joint_report import Report
 
 # least number of recordings for a comparison
 FEWEST = 3

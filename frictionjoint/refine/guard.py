@@ -18,7 +18,6 @@ from scipy.special import ndtr, ndtri, stdtrit
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import load_shows
@@ -27,6 +26,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.motion import errors
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant, differences
+from frictionjoint.replay.closed_loop import Course
 
 Mask = NDArray[np.bool_]
 

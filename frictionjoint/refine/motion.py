@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.closed_loop import Course, joint_model
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import drive_changes
+from frictionjoint.replay.closed_loop import Course, joint_model
 from frictionjoint.simulate.one_joint import simulate
 from frictionjoint.threads import side_by_side
 

@@ -6,10 +6,10 @@ from copy import copy
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.refine.motion import errors
 from frictionjoint.refine.vector import Vector
+from frictionjoint.replay.closed_loop import Course
 
 # samples with one error in common: as one number a tenth of a second
 _CORRELATED = 10.0

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.guard import balanced_without_each, clearly_less, of_logs
 from frictionjoint.refine.tried import Tried, by_windows, tried
 from frictionjoint.refine.vector import Vector
+from frictionjoint.replay.closed_loop import Course
 
 # a law's number by which its level falls with the speed, Fs / Fc - 1
 _FALL = "excess"

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.closed_loop import Course
 from frictionjoint.refine.guard import (
     Mask,
     kinds,
@@ -27,6 +26,7 @@ from frictionjoint.refine.motion import WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
+from frictionjoint.replay.closed_loop import Course
 
 # steps of each round of a stage, rounds, and the fraction of the squares that one must take away
 _MOST, _ROUNDS, _ENOUGH = 10, 4, 2e-2

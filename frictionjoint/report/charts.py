@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.report_data import Curve, Report, SimulatedPosition
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
+from frictionjoint.report.joint_report import Curve, Report, SimulatedPosition
 from frictionjoint.report.presliding import turns
 from frictionjoint.report.wording import axis
 

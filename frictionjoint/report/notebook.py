@@ -2,8 +2,8 @@
 
 from html import escape
 
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.display import table
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.picture import PAGE_STYLE, draw, svg
 from frictionjoint.report.summary import summarise
 

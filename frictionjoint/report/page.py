@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from frictionjoint.diagnose.advice import quantity
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.numbers import status_of
 from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.wording import quantity
 
 # candidates shown of a step
 _CANDIDATES = 8

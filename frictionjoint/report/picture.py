@@ -12,9 +12,9 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.report import charts
-from frictionjoint.robot.report_data import RobotReport
+from frictionjoint.report.joint_report import Report
+from frictionjoint.report.robot_report import RobotReport
 
 COLOURS = {"measured": "#8a8f94", "target": "#7570b3", "before": "#d95f02", "after": "#1b9e77"}
 # stand for what the style sheet of a page decides

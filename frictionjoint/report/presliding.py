@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from frictionjoint.diagnose.report_data import Curve
+from frictionjoint.report.joint_report import Curve
 
 # samples that a window needs
 _LEAST_SAMPLES = 10

@@ -1,9 +1,8 @@
 """The verdict of a report in three or four lines."""
 
-from frictionjoint.diagnose.advice import quantity
 from frictionjoint.report.errors import arrow, compared
 from frictionjoint.report.summary import Summary
-from frictionjoint.report.wording import listed, three
+from frictionjoint.report.wording import listed, quantity, three
 
 # a remaining error up to this multiple of the noise is hardly more than the noise
 AT_THE_NOISE = 1.5

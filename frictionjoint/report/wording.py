@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Sequence
 
-from frictionjoint.diagnose.advice import quantity
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 
@@ -95,3 +94,9 @@ def _plain(text: str) -> str:
     if "e" in text and 1e-4 <= abs(number) < 1e7:
         text = f"{number:f}".rstrip("0").rstrip(".") if abs(number) < 1.0 else f"{number:.0f}"
     return text.replace("-", "−", 1) if text.startswith("-") else text
+
+
+def quantity(variable: str) -> str:
+    """A measured quantity in the words of a report."""
+    joint, dot, name = variable.rpartition(".")
+    return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")

@@ -11,10 +11,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from frictionjoint.diagnose.report_data import Report
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.html import versions
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.page import render
 
 FILES = ("report.json", "report.html", "model.xml")

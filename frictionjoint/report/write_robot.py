@@ -12,9 +12,9 @@ from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report import charts
 from frictionjoint.report.html import fill
 from frictionjoint.report.page import FILTERS, render
+from frictionjoint.report.robot_report import RobotReport
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
 from frictionjoint.report.write import json_text, made, write_files
-from frictionjoint.robot.report_data import RobotReport
 
 
 def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:

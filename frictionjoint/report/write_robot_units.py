@@ -7,9 +7,9 @@ from typing import Any
 
 from frictionjoint.report.html import fill
 from frictionjoint.report.robot_summary import summarise_robot
+from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.write import json_text, made, write_files
 from frictionjoint.report.write_robot import write_robot_report
-from frictionjoint.robot.units import UnitsReport
 
 FILES = ("report.json", "report.html")
 

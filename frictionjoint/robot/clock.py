@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import Blocks, correlation_time
-from frictionjoint.diagnose.kinds import kinds_of
 from frictionjoint.effects.signals import TIME, A, Q, V
+from frictionjoint.identify.blocks import Blocks, correlation_time
+from frictionjoint.identify.kinds import kinds_of
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.logs import Place, by_place
 

@@ -11,16 +11,23 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller_file import GivenController, controller_of
-from frictionjoint.diagnose.replay import friction_spec
-from frictionjoint.diagnose.report_data import Evidence
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.earlier_friction import before_friction, said_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rms import Rms
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
+from frictionjoint.replay.free_runs import friction_spec
+from frictionjoint.report.joint_report import Evidence
+from frictionjoint.report.robot_report import (
+    RobotErrors,
+    RobotReport,
+    SharedCause,
+    mean_percent,
+    notes_of,
+)
 from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.corrections import Corrections, write_corrections
@@ -31,13 +38,6 @@ from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import RobotLogs
 from frictionjoint.robot.replay import replay_robot
-from frictionjoint.robot.report_data import (
-    RobotErrors,
-    RobotReport,
-    SharedCause,
-    mean_percent,
-    notes_of,
-)
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers

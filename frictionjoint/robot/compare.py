@@ -7,10 +7,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.report.robot_report import HARM
 from frictionjoint.robot.stack import Stack
-
-# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
-HARM = 0.05
 
 # squares over presumed variances: about as far as one number is presumed to be off
 _NEARER = 1.0

@@ -14,6 +14,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
+from frictionjoint.report.robot_report import Excitation
 from frictionjoint.robot.information import (
     Information,
     base_parameters,
@@ -27,59 +28,12 @@ from frictionjoint.robot.regressor import Regressor
 
 _SECONDS, _HARMONICS, _SAMPLES, _TRIALS = 20.0, 5, 400, 60
 _RATE_HZ = 100.0
-# standard errors that fall to more than this are not worth a recording
-_LITTLE = 0.9
 # part of a range or of the largest torque that may be used, and speed over that of the logs
 _RANGE, _TORQUE, _FASTER = 0.9, 0.9, 1.25
 # travel beyond that of the logs, over it, where the model states no range
 _FURTHER = 0.25
 _SHRUNK, _SHRINKS = 0.8, 12
 _FADE = 0.1
-
-
-@dataclass(frozen=True)
-class Excitation:
-    """A trajectory.
-
-    Attributes:
-        joints: names. slides: whether each is a slide.
-        time: s, shape (n,). q: positions, shape (n, joints).
-        fall: ratio of the standard errors of the base parameters after and before it: median and
-            smallest.
-    """
-
-    joints: tuple[str, ...]
-    slides: tuple[bool, ...]
-    time: Array
-    q: Array
-    fall: tuple[float, float]
-
-    def csv(self) -> str:
-        """The motion as a CSV file with a column of targets per joint."""
-        names = [
-            f"{n}.target_{'m' if slide else 'rad'}"
-            for n, slide in zip(self.joints, self.slides, strict=True)
-        ]
-        rows = [",".join(["time_s", *names])]
-        for t, q in zip(self.time, self.q, strict=True):
-            rows.append(",".join(f"{x:.6g}" for x in (t, *q)))
-        return "\n".join(rows) + "\n"
-
-    @property
-    def text(self) -> str:
-        """The benefit of the motion, in a sentence."""
-        fall = (
-            "should reduce the standard errors of the base parameters to "
-            f"{self.fall[0]:.0%} of the present ones (median; the largest one to "
-            f"{self.fall[1]:.0%})."
-        )
-        seconds = f"{self.time[-1]:.3g} s"
-        if min(self.fall) > _LITTLE:
-            return (
-                f"nothing in particular: {seconds} more would add little. The best motion within "
-                f"the limits of range, speed and torque, next_trajectory.csv, {fall}"
-            )
-        return f"the motion in next_trajectory.csv ({seconds}). It {fall}"
 
 
 @dataclass(frozen=True)

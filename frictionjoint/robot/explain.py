@@ -10,18 +10,16 @@ from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.diagnose.refined import Loops
-from frictionjoint.diagnose.replay import Replay, replay, replay_rms
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
@@ -29,10 +27,12 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, weighted
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.free_runs import Replay, replay, replay_rms
+from frictionjoint.replay.loops import Loops
+from frictionjoint.report.robot_report import Interval, JointResult
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Shaft
-from frictionjoint.robot.paired import Interval, error_increase, replay_increase
-from frictionjoint.robot.report_data import JointResult
+from frictionjoint.robot.paired import error_increase, replay_increase
 from frictionjoint.robot.torsion import torsion
 
 Model = str | Path

@@ -5,17 +5,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-import mujoco
 import numpy as np
 
-from frictionjoint.diagnose.report_data import LogEntry, Role
 from frictionjoint.errors import LogError, NoMotionError, few
-from frictionjoint.identify.held import joint_label
+from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
-from frictionjoint.measured.readers import joints_with_drive, read_log, require_logs
+from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.measured.validate import require_motion
-from frictionjoint.model_files import ONE_DOF, compile_model
+from frictionjoint.model_files import compile_model
+from frictionjoint.report.joint_report import LogEntry, Role
 
 # travel below which a joint stands still, rad (m)
 _STILL = 1e-3
@@ -173,25 +172,3 @@ def read_robot(
 
     fraction = float(held_out) if isinstance(held_out, float | int) else None
     return RobotLogs.read(names, logs, files, fraction, read_log)
-
-
-def joints_to_explain(
-    logs: Sequence[str | Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
-) -> list[str]:
-    """Hinges and slides of a model with a drive in all logs, base first.
-
-    Raises:
-        LogError: there is none.
-    """
-    found = [set(joints_with_drive(path, columns)) for path in logs]
-    in_all = set.intersection(*found) if found else set()
-    kinds = [(model.joint(j).name, int(model.jnt_type[j])) for j in range(model.njnt)]
-    names = [name for name, kind in kinds if kind in ONE_DOF and name in in_all]
-    if not names:
-        held = few(sorted(set.union(*found)) if found else [], 12) or "none"
-        has = few([joint_label(model, j) for j in range(model.njnt)], 12) or "none"
-        raise LogError(
-            f"{Path(logs[0]).name}: no joint of the model has a position and a drive in every log: "
-            f"the logs name {held}, the model {has}; name one with --joint"
-        )
-    return names

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.blocks import correlation_time
-
-Interval = tuple[float, float]
+from frictionjoint.identify.blocks import correlation_time
+from frictionjoint.report.robot_report import Interval
 
 _CORRELATION_TIMES = 5.0
 # 0.975: of both sides together 5% is left out

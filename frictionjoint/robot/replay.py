@@ -12,12 +12,12 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.replay import WINDOW_S, motor_of
 from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import lock, take_pose
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.mujoco_warnings import became_unstable, unheard
+from frictionjoint.replay.free_runs import WINDOW_S, motor_of
 from frictionjoint.robot.logs import Place, by_place
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.mechanism import deflection

@@ -12,6 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.report.robot_report import HARM
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
@@ -19,7 +20,7 @@ from frictionjoint.robot.causes.together import parts_of
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
-from frictionjoint.robot.compare import HARM, nearer
+from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint

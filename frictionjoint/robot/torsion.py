@@ -11,7 +11,6 @@ also turn with the previous joint; that is gearing, not twist.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -23,6 +22,7 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.measured.log import JointLog
+from frictionjoint.report.robot_report import Torsion
 
 # standard errors from which on a part of the twist is there
 _SURE = 4.0
@@ -38,46 +38,6 @@ _REACHES = (0.02, 0.05, 0.1, 0.2, 0.4)
 # torque over its largest below which it changes its side: loads in the gap and the filter blur it
 _TURNS = (0.005, 0.01, 0.02, 0.05, 0.1)
 _BLOCKS = 20
-
-
-@dataclass(frozen=True)
-class Torsion:
-    """The gear of one joint.
-
-    Attributes:
-        ratio: turns of the motor per turn of the link. twist: rms without its mean, rad.
-        geared: by joint, turns of the motor with another joint relative to those with the link.
-        left: rms of the unexplained twist, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: delay T of the
-            link's position with respect to the motor's, s. Each is None if the logs do not show it.
-    """
-
-    ratio: float
-    geared: dict[str, float]
-    twist: float
-    left: float
-    stiffness: Estimate | None
-    backlash: Estimate | None
-    hysteresis: Estimate | None
-    older: Estimate | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        return {
-            "ratio": self.ratio,
-            "geared": self.geared,
-            "twist_rms": self.twist,
-            "left_rms": self.left,
-            **{
-                name: None if x is None else x.to_dict()
-                for name, x in (
-                    ("stiffness", self.stiffness),
-                    ("backlash", self.backlash),
-                    ("hysteresis", self.hysteresis),
-                    ("link_position_older", self.older),
-                )
-            },
-        }
 
 
 def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import halves
 from frictionjoint.diagnose.chance import FLIPS, over_family, surprise
 from frictionjoint.diagnose.library import Candidate as Tested
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.terms import EffectTerm
 from linear_search.columns import Candidate, Column, Models, causes, is_cause
 from linear_search.score import held_out_of

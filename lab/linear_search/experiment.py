@@ -14,8 +14,8 @@ from scipy.linalg import qr
 from scipy.optimize import isotonic_regression
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.diagnose.blocks import _kinds, correlation_time
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, Q, V
+from frictionjoint.identify.blocks import _kinds, correlation_time
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.timing import TargetTiming
 from linear_search.decisions import LAW_ERROR

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit

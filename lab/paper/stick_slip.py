@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionjoint as fj
-from frictionjoint.diagnose.replay import friction_spec
 from frictionjoint.effects.torque_bias import EFFECT as TORQUE_BIAS
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
@@ -22,6 +21,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.free_runs import friction_spec
 
 from . import other_joint
 from .claim import GREY, OTHER, OURS, Claim, panels, table

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from frictionjoint.diagnose.intervals import stated_covariance
 from frictionjoint.diagnose.trace import trace
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody

@@ -14,7 +14,6 @@ from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.other_laws import OtherLaws
-from frictionjoint.diagnose.replay import motor_of, simulated_whole
 from frictionjoint.diagnose.state import State
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects import duty_drop
@@ -26,6 +25,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.replay.free_runs import motor_of, simulated_whole
 from tests import test_motor_temperature as warm
 from tests.arms.arm import (
     geared,

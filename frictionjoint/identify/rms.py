@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-from frictionjoint.diagnose.decisions import APART
-
 
 @dataclass(frozen=True)
 class Rms:
@@ -27,7 +25,7 @@ class Rms:
         """
         if self.fit is None or self.held_out is None:
             return False
-        return self.fit < APART * self.held_out
+        return self.fit < 0.5 * self.held_out
 
     def to_dict(self) -> dict[str, float | None]:
         """As in report.json."""

@@ -14,17 +14,17 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.prescribed_motion import Free, Prescribed
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.mujoco_warnings import became_unstable, unheard
+from frictionjoint.replay.prescribed_motion import Free, Prescribed
 from frictionjoint.simulate.assumed import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT

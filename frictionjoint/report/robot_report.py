@@ -6,18 +6,103 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from frictionjoint.diagnose.report_data import Evidence, LogEntry, Report, Verdict
-from frictionjoint.diagnose.rms import Rms
+from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
-from frictionjoint.robot.compare import HARM
-from frictionjoint.robot.excitation import Excitation
-from frictionjoint.robot.paired import Interval
-from frictionjoint.robot.torsion import Torsion
+from frictionjoint.identify.rms import Rms
+from frictionjoint.report.joint_report import Evidence, LogEntry, Report, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA = "frictionjoint/report-2"
+# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
+HARM = 0.05
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Torsion:
+    """The gear of one joint.
+
+    Attributes:
+        ratio: turns of the motor per turn of the link. twist: rms without its mean, rad.
+        geared: by joint, turns of the motor with another joint relative to those with the link.
+        left: rms of the unexplained twist, rad.
+        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: delay T of the
+            link's position with respect to the motor's, s. Each is None if the logs do not show it.
+    """
+
+    ratio: float
+    geared: dict[str, float]
+    twist: float
+    left: float
+    stiffness: Estimate | None
+    backlash: Estimate | None
+    hysteresis: Estimate | None
+    older: Estimate | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in report.json."""
+        return {
+            "ratio": self.ratio,
+            "geared": self.geared,
+            "twist_rms": self.twist,
+            "left_rms": self.left,
+            **{
+                name: None if x is None else x.to_dict()
+                for name, x in (
+                    ("stiffness", self.stiffness),
+                    ("backlash", self.backlash),
+                    ("hysteresis", self.hysteresis),
+                    ("link_position_older", self.older),
+                )
+            },
+        }
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A trajectory.
+
+    Attributes:
+        joints: names. slides: whether each is a slide.
+        time: s, shape (n,). q: positions, shape (n, joints).
+        fall: ratio of the standard errors of the base parameters after and before it: median and
+            smallest.
+    """
+
+    joints: tuple[str, ...]
+    slides: tuple[bool, ...]
+    time: Array
+    q: Array
+    fall: tuple[float, float]
+
+    def csv(self) -> str:
+        """The motion as a CSV file with a column of targets per joint."""
+        names = [
+            f"{n}.target_{'m' if slide else 'rad'}"
+            for n, slide in zip(self.joints, self.slides, strict=True)
+        ]
+        rows = [",".join(["time_s", *names])]
+        for t, q in zip(self.time, self.q, strict=True):
+            rows.append(",".join(f"{x:.6g}" for x in (t, *q)))
+        return "\n".join(rows) + "\n"
+
+    @property
+    def text(self) -> str:
+        """The benefit of the motion, in a sentence."""
+        fall = (
+            "should reduce the standard errors of the base parameters to "
+            f"{self.fall[0]:.0%} of the present ones (median; the largest one to "
+            f"{self.fall[1]:.0%})."
+        )
+        seconds = f"{self.time[-1]:.3g} s"
+        if min(self.fall) > 0.9:
+            return (
+                f"nothing in particular: {seconds} more would add little. The best motion within "
+                f"the limits of range, speed and torque, next_trajectory.csv, {fall}"
+            )
+        return f"the motion in next_trajectory.csv ({seconds}). It {fall}"
 
 
 @dataclass(frozen=True)
@@ -176,7 +261,7 @@ class RobotReport:
 
     def summary(self) -> str:
         """Verdict, shared causes and a table of the joints as text."""
-        from frictionjoint.report.text import robot_text  # what draws is above this package
+        from frictionjoint.report.text import robot_text
 
         return robot_text(self.to_dict())
 

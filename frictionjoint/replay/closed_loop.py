@@ -17,7 +17,6 @@ from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import BLOCK, COUNT, MEASURED, PERIOD
 from frictionjoint.control.profile import held, held_over
-from frictionjoint.diagnose.replay import Replay, motor_of, simulated_effects
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
@@ -31,6 +30,7 @@ from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 
 # s, longest step of a simulation

@@ -17,9 +17,9 @@ from scipy.signal import lfilter
 
 from frictionjoint.arrays import Array
 from frictionjoint.compiled import compiled, pointer
-from frictionjoint.diagnose.kinds import kinds_of
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.kinds import kinds_of
 from frictionjoint.identify.segment import Prepared
 
 Index = NDArray[np.int64]

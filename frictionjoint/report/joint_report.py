@@ -1,5 +1,6 @@
 """Results of `close_loop` as plain data: the content of report.json and of the page."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
@@ -8,16 +9,16 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
-from frictionjoint.diagnose.refined import LoopErrors, RefinedModel
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rms import Rms
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
+from frictionjoint.refine.refined_model import RefinedModel
+from frictionjoint.replay.loops import LoopErrors
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -163,15 +164,16 @@ class Report:
     """Result of `close_loop`.
 
     Attributes follow report.json; `laws` (before and after), `curves` and `rankings` serve the
-    page. `closed_loops` (before, and after without refinement) and the controller are None without
-    a controller; `refined` is None if it was not requested; `posterior` is None if the logs
-    determine no torque scale. Intervals are those of the rms before and after, 95%, on held-out
-    logs if there are any; None if these are too short. `reconstructed`: the drive was not measured
-    but computed from the controller. `units` are those of torque and position: N m and rad, or N
-    and m for a slide. If the logs do not determine the torque per current or voltage, torques are
-    in A or V, or divided by an unknown kp in rad or m; then there is no replay and the model
-    contains no friction. `carried` is the friction in model.xml; None if it contains none.
-    `positions` are the simulated positions of the logs; empty if nothing was simulated.
+    page. `thresholds`: of the search, by name. `closed_loops` (before, and after without
+    refinement) and the controller are None without a controller; `refined` is None if it was not
+    requested; `posterior` is None if the logs determine no torque scale. Intervals are those of the
+    rms before and after, 95%, on held-out logs if there are any; None if these are too short.
+    `reconstructed`: the drive was not measured but computed from the controller. `units` are those
+    of torque and position: N m and rad, or N and m for a slide. If the logs do not determine the
+    torque per current or voltage, torques are in A or V, or divided by an unknown kp in rad or m;
+    then there is no replay and the model contains no friction. `carried` is the friction in
+    model.xml; None if it contains none. `positions` are the simulated positions of the logs; empty
+    if nothing was simulated.
     `recordings` states how each number varies between recordings, if there are three or more.
     """
 
@@ -198,6 +200,7 @@ class Report:
     laws: tuple[Friction, Friction] = field(repr=False)
     curves: tuple[Curve, ...] = field(repr=False)
     rankings: tuple[Looked, ...] = field(repr=False)
+    thresholds: Mapping[str, float] = field(repr=False)
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
@@ -215,7 +218,7 @@ class Report:
 
     def summary(self) -> str:
         """The verdict, the errors and the friction numbers as text, as the command line prints."""
-        from frictionjoint.report.text import summary_text  # what draws is above this package
+        from frictionjoint.report.text import summary_text
 
         return summary_text(self.to_dict())
 
@@ -295,7 +298,7 @@ class Report:
         }
 
     def _repr_html_(self) -> str:
-        from frictionjoint.report.notebook import report_html  # what draws is above this package
+        from frictionjoint.report.notebook import report_html
 
         return report_html(self)
 
@@ -353,7 +356,7 @@ class Report:
             **({"posterior": self.posterior.to_dict()} if self.posterior else {}),
             **({"recordings": list(self.recordings)} if self.recordings else {}),
             **({"model": toml_document(*_both(self.carried)).unwrap()} if self.carried else {}),
-            "thresholds": {"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
+            "thresholds": dict(self.thresholds),
             "candidates": [look.to_dict() for look in self.rankings],
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],

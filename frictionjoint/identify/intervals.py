@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.blocks import make_blocks
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rough import with_leaps
 from frictionjoint.identify.segment import Prepared

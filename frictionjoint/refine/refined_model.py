@@ -1,76 +1,19 @@
-"""Whole logs simulated in closed loop by several models, and the comparison of a refined model."""
+"""A refinement as the report states it, and the refinement of logs with a measured drive."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.closed_loop import (
-    ClosedLoop,
-    Course,
-    closed_loop,
-    courses_of,
-    driven_courses,
-)
-from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.intervals import stated_covariance
-from frictionjoint.diagnose.replay import WINDOW_S, Replay
-from frictionjoint.diagnose.rms import Rms
 from frictionjoint.identify.fit import Fit, without_scale
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.log import JointLog
 from frictionjoint.refine.refine import Refined, refine
-
-
-@dataclass(frozen=True)
-class LoopErrors:
-    """Errors of whole logs in closed loop, fitted and held out."""
-
-    fit: ClosedLoop | None
-    held_out: ClosedLoop | None
-
-    @property
-    def mae(self) -> Rms:
-        """Mean absolute position errors, rad (m)."""
-        return Rms(*(None if x is None else x.mae for x in (self.fit, self.held_out)))
-
-    @property
-    def rms(self) -> Rms:
-        """Roots of the mean square."""
-        return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
-
-    @property
-    def replays(self) -> "tuple[Replay, Replay | None]":
-        """Fitted and held-out logs as free runs, one run per log."""
-        assert self.fit is not None
-        return self.fit.replay, self.held_out.replay if self.held_out else None
-
-
-@dataclass(frozen=True)
-class Loops:
-    """Fitted and held-out logs prepared for simulation."""
-
-    fit: tuple[Course, ...]
-    held_out: tuple[Course, ...]
-
-    @classmethod
-    def of(
-        cls,
-        pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
-        controller: Controller,
-    ) -> "Loops | None":
-        """From logs and their bodies; None if a log has no target."""
-        if any(log.target is None for logs, _ in pairs for log in logs):
-            return None
-        return cls(*(courses_of(logs, bodies, controller) for logs, bodies in pairs))
-
-    def errors(self, fits: Sequence[Fit]) -> tuple[LoopErrors, ...]:
-        """Errors of each model."""
-        return tuple(
-            LoopErrors(*(closed_loop(c, f) if c else None for c in (self.fit, self.held_out)))
-            for f in fits
-        )
+from frictionjoint.replay.closed_loop import driven_courses
+from frictionjoint.replay.free_runs import WINDOW_S
+from frictionjoint.replay.loops import LoopErrors, Loops
 
 
 @dataclass(frozen=True)
@@ -128,7 +71,8 @@ class RefinedModel:
 
 
 def refined_in_windows(
-    found: Trace,
+    prepared: Prepared,
+    fitted: Fit,
     logs: Sequence[JointLog],
     bodies: Sequence[RigidBody],
     progress: Callable[[str], None],
@@ -136,8 +80,7 @@ def refined_in_windows(
     """Refine by runs from the measured motion, driven by the measured drive (multiple shooting).
 
     Args:
-        found: in these logs. bodies: one per log.
+        prepared: these logs. fitted: to them. bodies: one per log.
     """
-    courses = driven_courses(logs, bodies, found.prepared, WINDOW_S)
-    cov = stated_covariance(found.prepared, found.final)
-    return refine(found.prepared, found.final, cov, courses, progress)
+    courses = driven_courses(logs, bodies, prepared, WINDOW_S)
+    return refine(prepared, fitted, stated_covariance(prepared, fitted), courses, progress)

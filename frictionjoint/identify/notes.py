@@ -1,0 +1,55 @@
+"""Notes on a fit: one or two sentences each."""
+
+import numpy as np
+
+from frictionjoint.effects.signals import GX, GY, LOAD, A
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.segment import Prepared
+
+
+def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
+    """Note that the torque scale depends on the inertia in the MJCF, if gravity is too small."""
+    if "load" not in fitted.names or fitted.in_drive_units:
+        return ()
+    signals = np.concatenate([s.at_kept(s.signals) for s in prepared.segments])
+    # of a slide gravity is one force, of a hinge it turns with the link
+    pull = np.ones((len(signals), 1)) if prepared.slide else signals[:, [GX, GY]]
+    both = np.column_stack([signals[:, A], pull])
+    gravity = pull @ np.linalg.lstsq(both, signals[:, LOAD], rcond=1e-6)[0][1:]
+    per_torque = float(fitted.beta[fitted.names.index("load")])
+    if per_torque * np.sqrt(np.mean(gravity**2)) > fitted.rms:
+        return ()
+    return (
+        "Gravity hardly loads this joint, so the torque scale comes from the MJCF's inertia alone: "
+        "if that inertia is wrong by a factor, so are all torques. Give --gain, or record motion "
+        "with a payload of known mass that gravity loads.",
+    )
+
+
+def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
+    """Note on parts of logs that are left out because another drive turns the joint."""
+    return tuple(
+        f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the drive is exactly 0 while "
+        "the joint moves, and it does not slow as its friction would slow it, so another drive "
+        "turns it."
+        for prepared in logs
+        if prepared
+        for segment in prepared.segments
+        for begin, end in segment.turned_by_another
+    )
+
+
+def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
+    """Note that the stiffness is assumed, or that the law has no Coulomb friction."""
+    if not fitted.has_level:
+        return (
+            "These logs show no Coulomb friction: its fitted value is zero. So the model does "
+            "not hold the joint at rest. Record "
+            "slow constant velocities in both directions, where viscous friction is small.",
+        )
+    if not fitted.shape.assumed:
+        return ()
+    return (
+        "The presliding stiffness is assumed: these logs do not determine it. It is as high as the "
+        "encoder's resolution and the time step allow, so that the joint sticks.",
+    )
