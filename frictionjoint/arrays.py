@@ -1,6 +1,6 @@
-"""Types of arrays in signatures, and their rms."""
+"""Types of arrays in signatures, their rms, and other libraries' arrays."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,3 +25,21 @@ class Vector(Protocol):
 def root_mean_square(x: Array) -> float:
     """Square root of the mean square of an array of any shape, not empty."""
     return float(np.sqrt(np.mean(np.square(x))))
+
+
+def like(given: Any, made: Array) -> Any:
+    """A numpy array, or an array on a device, in the array library of another array."""
+    library = type(given).__module__.partition(".")[0]
+    if library == "torch":
+        import torch
+
+        return torch.from_dlpack(made)
+    if library in ("jax", "jaxlib"):
+        import jax
+
+        return jax.dlpack.from_dlpack(made)
+    if library == "warp":
+        import warp
+
+        return made if isinstance(made, warp.array) else warp.from_dlpack(made)
+    return made

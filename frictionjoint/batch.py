@@ -17,107 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array, Index, Vector
-from frictionjoint.compiled import compiled, pointer
+from frictionjoint.arrays import Index, like
+from frictionjoint.batch_kernel import ROUNDING, ROW, step_all
 from frictionjoint.errors import ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.law.secant import secant
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.row import (
-    FRONT,
-    GAIN,
-    STARTED,
-    T_COMMITTED,
-    T_EVALUATED,
-    TORQUE,
-    V_COMMITTED,
-    row_size,
-    torque_now,
-)
-
-# a joint's state: time and position as counted here, position given last and the step taken then,
-# the row of `simulate.row`
-CLOCK, PLACE, SHOWN, STEP, ROW = range(5)
-# of the difference of two numbers in single precision, relative to them
-_ROUNDING = 2.0**-22
-# of its distance from the position shown that our place goes in a step in which that moves
-_PULL = 0.01
-_CPU = 1
-
-
-@compiled
-def step_joint(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    q: float,
-    v: float,
-    h: float,
-    rounding: float,
-) -> tuple[float, float, float]:
-    """Torque at (q, v), N m, and its change with position and velocity over a step of h s.
-
-    Positions in single precision are accumulated in double precision: rounding would make a joint
-    at rest tremble and creep.
-
-    Args:
-        P: block of the law at p, number of effects (none) at `effects`. X: state at x.
-        rounding: relative rounding of positions; 0: double precision.
-    """
-    row = x + ROW
-    if X[row + STARTED] == 0.0:
-        X[x + CLOCK] = 0.0
-        X[x + PLACE] = q
-    else:
-        way = q - X[x + SHOWN]
-        last = X[x + STEP]
-        X[x + CLOCK] = X[x + CLOCK] + last
-        if way != 0.0 and rounding > 0.0:
-            if abs(way - last * v) <= rounding * abs(q):
-                way = last * v
-            way = way + _PULL * (X[x + SHOWN] - X[x + PLACE])
-        X[x + PLACE] = X[x + PLACE] + way
-    X[x + SHOWN] = q
-    X[x + STEP] = h
-    F = torque_now(P, p, effects, X, row, X[x + CLOCK], X[x + PLACE], v, 0.0)
-    if F != F:
-        return F, 0.0, 0.0
-    since = X[row + T_EVALUATED] - X[row + T_COMMITTED]
-    # as the velocity changed over the last step it is expected to go on
-    w = v
-    if since > 0.0:
-        w = v + (v - X[row + V_COMMITTED]) * h / since
-    constant, K, D = secant(P, p, X, row + FRONT, h, w)
-    X[row + TORQUE] = constant
-    X[row + GAIN] = h * K + D
-    return constant + D * v, K, D
-
-
-@compiled
-def step_all(
-    P: Vector,
-    blocks: Index,
-    ends: Index,
-    X: Vector,
-    stride: int,
-    q: Vector,
-    v: Vector,
-    h: float,
-    rounding: float,
-    torque: Vector,
-    stiffness: Vector,
-    damping: Vector,
-) -> None:
-    """`step_joint` for every joint; arrays of shape (n,)."""
-    block, state = pointer(P, 0), pointer(X, 0)
-    for i in range(len(q)):
-        F, K, D = step_joint(block, blocks[i], ends[i], state, i * stride, q[i], v[i], h, rounding)
-        torque[i] = F
-        stiffness[i] = K
-        damping[i] = D
+from frictionjoint.simulate.row import row_size
 
 
 class FrictionBatch:
@@ -204,7 +110,7 @@ class FrictionBatch:
             position.astype(np.float64, copy=False).reshape(-1),
             velocity.astype(np.float64, copy=False).reshape(-1),
             float(h),
-            _ROUNDING if position.dtype == np.float32 else 0.0,
+            ROUNDING if position.dtype == np.float32 else 0.0,
             *(x.reshape(-1) for x in made),
         )
         torque, stiffness, damping = (like(q, x.astype(position.dtype, copy=False)) for x in made)
@@ -216,23 +122,23 @@ class FrictionBatch:
         Args:
             mask: of `shape`, or (worlds,), True for joints to reset; None: all.
         """
-        if self._warp is not None:
-            self._warp.reset(mask, self.shape)
-            return
         chosen = np.ones(self.shape, dtype=bool)
         if mask is not None:
-            given = np.asarray(mask, dtype=bool)
+            given = np.asarray(mask.cpu() if hasattr(mask, "cpu") else mask, dtype=bool)
             chosen = np.broadcast_to(
                 given[:, None] if given.ndim < chosen.ndim else given, self.shape
             )
-        self.state[chosen.reshape(-1)] = 0.0
+        if self._warp is not None:
+            self._warp.reset(chosen.reshape(-1))
+        else:
+            self.state[chosen.reshape(-1)] = 0.0
 
     def _array(self, name: str, x: Any) -> NDArray[Any]:
         """A numpy view of an array on the CPU."""
         if not isinstance(x, np.ndarray):
             if not hasattr(x, "__dlpack__"):
                 raise TypeError(f"{name} is of type {type(x).__name__}: give an array")
-            if int(x.__dlpack_device__()[0]) != _CPU:
+            if int(x.__dlpack_device__()[0]) != 1:  # DLPack's number of the CPU
                 raise ParameterError(
                     f"{name} is not on the CPU: make FrictionBatch(..., device='cuda:0')"
                 )
@@ -243,21 +149,3 @@ class FrictionBatch:
                 "precision"
             )
         return np.ascontiguousarray(x)
-
-
-def like(given: Any, made: Array) -> Any:
-    """A numpy array, or an array on a device, in the array library of another array."""
-    library = type(given).__module__.partition(".")[0]
-    if library == "torch":
-        import torch
-
-        return torch.from_dlpack(made)
-    if library in ("jax", "jaxlib"):
-        import jax
-
-        return jax.dlpack.from_dlpack(made)
-    if library == "warp":
-        import warp
-
-        return made if isinstance(made, warp.array) else warp.from_dlpack(made)
-    return made

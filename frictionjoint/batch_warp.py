@@ -7,9 +7,10 @@ import functools
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array, Index
-from frictionjoint.batch import _ROUNDING, like, step_joint
+from frictionjoint.arrays import Array, Index, like
+from frictionjoint.batch_kernel import ROUNDING, step_joint
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.errors import ParameterError
 from frictionjoint.translate.warp import translate
@@ -25,7 +26,7 @@ def _kernel(single: bool) -> Any:
 
     real = wp.float32 if single else wp.float64
     joint = translate([step_joint], N_SIGNALS, f"frictionjoint_batch_{int(single)}")[
-        "frictionjoint_batch_step_joint"
+        "frictionjoint_batch_kernel_step_joint"
     ]
 
     @wp.kernel(enable_backward=False, module="unique")
@@ -82,7 +83,7 @@ class WarpBatch:
             dim=position.size,
             inputs=[
                 *(self._P, self._blocks, self._ends, self.state),
-                *(position.flatten(), velocity.flatten(), h, _ROUNDING if single else 0.0),
+                *(position.flatten(), velocity.flatten(), h, ROUNDING if single else 0.0),
             ],
             outputs=[x.flatten() for x in made],
             device=self.device,
@@ -92,14 +93,10 @@ class WarpBatch:
             return tuple(x.numpy() for x in made)
         return tuple(like(q, x) for x in made)
 
-    def reset(self, mask: Any, shape: tuple[int, ...]) -> None:
-        """See `FrictionBatch.reset`."""
+    def reset(self, chosen: NDArray[np.bool_]) -> None:
+        """Reset joints to rest; chosen: of shape (joints in all,)."""
         state = self.state.numpy()
-        chosen = np.ones(shape, dtype=bool)
-        if mask is not None:
-            given = np.asarray(mask.cpu() if hasattr(mask, "cpu") else mask, dtype=bool)
-            chosen = np.broadcast_to(given[:, None] if given.ndim < len(shape) else given, shape)
-        state[chosen.reshape(-1)] = 0.0
+        state[chosen] = 0.0
         self.state.assign(state)
 
     def _array(self, name: str, x: Any, shape: tuple[int, ...]) -> Any:

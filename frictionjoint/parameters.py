@@ -10,9 +10,9 @@ from typing import Any, ClassVar, Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.describe import meaning, short
 from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
+from frictionjoint.parameter_meanings import meaning, short
 
 Variant = Literal["ganseman1997", "lampaert2002"]
 Virgin = Literal["literal", "masing"]

@@ -96,7 +96,7 @@ def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str,
 
 def _native(model: "mujoco.MjModel", joint: int, slide: bool) -> dict[str, Any]:
     """MuJoCo's own friction."""
-    from frictionjoint.describe import spelled
+    from frictionjoint.parameter_meanings import spelled
 
     dof = int(model.jnt_dofadr[joint])
     own = (

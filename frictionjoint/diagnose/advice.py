@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Mapping
 
-from frictionjoint.describe import meanings
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
+from frictionjoint.parameter_meanings import meanings
 from frictionjoint.report.wording import quantity
 
 # A parameter whose standard error exceeds this fraction of it counts as not determined.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.describe import meanings
 from frictionjoint.diagnose.advice import loose_parameters
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.motions import (
@@ -42,6 +41,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.parameter_meanings import meanings
 
 # what counts as distinguished: standard deviations, and a fraction that no refit makes up for
 LEVEL, UNLIKE = 3.0, 0.04

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.describe import UNITS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.parameter_meanings import UNITS
 from frictionjoint.parameters import Friction
 
 _LINEAR = ("Fc", "sigma2", "sigma1")

@@ -8,7 +8,6 @@ from typing import Any
 from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
-from frictionjoint.describe import meaning
 from frictionjoint.files import toml_text, toml_text_without_scale
 from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
 from frictionjoint.identify.bodies import Bodies
@@ -30,6 +29,7 @@ from frictionjoint.identify.result import (
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog
+from frictionjoint.parameter_meanings import meaning
 from frictionjoint.parameters import Friction
 from frictionjoint.threads import one_thread
 

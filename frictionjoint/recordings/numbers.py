@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.describe import meaning
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.files import joint_friction
 from frictionjoint.joint_friction import JointFriction
+from frictionjoint.parameter_meanings import meaning
 from frictionjoint.refine.posterior import is_number, numbers_in, with_numbers
 
 _SHAPES = ("delta", "n", "i", "form", "reach", "sigma1")

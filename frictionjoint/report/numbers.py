@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from frictionjoint.describe import meaning
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
+from frictionjoint.parameter_meanings import meaning
 from frictionjoint.report import wording
 
 Content = Mapping[str, Any]

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from frictionjoint.describe import meaning
 from frictionjoint.identify.result import Estimate
+from frictionjoint.parameter_meanings import meaning
 from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
 
 # coefficient, over the largest of a sum, from which on a parameter is a part of it
