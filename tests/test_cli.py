@@ -25,7 +25,7 @@ HEADER, *ROWS = LOG.read_text().splitlines()
 
 def started(*arguments, cwd):
     """As a process of its own, which takes seconds to import everything."""
-    command = [sys.executable, "-c", "from frictionjoint.cli import main; main()", *arguments]
+    command = [sys.executable, "-m", "frictionjoint", *arguments]
     return subprocess.run(
         [str(a) for a in command], cwd=cwd, capture_output=True, text=True, timeout=300
     )
