@@ -28,7 +28,8 @@ COULOMB, VISCOUS = 0.30, 0.08
 RISE, STRIBECK, BRISTLE, BRISTLE_DAMPING = 0.06, 0.15, 300.0, 0.5
 MASS, ARM, OWN = 0.5, 0.2, 1e-3
 INERTIA = OWN + MASS * ARM**2
-STEP, EVERY, SECONDS = 2.5e-4, 16, 12.0
+# s: so small that the Euler steps add nothing to the bristles' damping
+STEP, EVERY, SECONDS = 3.125e-5, 128, 12.0
 TORQUE_NOISE, POSITION_NOISE = 0.01, 2e-5
 RECORDINGS = 6
 SPREADS = (0.0, 0.05, 0.15)

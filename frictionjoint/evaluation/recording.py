@@ -56,17 +56,19 @@ class Recording:
     smooth: LowPass
 
     @classmethod
-    def of(cls, logs: Mapping[str, JointLog]) -> "Recording":
+    def of(cls, logs: Mapping[str, JointLog], corner: float | None = None) -> "Recording":
         """Put the joints of one log on a grid with a step of at most a millisecond.
 
         Args:
             logs: of each joint to evaluate, all with the same times.
+            corner: of the filter, Hz; None: where the noise of the positions begins.
         """
         first = next(iter(logs.values()))
         raw_time, _, sample = on_a_grid(first)
         raw = {name: on_a_grid(log)[1] for name, log in logs.items()}
-        bands = [motion_band(position, sample).whole for position in raw.values()]
-        corner = min(max(bands), HIGHEST / sample)
+        if corner is None:
+            corner = max(motion_band(position, sample).whole for position in raw.values())
+        corner = min(corner, HIGHEST / sample)
         up = max(1, int(np.ceil(sample / _STEP_S - 1e-6)))
         finer = LowPass(len(raw_time), sample, corner, steep, 1, up)
         step, n = sample / up, (len(raw_time) - 1) * up + 1

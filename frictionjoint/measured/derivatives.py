@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 from scipy.signal import welch
+from scipy.stats import chi2
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import LogError
@@ -26,6 +27,9 @@ _ROUNDING = 1e-12
 _LEAST_HZ = 5.0
 # bands that are tried, a third of an octave apart where the log has 200 Hz
 _FOLLOWED = 12
+# lowest frequency of the position noise over the corner of the motion, where the spectrum holds it,
+# and samples per spectrum
+_NOISE_FROM, _NOISE_SAMPLES = 1.5, 512
 # fraction of the velocity's power that the motion is taken to end with
 _MOST_OF_IT = 0.99
 
@@ -103,6 +107,23 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     main = f[below][int(np.searchsorted(grown, _MOST_OF_IT * grown[-1]))] if below.any() else f[0]
     whole = float(np.clip(2.0 * valley, _LEAST_HZ, HIGHEST / dt))
     return MotionBand(min(float(main), whole), whole)
+
+
+def position_noise(position: Array, dt: float, corner_hz: float) -> float:
+    """Standard deviation of white position noise, from the spectrum above the motion, rad (m).
+
+    Args:
+        position: on a uniform grid of step dt, s, shape (n,). corner_hz: end of the motion's band.
+    """
+    # a window with side lobes so low that the motion does not leak into the noise
+    n = min(len(position), _NOISE_SAMPLES)
+    f, power = welch(position, 1.0 / dt, "blackmanharris", n, detrend="linear")
+    above = f >= min(_NOISE_FROM * corner_hz, HIGHEST / dt)
+    # a median, which a line of the mains does not raise; the power of noise is chi-square
+    # distributed with two degrees of freedom per average
+    parts = max(1, 2 * len(position) // n - 1)
+    density = float(np.median(power[above])) / (chi2.ppf(0.5, 2 * parts) / (2 * parts))
+    return float(np.sqrt(density * 0.5 / dt))
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
