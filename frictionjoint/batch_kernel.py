@@ -19,8 +19,6 @@ from frictionjoint.simulate.row import (
 CLOCK, PLACE, SHOWN, STEP, ROW = range(5)
 # of the difference of two numbers in single precision, relative to them
 ROUNDING = 2.0**-22
-# of its distance from the position shown that our place goes in a step in which that moves
-_PULL = 0.01
 
 
 @compiled
@@ -55,7 +53,8 @@ def step_joint(
         if way != 0.0 and rounding > 0.0:
             if abs(way - last * v) <= rounding * abs(q):
                 way = last * v
-            way = way + _PULL * (X[x + SHOWN] - X[x + PLACE])
+            # our place goes a hundredth of its distance from the position shown
+            way = way + 0.01 * (X[x + SHOWN] - X[x + PLACE])
         X[x + PLACE] = X[x + PLACE] + way
     X[x + SHOWN] = q
     X[x + STEP] = h

@@ -15,9 +15,6 @@ from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.errors import ParameterError
 from frictionjoint.translate.warp import translate
 
-# threads of a block; the law needs many registers, which small blocks waste least
-_BLOCK = 128
-
 
 @functools.lru_cache(maxsize=4)
 def _kernel(single: bool) -> Any:
@@ -78,6 +75,7 @@ class WarpBatch:
         position, velocity = (self._array(n, x, shape) for n, x in (("q", q), ("v", v)))
         single = position.dtype == wp.float32
         made = [wp.empty(shape, dtype=position.dtype, device=self.device) for _ in range(3)]
+        # the law needs many registers, which small blocks waste least
         wp.launch(
             _kernel(single),
             dim=position.size,
@@ -87,7 +85,7 @@ class WarpBatch:
             ],
             outputs=[x.flatten() for x in made],
             device=self.device,
-            block_dim=1 if self.device.is_cpu else _BLOCK,
+            block_dim=1 if self.device.is_cpu else 128,
         )
         if isinstance(q, np.ndarray):
             return tuple(x.numpy() for x in made)

@@ -9,8 +9,6 @@ from frictionjoint.errors import ParameterError
 
 IN_MJCF = "mjcf"
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-# largest relative difference of the two ends of a range that counts as symmetric
-_ALIKE = 1e-9
 
 
 def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
@@ -73,7 +71,8 @@ def _of(model: mujoco.MjModel, joint: str) -> Controller:
 
 def _limit(ends: Sequence[float], what: str, joint: str) -> float:
     low, high = (float(x) for x in ends)
-    if abs(low + high) > _ALIKE * max(abs(low), abs(high)):
+    # symmetric but for rounding
+    if abs(low + high) > 1e-9 * max(abs(low), abs(high)):
         raise ParameterError(
             f"{what} of joint {joint!r} is {low:g} to {high:g}: a controller has one limit, give "
             "its file"

@@ -36,8 +36,6 @@ BLOCK = 18
 
 STARTED, TICK, HELD, INTEGRAL, SEEN, TARGET = range(6)
 STATE = 6
-# s by which a tick may be early, because times are sums of steps
-_EARLY = 1e-9
 
 
 @in_line
@@ -52,7 +50,8 @@ def tick(B: Vector, S: Vector, t: float, target: float, q: float, v: float, supp
         return target
     first = S[STARTED] == 0.0
     dt = t - S[TICK]
-    if not first and dt < B[PERIOD] - _EARLY:
+    # times are sums of steps: a tick may be early by their rounding
+    if not first and dt < B[PERIOD] - 1e-9:
         return S[HELD]
     if B[COUNT] > 0.0:
         q = B[COUNT] * math.floor(q / B[COUNT] + 0.5)

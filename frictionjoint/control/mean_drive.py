@@ -18,9 +18,6 @@ from frictionjoint.compiled import compiled, in_line, pointer, room
 from frictionjoint.control import kernel as k
 from frictionjoint.control.profile import area_until, fill_path, last_before
 
-# parts of a sample in which the output is computed from the mean error
-_PARTS = 4
-
 
 @compiled
 def fill_mean_drives(
@@ -73,7 +70,8 @@ def fill_mean_drives(
             area = whole = area_until(path, c, begin)
             total = 0.0
             while until < end:
-                until = _next(times, corners, c, since, end, width / _PARTS)
+                # a quarter of a sample: within it the output is computed from the mean error
+                until = _next(times, corners, c, since, end, width / 4)
                 reached = area_until(path, c, until)
                 passed = until - since
                 if passed > 0.0:

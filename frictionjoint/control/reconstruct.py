@@ -20,8 +20,6 @@ from frictionjoint.control.profile import followed
 from frictionjoint.errors import LogError
 from frictionjoint.measured.log import JointLog
 
-# relative median difference from a measured drive above which the controller is wrong
-_LARGEST = 0.05
 # rad (m): change of a position for its effect on the drive, if there are no counts; rad/s (m/s):
 # change of a velocity
 _NUDGE = 1e-6
@@ -226,7 +224,8 @@ def check_drive(log: JointLog, controller: Controller) -> tuple[str, ...]:
     apart = difference(log, controller)
     if apart is None:
         return ()
-    if apart > _LARGEST:
+    # a controller whose median difference from a measured drive is above 5% is wrong
+    if apart > 0.05:
         raise LogError(
             f"{log.name}: the controller's drive is {apart:.0%} off the measured one: check its "
             "gains, gain_unit and supply_v, or leave it out"

@@ -9,11 +9,6 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import GX, GY, LOAD, parts_of_load
 
-# smallest first moment of mass, relative to the largest, that has a direction
-_NOTHING = 1e-6
-# decimals of a direction: less is rounding of the model's own numbers
-_DIGITS = 12
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -31,10 +26,12 @@ def _directions(signals: Array) -> list[Shape]:
     """Direction of the MJCF's first moment; none if gravity does not load the joint."""
     moment = parts_of_load(signals)[1:]
     torque = np.ptp(signals[:, [GX, GY]] @ moment)
-    if torque <= _NOTHING * np.ptp(signals[:, LOAD]):
+    # a moment this small, relative to the largest, has no direction
+    if torque <= 1e-6 * np.ptp(signals[:, LOAD]):
         return []
     # adding zero takes the sign off a zero
-    cx, cy = (np.round(moment / np.linalg.norm(moment), _DIGITS) + 0.0).tolist()
+    # 12 decimals: less is rounding of the model's own numbers
+    cx, cy = (np.round(moment / np.linalg.norm(moment), 12) + 0.0).tolist()
     return [(cx, cy)]
 
 

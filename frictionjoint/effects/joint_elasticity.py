@@ -11,14 +11,13 @@ from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
 # smallest fraction of the stiffness that gravity leaves: a hanging link does not fall
 _LEAST = 0.1
-# largest half phase of a resonance between two samples, rad; faster ones are treated as equal
-_FASTEST = 1.3
 
 
 @compiled
 def _half_angle(w: float, h: float) -> float:
     """Phase of the resonance in half a sample, rad."""
-    return min(0.5 * w * h, _FASTEST)
+    # 1.3 rad, half a phase: faster resonances are treated as equal
+    return min(0.5 * w * h, 1.3)
 
 
 @compiled

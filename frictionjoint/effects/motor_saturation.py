@@ -12,14 +12,12 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR
 
-# relative resolution of a double
-_NOTHING = 1e-17
-
 
 @compiled
 def given(asked: float, s: float) -> float:
     """Torque T that solves T + s T^3 = asked, s >= 0 (Cardano, hyperbolic form)."""
-    if s * asked * asked < _NOTHING:
+    # below the relative resolution of a double
+    if s * asked * asked < 1e-17:
         return asked
     scale = 2.0 / math.sqrt(3.0 * s)
     a = 3.0 * abs(asked) / scale

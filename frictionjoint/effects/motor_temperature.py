@@ -16,9 +16,6 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
 from frictionjoint.effects.thermometer import warmer
 
-# range of commanded over delivered torque in which the first order is meaningful
-_LEAST, _MOST = 0.2, 5.0
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -27,7 +24,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     X[x] is T - T0, K, if T is not a signal.
     """
     change = P[e + 1] * warmer(P[e], sig, X, x)
-    asked_over_given = min(_MOST, max(_LEAST, 1.0 + change))
+    # range in which the first order is meaningful
+    asked_over_given = min(5.0, max(0.2, 1.0 + change))
     return change * sig[MOTOR] + sig[ASKED] - sig[ASKED] / asked_over_given
 
 

@@ -22,8 +22,6 @@ from frictionjoint.model_files import ONE_DOF
 from frictionjoint.simulate.attach import attach
 
 _DISPLACED, _DAMPING, _HELD_HZ = 0.1, 0.3, 3.0
-# highest frequency of a loop, over that of the time step: an explicit spring must not chatter
-_FASTEST = 0.3
 # its steps are never implicit: torque is wanted here and now, not at a step's end
 _EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
 _ROBOT = 1  # an actuator group
@@ -222,5 +220,6 @@ def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array,
     """Springs and dampers of the loops, N m/rad and N m s/rad, shape (n,) each."""
     free = 1.0 / np.diag(np.linalg.inv(mass))  # inertia where the other joints are free
     springs = (2.0 * np.pi * _HELD_HZ) ** 2 * np.diag(mass)
-    springs[own] = min(stiffness, free[own] * (_FASTEST / step) ** 2)
+    # an explicit spring must not chatter: at most 0.3 rad per time step
+    springs[own] = min(stiffness, free[own] * (0.3 / step) ** 2)
     return springs, 2.0 * _DAMPING * np.sqrt(springs * free)

@@ -19,10 +19,6 @@ from frictionjoint.parameters import Friction
 _STEP, _PERIOD, _TURNS, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 1, 5, 5.0, 0.5
 # of the presliding stretch, over the displacement in which friction reaches its limit
 _BEFORE_SLIDING = 0.5
-# the stated speeds over the Stribeck velocity
-_SLOWEST, _FASTEST = 0.1, 20.0
-# speeds of a log that count, over its fastest
-_MOVING = 0.01
 
 
 @dataclass(frozen=True)
@@ -45,7 +41,8 @@ class Motion:
     def speeds(self) -> Array:
         """Magnitudes of the velocity while the joint moves, rad/s."""
         speed = np.abs(self.velocity)
-        return np.asarray(speed[speed > _MOVING * speed.max()])
+        # slower than a hundredth of the fastest counts as rest
+        return np.asarray(speed[speed > 0.01 * speed.max()])
 
     @property
     def from_reversal(self) -> Array:
@@ -72,7 +69,8 @@ def stated_motion(
         unit: of the position, for the motion's name.
     """
     Fs, _, Vs, *_ = levels(parameters)["pos"]
-    lowest, highest = speeds or (_SLOWEST * Vs, _FASTEST * Vs)
+    # over the Stribeck velocity
+    lowest, highest = speeds or (0.1 * Vs, 20.0 * Vs)
     peaks = list(np.geomspace(lowest, highest, _SIZES))
     if parameters.stiffness > 0.0:
         reach = _BEFORE_SLIDING * 2.0 * Fs / parameters.stiffness

@@ -15,10 +15,6 @@ from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.simulate.carrier import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.shaft_wave import remove_waves
 
-# MuJoCo's largest impedance, and its shortest time constant, over a step
-_IMPEDANCE, _STEPS = 0.9999, 2.0
-# spring that carries a constant torque, over that torque: 1/rad
-_SOFT = 1e-4
 # damping coefficients that a joint can have
 TERMS = 3
 
@@ -47,8 +43,9 @@ def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> muj
         joint = spec.joint(name)
         joint.frictionloss += plain.coulomb
         if plain.coulomb > 0.0:
-            joint.solimp_friction[:2] = _IMPEDANCE
-            joint.solref_friction[:] = _STEPS * step, 1.0
+            # MuJoCo's largest impedance, and its shortest time constant, two steps
+            joint.solimp_friction[:2] = 0.9999
+            joint.solref_friction[:] = 2.0 * step, 1.0
         _add(joint, "damping", plain.damping)
         if joint.armature + plain.armature < 0.0:
             raise ModelError(
@@ -71,7 +68,8 @@ def _add_spring(joint: mujoco.MjsJoint, plain: PlainFriction) -> None:
     before = float(np.ravel(joint.stiffness)[0])
     stiffness = plain.stiffness
     if plain.preload != 0.0 and before + stiffness == 0.0:
-        stiffness = _SOFT * abs(plain.preload)
+        # soft enough, 1/rad, to carry a constant torque
+        stiffness = 1e-4 * abs(plain.preload)
     _add(joint, "stiffness", (stiffness,))
     if before + stiffness > 0.0:
         torque = before * joint.springref - plain.preload

@@ -46,8 +46,6 @@ class Target(StrEnum):
     ISAAC = "isaac"
 
 
-# part of the change of friction behind a reversal after which a joint counts as sliding
-_SLIDING = 0.99
 # law and effects as they are
 _WHOLE = (Target.C, Target.MJLAB)
 # a constant torque, a spring
@@ -156,8 +154,9 @@ def export(
         softened = {name: x.softened for name, x in springs.items()}
     else:
         text, model = _PLAIN[target](task, plain)
+    # a joint slides once 99% of the change of friction behind a reversal is done
     before_sliding = {
-        name: presliding_distance(friction[name].parameters, _SLIDING) for name in motions
+        name: presliding_distance(friction[name].parameters, 0.99) for name in motions
     }
     found = losses(task.rigid(), bare, model, motions, actuators, before_sliding)
     refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if of_mjx else []

@@ -20,10 +20,6 @@ from frictionjoint.law.stribeck import stribeck_level
 from frictionjoint.parameters import Friction
 
 _PER_SIDE = 5
-# a polynomial is taken where its misfit is below this fraction of a line's
-_WORTH = 0.9
-# fraction of the torque below which a term is not written
-_NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -105,7 +101,8 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
     found, misfit = _polynomial(speeds, 0.5 * (up + down), 1)
     if terms > 1:
         more, left = _polynomial(speeds, 0.5 * (up + down), terms)
-        if left < _WORTH * misfit:
+        # a polynomial must reduce the misfit of a line by a tenth
+        if left < 0.9 * misfit:
             found, misfit = more, left
     by_side = levels(carried.parameters)
     return PlainFriction(
@@ -127,7 +124,8 @@ def _polynomial(speeds: Array, F: Array, terms: int) -> tuple[list[float], float
     top = float(speeds.max())
     scaled = (speeds / top)[:, None] ** np.arange(terms + 1)
     found, left = nnls(scaled, F)
-    used = np.flatnonzero(found > _NOTHING * found.max())
+    # smaller terms are not written
+    used = np.flatnonzero(found > 1e-9 * found.max())
     last = max(2, used[-1] + 1 if len(used) else 0)
     coefficients = [float(x) for x in found[:last] / top ** np.arange(last)]
     return coefficients, float(left / np.sqrt(len(F)))

@@ -23,12 +23,6 @@ from frictionjoint.parameters import Friction
 
 # elements of a joint, and displacements that are tried for their yielding
 _MOST, _TRIED, _SAMPLES = 4, 60, 400
-# rad/s over the presliding displacement: slow enough that nothing viscous shows
-_SLOW = 1e-4
-# displacements after which it slides
-_SLIDES = 10.0
-# h sqrt(K/J) up to which explicit springs hold a joint
-_STIFFEST = 1.0
 
 
 @dataclass(frozen=True)
@@ -49,7 +43,8 @@ class YieldSprings:
 
         The torque limits are unchanged.
         """
-        stiffest = inertia * (_STIFFEST / step) ** 2
+        # explicit springs hold a joint up to h sqrt(K/J) = 1
+        stiffest = inertia * (1.0 / step) ** 2
         factor = max(1.0, float(self.stiffness.sum()) / stiffest)
         return YieldSprings(self.stiffness / factor, self.displacement * factor, factor)
 
@@ -94,10 +89,12 @@ def _loading(parameters: Friction, q: Array) -> Array:
     (Masing). So the curve is taken after a reversal of slow sliding, not from a joint that never
     moved.
     """
-    before = _SLIDES * float(q[-1]) * np.linspace(0.0, 1.0, len(q))
+    # after ten presliding displacements it slides
+    before = 10.0 * float(q[-1]) * np.linspace(0.0, 1.0, len(q))
     back = before[-1] - 2.0 * q[1:]
     path = np.concatenate([before, back])
-    time = np.append(0.0, np.cumsum(np.abs(np.diff(path)))) / (_SLOW * q[-1])
+    # rad/s over the presliding displacement: slow enough that nothing viscous shows
+    time = np.append(0.0, np.cumsum(np.abs(np.diff(path)))) / (1e-4 * q[-1])
     F = friction_torque(parameters, time, path)
     turned = F[len(before) - 1]
     return np.append(0.0, 0.5 * (turned - F[len(before) :]))

@@ -24,8 +24,6 @@ from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC, stribeck_level
 
 SIGMA0, BREAKAWAY = OWN, OWN + 1
-# exp(-37) is below the spacing of doubles at 1
-_U_SATURATED = 37.0
 _STEP = 0.04
 
 
@@ -52,7 +50,8 @@ def _transition(r: float, r_ba: float, a: float) -> float:
     """r after the displacement a (in units of S / sigma0) from r_ba <= r < 1."""
     u = -math.log1p(-r)
     while a > 0.0:
-        if u + a >= _U_SATURATED:  # du/da >= 1
+        # exp(-37) is below the spacing of doubles at 1
+        if u + a >= 37.0:  # du/da >= 1
             return 1.0
         k1 = _slope(u, r_ba)
         d = min(a, _STEP * math.exp(0.2 * u) / k1)

@@ -5,9 +5,6 @@ import numpy as np
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 
-# so slow that no law has a viscous part, rad/s
-_SLOW = 1e-6
-
 
 def presliding_distance(parameters: Friction, part: float) -> float:
     """Displacement behind a reversal until friction has made a part of its change, rad (m).
@@ -17,6 +14,7 @@ def presliding_distance(parameters: Friction, part: float) -> float:
     """
     x = np.geomspace(1e-9, 1.0, 2000)
     q = np.concatenate([[0.0], x, x[-1] - x])
-    F = friction_torque(parameters, np.arange(len(q)) / _SLOW, q)
+    # at 1e-6 rad/s no law has a viscous part
+    F = friction_torque(parameters, np.arange(len(q)) / 1e-6, q)
     back = F[len(x) + 1 :]
     return float(x[np.argmax(back <= F[len(x)] + part * (back[-1] - F[len(x)]))])

@@ -29,9 +29,6 @@ _ABOVE, _STEEP = 1.02, 0.25
 # Nearer to 1 than this a power of r is two terms of its binomial series, and the flow has a closed
 # form, to 1e-14.
 _NEAR = 1e-5
-# Below this the hyperbolic tangent is seven terms of Lambert's continued fraction, to 2e-16, in a
-# third of the library's time.
-_FRACTION = 0.5
 _ORDER = 8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_ORDER)
 _X = tuple(float(x) for x in _NODES)
@@ -374,7 +371,9 @@ def advance(r: float, a: float, n: float) -> float:
             if a < to_zero:
                 return math.tan(a - to_zero)
             r, a = 0.0, a - to_zero
-        if a < _FRACTION:
+        # 0.5: Below this the hyperbolic tangent is seven terms of Lambert's continued fraction, to
+        # 2e-16, in a third of the library's time.
+        if a < 0.5:
             b = a * a
             above = a * (135135.0 + b * (17325.0 + b * (378.0 + b)))
             below = 135135.0 + b * (62370.0 + b * (3150.0 + b * 28.0))

@@ -46,8 +46,6 @@ STEEPEST = 2.0
 # of the breakaway torque: by so much the torque at the expected end may miss
 CLOSE = 2e-2
 _TRIALS = 8
-# rad/s: beyond, the law's search for events would not end
-_FASTEST = 1e10
 
 
 @in_line
@@ -135,7 +133,8 @@ def implicit_step(
     high, at_high = 0.0, 0.0
     K = stiffest
     for i in range(_TRIALS):
-        if not w <= _FASTEST:
+        # rad/s: beyond, the law's search for events would not end
+        if not w <= 1e10:
             break
         end, rate = trial(P, p, X, x, way * h * w, h, way * w)
         D = sigma1 * max(0.0, rate) + sigma2

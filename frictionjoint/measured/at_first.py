@@ -9,9 +9,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-# shortest and longest interval; the longest applies to a joint that is almost at rest
-_LEAST, _LONGEST = 0.02, 0.2
-
 
 def first_velocity(time: Array, position: Array, count: float) -> float:
     """Velocity at the first sample, rad/s (m/s): 0 at rest, otherwise from a parabola.
@@ -23,11 +20,13 @@ def first_velocity(time: Array, position: Array, count: float) -> float:
         count: encoder step, rad (m); 0: the shortest interval is used.
     """
     t, q = time - time[0], position - position[0]
-    least = max(3, int(np.searchsorted(t, _LEAST, side="right")))
+    # the shortest interval, s
+    least = max(3, int(np.searchsorted(t, 0.02, side="right")))
     if np.max(np.abs(q[:least])) <= 0.5 * count:
         return 0.0
     found = 0.0
-    for n in range(least, max(least, int(np.searchsorted(t, _LONGEST, side="right"))) + 1):
+    # the longest, s, applies to a joint that is almost at rest
+    for n in range(least, max(least, int(np.searchsorted(t, 0.2, side="right"))) + 1):
         parabola = np.polynomial.Polynomial.fit(t[:n], q[:n], 2)
         off = float(np.max(np.abs(parabola(t[:n]) - q[:n])))
         if n > least and off > 0.5 * count:

@@ -18,8 +18,6 @@ from frictionjoint.measured.arrays import one_line
 
 _REMARKS = ("#", "%")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?|nan", re.I)
-# lines before which the first numbers must come
-_SOME = 60
 # a file holds its signals in rows from this many numbers per row on, and this many times fewer rows
 _LONG_ROW, _FEW_ROWS = 200, 10
 
@@ -86,7 +84,8 @@ def _size(path: Path) -> tuple[int, int]:
 
 def _first_lines(path: Path) -> list[str]:
     with path.open(encoding="utf-8-sig") as file:
-        return [x.strip() for x in islice(file, _SOME)]
+        # the first numbers must come within 60 lines
+        return [x.strip() for x in islice(file, 60)]
 
 
 def _separator(line: str) -> str | None:

@@ -19,19 +19,11 @@ from frictionjoint.measured.lowpass import LowPass, steep
 
 # Highest corner: four fifths of the Nyquist frequency leaves the filter room to fall.
 HIGHEST = 0.4
-# Bands an octave in which the spectrum is averaged.
-_BANDS = 6
-# fraction of the travel by which one position, computed twice, may differ
-_ROUNDING = 1e-12
 # the least corner, Hz, which keeps the edges of friction
 _LEAST_HZ = 5.0
-# bands that are tried, a third of an octave apart where the log has 200 Hz
-_FOLLOWED = 12
 # lowest frequency of the position noise over the corner of the motion, where the spectrum holds it,
 # and samples per spectrum
 _NOISE_FROM, _NOISE_SAMPLES = 1.5, 512
-# fraction of the velocity's power that the motion is taken to end with
-_MOST_OF_IT = 0.99
 
 
 @dataclass(frozen=True)
@@ -80,7 +72,8 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
     apart = np.diff(np.sort(position))
-    count = float(apart[apart > _ROUNDING * np.ptp(position)].min(initial=np.inf))
+    # one position, computed twice, may differ by rounding
+    count = float(apart[apart > 1e-12 * np.ptp(position)].min(initial=np.inf))
     bend = root_mean_square(smooth - straight)
     return smooth if bend > count / np.sqrt(12.0) else straight
 
@@ -94,7 +87,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
     f, power = f[1:], power[1:]
-    edges = np.geomspace(f[0], f[-1], max(2, int(_BANDS * np.log2(f[-1] / f[0]))))
+    # six bands per octave
+    edges = np.geomspace(f[0], f[-1], max(2, int(6 * np.log2(f[-1] / f[0]))))
     band = np.digitize(f, edges)
     bands = np.unique(band)
     centre = np.array([np.exp(np.log(f[band == k]).mean()) for k in bands])
@@ -104,7 +98,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     valley = centre[largest + int(np.argmin(acceleration[largest:]))]
     below = f <= valley
     grown = np.cumsum((power * f**2)[below])
-    main = f[below][int(np.searchsorted(grown, _MOST_OF_IT * grown[-1]))] if below.any() else f[0]
+    # the motion ends where 99% of the velocity's power is below
+    main = f[below][int(np.searchsorted(grown, 0.99 * grown[-1]))] if below.any() else f[0]
     whole = float(np.clip(2.0 * valley, _LEAST_HZ, HIGHEST / dt))
     return MotionBand(min(float(main), whole), whole)
 
@@ -156,7 +151,8 @@ def followed(log: JointLog) -> Derivatives:
     """
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt
-    bands = np.geomspace(min(_LEAST_HZ, highest), highest, _FOLLOWED)
+    # a third of an octave apart where the log has 200 Hz
+    bands = np.geomspace(min(_LEAST_HZ, highest), highest, 12)
     motions = [differentiate(log, band) for band in bands]
     left = np.array([np.mean((motion.position - position) ** 2) for motion in motions])
     left /= (1.0 - 2.0 * bands * dt) ** 2

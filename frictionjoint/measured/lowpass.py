@@ -34,12 +34,6 @@ class Spectrum(NamedTuple):
 # amplitude by frequency over the corner, at which it is one half
 Response = Callable[[Array], Array]
 
-# samples of a row in one transform: with more of them the processor's cache holds no more what
-# comes of one step for the next (30 logs of 3,600: 1.9 ms, in two parts 0.7 ms)
-_AT_ONCE = 40_000
-# periods of the corner by which a signal is continued at its ends
-_CONTINUED = 3.0
-
 
 def steep(ratio: Array) -> Array:
     """Flat up to half of the corner (99.6% passes); 0.4% passes at twice the corner."""
@@ -123,7 +117,8 @@ class LowPass:
     @cached_property
     def pad(self) -> int:
         """Number of samples of the continuation before the beginning."""
-        wanted = min(self.n - 1, max(8, int(_CONTINUED / (self.corner_hz * self.dt))))
+        # a signal is continued at its ends by three periods of the corner
+        wanted = min(self.n - 1, max(8, int(3.0 / (self.corner_hz * self.dt))))
         return max(1, wanted // self.step) * self.step if wanted >= self.step else 0
 
     @property
@@ -155,7 +150,10 @@ class LowPasses:
         alike: dict[tuple[int, int, int], list[list[int]]] = {}
         for i, one in enumerate(filters):
             groups = alike.setdefault((one.length, one.step, one.up), [[]])
-            if len(groups[-1]) * one.length >= _AT_ONCE:
+            # 40_000: samples of a row in one transform: with more of them the processor's cache
+            # holds no more what comes of one step for the next (30 logs of 3,600: 1.9 ms, in two
+            # parts 0.7 ms)
+            if len(groups[-1]) * one.length >= 40_000:
                 groups.append([])
             groups[-1].append(i)
         begin, back = places([f.n for f in filters]), places([f.given for f in filters])

@@ -16,21 +16,7 @@ from frictionjoint.measured.log import LARGEST_GAP
 _RANGES = (2 * np.pi, 4 * np.pi, 8 * np.pi, 25.0)
 _MEASURED = ("position_rad", "motor_position_rad")
 _TARGETS = {"position_rad": "target_rad", "position_m": "target_m"}
-# A leap goes over this fraction of all travel in one sample, this many times as far as any other.
-_LEAP, _FURTHER = 0.8, 4.0
-# how near to a range a leap must be
-_NEAR = 0.02
-# runs of equal rows that must be of one length
-_REGULAR = 0.95
-# rows in a run from which on its length may be off by one
-_LONG = 5
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
-# s of a drive at exactly zero from which on it is off
-_SILENT_S = 0.5
-# deviation of a position, over that of its reading noise, from which on the joint moves
-_JITTER = 5.0
-# a clock that starts again falls back to less than this fraction of its run, of so many rows
-_AGAIN, _RUN = 0.1, 50
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
 # a reading stands alone that leaps away and back, over this fraction of the travel of the others,
 # and this many times as far as others move; nothing moves so in a hundred samples of a thousand
@@ -52,8 +38,9 @@ def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
     # a run goes on from where it begins; one wrong time does not
     own = [i for i in back if i + 1 < len(time) and time[i + 1] < time[i - 1]]
-    starts = [i for i in own if time[i] - time[0] < _AGAIN * (time[i - 1] - time[0])]
-    if not starts or len(starts) < len(back) or len(time) < _RUN * (len(starts) + 1):
+    # a clock that starts again falls back to less than a tenth of its run, of 50 rows
+    starts = [i for i in own if time[i] - time[0] < 0.1 * (time[i - 1] - time[0])]
+    if not starts or len(starts) < len(back) or len(time) < 50 * (len(starts) + 1):
         return time, ()
     gap = 10.0 * LARGEST_GAP * float(np.median(np.abs(np.diff(time))))
     found = time.copy()
@@ -127,10 +114,11 @@ def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, i
         time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], drive == 0.0, [0]]).astype(int)))
+    # half a second of exactly zero: the drive is off
     return [
         (int(a), int(b))
         for a, b in zip(edges[::2], edges[1::2], strict=True)
-        if time[b - 1] - time[a] > _SILENT_S and _moves(position[a:b])
+        if time[b - 1] - time[a] > 0.5 and _moves(position[a:b])
     ]
 
 
@@ -139,7 +127,8 @@ def _moves(position: Array) -> bool:
     if len(position) < 3:
         return False
     jitter = float(np.sqrt(np.mean(np.diff(position, 2) ** 2) / 6.0))
-    return float(np.std(position - position[0])) > _JITTER * jitter
+    # five times the deviation of the reading noise
+    return float(np.std(position - position[0])) > 5.0 * jitter
 
 
 def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
@@ -200,10 +189,11 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
     """Range by which a position jumps; None if it does not jump."""
     step, tick = np.diff(x), np.diff(time)
     size = np.abs(step)
-    leap = (size > _LEAP * float(np.ptp(x))) & (tick <= LARGEST_GAP * float(np.median(tick)))
+    # a leap goes over 80% of all travel in one sample, four times as far as any other
+    leap = (size > 0.8 * float(np.ptp(x))) & (tick <= LARGEST_GAP * float(np.median(tick)))
     rest = float(size[~leap].max(initial=0.0))
     # a position that stands but for a count leaps by no more than its other steps
-    leap &= size > _FURTHER * rest
+    leap &= size > 4.0 * rest
     if not leap.any() or rest == 0.0:
         return None
     at = np.flatnonzero(leap)
@@ -213,7 +203,8 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
     distance = np.abs(step[at] - before)
     typical = float(np.median(distance))
     period = min(_RANGES, key=lambda p: abs(p - typical))
-    if np.all(np.abs(distance - period) < _NEAR * period + 2.0 * rest):
+    # 0.02: how near to a range a leap must be
+    if np.all(np.abs(distance - period) < 0.02 * period + 2.0 * rest):
         return period
     i = int(at[0])
     raise LogError(
@@ -243,7 +234,8 @@ def without_repeats(
     if k < 2:
         return dict(columns), ()
     off = np.abs(runs - k * np.maximum(1, np.round(runs / k)))
-    if np.mean(off <= (1 if k >= _LONG else 0)) < _REGULAR:
+    # 95% of the runs must be of one length; that of a long run may be off by one
+    if np.mean(off <= (1 if k >= 5 else 0)) < 0.95:
         return dict(columns), ()
     # at rest nothing changes: there one row in k stays
     ends = np.concatenate([[0], at, [n]])

@@ -28,8 +28,6 @@ from frictionjoint.measured.units import is_unit
 ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 _LONGEST_HEADER = 1 << 20
 _SEPARATORS = ",;\t "
-# lines among which the header and the first samples are looked for
-_SOME = 60
 # name of a column that has none
 _UNNAMED = "(column {})"
 # What is taken as a number or as an empty cell.
@@ -43,8 +41,6 @@ _MOMENT = re.compile(
     r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(Z|[+-]\d\d(:?\d\d)?)?\s*"
 )
 _ZONE = 3
-# rows that are read at once, as text
-_BATCH = 10_000
 
 
 class _Layout(NamedTuple):
@@ -136,7 +132,8 @@ def _batches(path: Path, layout: _Layout) -> Iterator[tuple[int, list[str]]]:
     with path.open(encoding="utf-8", errors="replace", newline="") as file:
         lines = islice(file, layout.before, None)
         number = layout.before + 1
-        while batch := list(islice(lines, _BATCH)):
+        # read as text, so many rows at once
+        while batch := list(islice(lines, 10_000)):
             yield number, batch
             number += len(batch)
 
@@ -261,7 +258,8 @@ def _layout(path: Path) -> _Layout:
 
 def _layout_of(name: str, lines: Iterator[str]) -> _Layout:
     """Layout of a file from its first lines."""
-    some = [text.rstrip("\r\n") for text in islice(lines, _SOME)]
+    # header and first samples are within 60 lines
+    some = [text.rstrip("\r\n") for text in islice(lines, 60)]
     if not some:
         raise LogError(f"{name}: empty, it needs a header row and samples")
     remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))

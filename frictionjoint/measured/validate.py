@@ -37,8 +37,6 @@ _LARGEST = {
 _LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT, _FEWEST_LEAPS = 4.5, 4.0, 0.25, 10
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
-# A joint does not run this many times as far as its target.
-_TOO_FAR = 20.0
 # Ratio to a target in degrees or millimetres, and a travel that is long only in these:
 # wrong units, where the joint follows it so well. A joint held by friction follows a short one.
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
@@ -267,7 +265,8 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     factor, far = _MISTAKEN_UNIT[unit]
     long = float(np.ptp(columns[target_name])) > far
     mistaken = follows and long and abs(ratio / factor - 1.0) < _NEAR
-    if ratio > _TOO_FAR or mistaken:
+    # a joint does not run 20 times as far as its target
+    if ratio > 20.0 or mistaken:
         raise LogError(
             f"{source}: {name} moves {ratio:.3g} times as far as {target_name}: "
             "check the units of the two"

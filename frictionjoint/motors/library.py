@@ -20,8 +20,6 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.joint_friction import JointFriction
 
-# rad/s (m/s): a Stribeck velocity beyond it is none
-_FASTEST = 10.0
 # what a file says of a motor, all of it text but the numbers of the fit
 TEXTS = (
     *("title", "joint", "model", "source", "licence", "conditions", "command", "version", "logs"),
@@ -102,7 +100,8 @@ def friction_speed(motor: Motor, points: int = 9) -> tuple[Array, dict[str, Arra
     from frictionjoint.export.sliding import levels, sliding_torque
 
     Vs = max(level[2] for level in levels(motor.friction.parameters).values())
-    speeds = np.geomspace(0.1, 20.0, points) * (Vs if 0.0 < Vs < _FASTEST else 1.0)
+    # a Stribeck velocity beyond 10 rad/s (m/s) is none
+    speeds = np.geomspace(0.1, 20.0, points) * (Vs if 0.0 < Vs < 10.0 else 1.0)
     return speeds, {side: sliding_torque(motor.friction, speeds, side) for side in ("pos", "neg")}
 
 

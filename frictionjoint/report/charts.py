@@ -23,8 +23,6 @@ Colour = Literal["measured", "before", "after", "target"]
 _LINE, _CLOUD = 3000, 2500
 # s, and fraction of the log: length of the stretch that is shown in detail
 _STRETCH_S, _STRETCH = 2.0, 0.15
-# a gap in the samples is no line
-_GAP = 2.5
 # order in which a reader meets the quantities that an error may depend on
 _QUANTITIES = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
 # turning points drawn; length behind one over that of presliding
@@ -272,7 +270,8 @@ def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) 
     y = y.copy()
     if len(t) > 2:
         step = np.diff(t)
-        y[1:][step > _GAP * np.median(step)] = np.nan
+        # a gap in the samples is no line
+        y[1:][step > 2.5 * np.median(step)] = np.nan
     return Series(name, t, y, colour)
 
 

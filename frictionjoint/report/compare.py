@@ -38,8 +38,6 @@ _COLOURS = ("#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02", "#
 # A pull so slow and so long that every law in reach of a joint breaks away in it, rad and rad/s.
 _PULLED = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 4000)])
 _SLOW = 1e-9
-# A torque this fraction below the largest one counts as reached: laws approach theirs slowly.
-_REACHED = 0.99
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,8 @@ def _one(
 def _pull(parameters: Friction) -> tuple[Array, float]:
     """Torque along a slow pull from rest, and the displacement at which the joint breaks away."""
     F = friction_torque(parameters, _PULLED / _SLOW, _PULLED)
-    return F, float(_PULLED[int(np.argmax(_REACHED * F.max() <= F))])
+    # laws approach their largest torque slowly: 99% of it counts as reached
+    return F, float(_PULLED[int(np.argmax(0.99 * F.max() <= F))])
 
 
 def _fastest(parameters: Friction) -> float:

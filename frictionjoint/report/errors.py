@@ -14,12 +14,6 @@ Content = Mapping[str, Any]
 Stage = Literal["before", "after"]
 STAGES: tuple[Stage, Stage] = ("before", "after")
 
-# the estimate of a noise is no better than this factor
-_ESTIMATE_ERROR = 1.5
-# part of the drive that no instrument resolves: 14 bits of its range
-_RESOLUTION = 1e-4
-# an error beyond this multiple of the drive is no fraction of it
-_NO_FRACTION = 10.0
 _LOOP = "position in closed loop"
 _UNIT_NAMES = {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}
 
@@ -101,10 +95,11 @@ def errors_of(content: Content, units: tuple[str, str]) -> tuple[ErrorRow, ...]:
 def _fractions(content: Content, stage: Stage, errors: Content) -> dict[str, str]:
     """Errors as percentages of the drive on the same logs."""
     whole = content.get("drive", {}).get("rms", {}).get(stage, {})
+    # an error of ten times the drive is no fraction of it
     return {
         role: percentage(error, whole[role])
         for role, error in errors.items()
-        if error is not None and whole.get(role) and error < _NO_FRACTION * whole[role]
+        if error is not None and whole.get(role) and error < 10.0 * whole[role]
     }
 
 
@@ -124,14 +119,16 @@ def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
     estimate, least = content.get("noise_floor"), _remaining(content)
     if not estimate or least is None:
         return "The noise of the instruments cannot be determined from these logs.", None
-    if estimate > _ESTIMATE_ERROR * least:
+    # a noise is estimated to a factor of 1.5
+    if estimate > 1.5 * least:
         return (
             f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
             f"is above an error that remains, {three(least)} {unit}, so the estimate is wrong."
         ), None
     whole = content.get("drive", {}).get("rms", {}).get("after", {})
     drive = max((x for x in whole.values() if x), default=None)
-    if drive and estimate < _RESOLUTION * drive:
+    # no instrument resolves less than 14 bits of its range
+    if drive and estimate < 1e-4 * drive:
         return (
             f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
             "is less than instruments resolve. The log may have been filtered or simulated."

@@ -15,8 +15,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.report.charts import Chart
 
 _MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy")
-# figures of a number in a chart
-_FIGURES = 5
 
 
 def versions() -> dict[str, str]:
@@ -69,7 +67,7 @@ def chart_html(chart: Chart, small: bool = False) -> Markup:
 def _rounded(x: Array) -> list[float | None]:
     """Numbers to five figures; null for missing ones."""
     return [
-        None if not math.isfinite(v) else float(f"{v:.{_FIGURES}g}")
+        None if not math.isfinite(v) else float(f"{v:.5g}")
         for v in np.asarray(x, dtype=float).tolist()
     ]
 

@@ -5,8 +5,6 @@ import numpy as np
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.charts import Chart, Series, over_time, thinned
 
-# travel of a hinge, rad, and its largest speed, rad/s, above which positions may be in degrees
-_TURNS, _FAST = 20.0, 60.0
 # pages draw this many points of a log
 _POINTS = 4000
 
@@ -62,7 +60,8 @@ def unit_doubt(log: JointLog) -> str:
     travel = float(np.ptp(log.position))
     steps = np.abs(np.diff(log.position)) / np.diff(log.time)
     speed = float(np.quantile(steps, 0.99))
-    if log.slide or (travel < _TURNS and speed < _FAST):
+    # a hinge beyond 20 rad or 60 rad/s may be in degrees
+    if log.slide or (travel < 20.0 and speed < 60.0):
         return ""
     return (
         f"The joint travels {travel:.3g} rad ({travel / (2.0 * np.pi):.2g} turns) at up to "

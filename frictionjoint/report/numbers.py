@@ -20,12 +20,8 @@ Status = Literal["determined", "not determined", "assumed", "fixed"]
 # a standard error beyond this fraction of the value: the logs do not determine the value. The same
 # fraction decides which motion is recommended (``diagnose.advice``)
 LOOSE = 0.5
-# standard errors by which a size must differ from no effect
-_BEYOND = 2.0
 # what a factor is where there is no effect; of any other number it is 0
 _NULL = {"factor": 1.0}
-# an exact copy in two files
-_SAME = 1e-9
 _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
 
 
@@ -130,7 +126,8 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
 
 
 def _equal(a: Estimate, b: Estimate) -> bool:
-    return math.isclose(a.value, b.value, rel_tol=_SAME) and a.stderr == b.stderr
+    # an exact copy in two files
+    return math.isclose(a.value, b.value, rel_tol=1e-9) and a.stderr == b.stderr
 
 
 def size_of(effect: str, parameters: Mapping[str, Estimate], slide: bool) -> tuple[str, ...]:
@@ -186,9 +183,9 @@ def size_is_determined(effect: str, parameters: Mapping[str, Estimate]) -> bool:
     sizes = {n: x for n, x in parameters.items() if n in names and x.stderr is not None}
     if not sizes:
         return True
+    # two standard errors from no effect
     return any(
-        abs(x.value - _NULL.get(name, 0.0)) > _BEYOND * (x.stderr or 0.0)
-        for name, x in sizes.items()
+        abs(x.value - _NULL.get(name, 0.0)) > 2.0 * (x.stderr or 0.0) for name, x in sizes.items()
     )
 
 

@@ -10,8 +10,6 @@ from frictionjoint.report.numbers import status_of
 from frictionjoint.report.summary import Summary, summarise
 from frictionjoint.report.wording import quantity
 
-# candidates shown of a step
-_CANDIDATES = 8
 FILTERS = {
     "figures": wording.three,
     "known_as": wording.known_as,
@@ -66,7 +64,7 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
         presliding=charts.presliding(report) if _shows_presliding(report) else None,
         in_detail=[c for part in in_detail for c in part],
         in_whole=[c for part in in_whole for c in part],
-        steps=[step[:_CANDIDATES] for step in s.steps],
+        steps=[step[:8] for step in s.steps],
         widest=_widest(s),
         error_charts=first,
         other_charts=others,

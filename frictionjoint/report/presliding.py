@@ -6,9 +6,6 @@ import numpy as np
 
 from frictionjoint.report.joint_report import Curve
 
-# samples that a window needs
-_LEAST_SAMPLES = 10
-
 
 def turns(c: Curve, size: float) -> list[slice]:
     """Samples from each turning point until the joint has moved by `size`, or turned again."""
@@ -23,7 +20,8 @@ def turns(c: Curve, size: float) -> list[slice]:
         end = b + 1
         while end < len(step) and even[end] and step[end] * step[b] > 0.0:
             end += 1
-            enough = end - b >= _LEAST_SAMPLES
+            # a window needs ten samples
+            enough = end - b >= 10
             if enough and abs(c.position[end] - c.position[b]) >= size:
                 found.append(slice(int(b), int(end) + 1))
                 break

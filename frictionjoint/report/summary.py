@@ -33,8 +33,6 @@ Content = Mapping[str, Any]
 
 # a significant candidate is mentioned from this part of the squared residual on
 _SUSPECT, _SIGNIFICANT = 0.1, 0.05
-# part of the samples at rest that a statement on the logs must mention
-_MUCH_AT_REST = 0.5
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,8 @@ class Summary:
     @property
     def covered(self) -> str:
         """The samples to which the errors and the search refer."""
-        if self.at_rest < _MUCH_AT_REST:
+        # a statement on logs that are at rest half of the time must mention it
+        if self.at_rest < 0.5:
             return "these logs"
         return f"the {1.0 - self.at_rest:.0%} of the samples in which the joint moves"
 

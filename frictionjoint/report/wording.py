@@ -7,12 +7,8 @@ from collections.abc import Sequence
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 
-# beyond them a number is written with an exponent
-_MOST_DECIMALS = 6
 # an exponent of two digits
 _EXPONENT = re.compile(r"e(-?)\+?0*")
-# decimals of a value without a standard error
-_ROUNDING = 12
 
 
 def known_as(effect: str) -> str:
@@ -73,13 +69,14 @@ def value(x: Estimate | None, spread: bool = False) -> str:
         return "–"
     if not x.stderr or not math.isfinite(x.stderr):
         # what is smaller in any unit of a joint is the rounding of a zero
-        number = round(x.value, _ROUNDING) + 0.0
+        number = round(x.value, 12) + 0.0
         return _plain(f"{number:.4g}") + (" (fixed)" if spread else "")
     decimals = 1 - math.floor(math.log10(x.stderr))
     # adding zero takes the sign off a zero
+    # with more decimals an exponent is shorter
     texts = [
         f"{round(number, decimals) + 0.0:.{max(decimals, 0)}f}"
-        if decimals <= _MOST_DECIMALS
+        if decimals <= 6
         else _plain(f"{round(number, decimals) + 0.0:.8g}")
         for number in (x.value, x.stderr)
     ]

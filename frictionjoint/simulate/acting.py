@@ -9,8 +9,6 @@ from frictionjoint.simulate.carrier import ROW
 from frictionjoint.simulate.installed import is_installed, replaced
 from frictionjoint.simulate.row import STARTED, T_EVALUATED
 
-# time steps since the last evaluation that an attached model never lets pass
-_LATE = 1.5
 # models that were warned of, by address
 _warned: set[int] = set()
 
@@ -32,7 +30,8 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
         return
     row = int(model.numeric_data[next(iter(found.values())) + ROW])
     evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STARTED] else 0.0
-    if data.time - evaluated <= _LATE * model.opt.timestep:
+    # an attached model is evaluated at every step
+    if data.time - evaluated <= 1.5 * model.opt.timestep:
         return
     _warned.add(model._address)
     weakref.finalize(model, _warned.discard, model._address)

@@ -57,8 +57,6 @@ REFUSED = -1.0
 TAG = "frictionjoint:"
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11
-# whole numbers up to here survive six digits
-_EXACT = 999_999
 
 
 def install(
@@ -128,7 +126,8 @@ def install(
     own = max(0, spec.nuserdata - sum(rows_of_block(block) for block in there))
     for name, parameters in friction.items():
         block = made[name]
-        block[ROW] = own + 1 if own < _EXACT else 0
+        # larger whole numbers do not survive six digits
+        block[ROW] = own + 1 if own < 999_999 else 0
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len(carried[name])

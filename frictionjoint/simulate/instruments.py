@@ -13,7 +13,6 @@ import mujoco
 _POSITION = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
 _TORQUE = (mujoco.mjtSensor.mjSENS_JOINTACTFRC,)
 _NAMES = {_POSITION[0]: "position", _POSITION[1]: "velocity", _TORQUE[0]: "torque"}
-_LINEAR = 1  # between the samples that MuJoCo keeps
 
 
 def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
@@ -32,5 +31,6 @@ def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
             ]
         for sensor in found if kind in late[delay > 0.0] else ():
             sensor.delay = abs(delay)
-            sensor.interp = _LINEAR
+            # linear between the samples that MuJoCo keeps
+            sensor.interp = 1
             sensor.nsample = math.ceil(abs(delay) / spec.option.timestep) + 2

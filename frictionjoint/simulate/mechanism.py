@@ -40,8 +40,6 @@ _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # radians that the two masses may swing against each other in a time step: springs are explicit. A
 # flank's edge within a step gives or takes energy, so fewer
 _FASTEST, _FASTEST_FLANK = 0.7, 0.35
-# distance of a link's mass from the axis, of what it was, below which it would be a heavy point
-_NEAREST = 0.05
 # the impedance of a flank: so small that the constraint is a spring of this stiffness
 _SOFT = 1e-4
 
@@ -255,7 +253,8 @@ def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -
     centre = place - model.jnt_pos[j]
     across = centre - (centre @ axis) * axis
     away = mass * float(across @ across)
-    if excess >= (1.0 - _NEAREST) * away:
+    # nearer than 5% of its distance, the mass would be a heavy point
+    if excess >= 0.95 * away:
         return False
     far = excess / away
     body = spec.joint(model.joint(j).name).parent

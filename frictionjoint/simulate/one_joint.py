@@ -23,9 +23,6 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
 from frictionjoint.simulate.with_effects import effects_torque
 
-# steps from one evaluation of the friction to the next along a measured motion, which is smooth; a
-# law is driven by displacement, and each step at one speed is exact
-_STRIDE = 4
 # rad (m): displacements between which friction comes to hold a joint at rest, and how often the
 # range is halved
 _STRAIN, _FURTHEST, _HALVINGS = 1e-9, 1.0, 40
@@ -349,7 +346,9 @@ def _along(given: _Given, X: Vector, S: Vector, begin: int, end: int, drive: Vec
     for k in range(begin, end):
         q, v, t = given.q[k], given.v[k], k * given.step
         drive[k] = tick(given.B, S, t, given.target[k], q, v, given.supply[k]) if on[k] else 0.0
-        if (k - begin) % _STRIDE != 0:
+        # 4: steps from one evaluation of the friction to the next along a measured motion, which is
+        # smooth; a law is driven by displacement, and each step at one speed is exact
+        if (k - begin) % 4 != 0:
             continue
         torque_now(P, 0, effects, X, 0, t, q, v, 0.0)
         if some:

@@ -19,8 +19,6 @@ from frictionjoint.simulate.carrier import load_model, read_friction
 
 JOINT = "joint1"
 SPEED = 0.1
-# A joint slower than this fraction of the target's speed sticks.
-_STUCK = 0.01
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,8 @@ def _run(model: mujoco.MjModel, duration: float) -> tuple[Array, Array, Array, A
 
 
 def _read_off(time: Array, position: Array, velocity: Array, target: Array) -> StickSlip:
-    stuck = np.abs(velocity) < _STUCK * SPEED
+    # sticking: slower than a hundredth of the target's speed
+    stuck = np.abs(velocity) < 0.01 * SPEED
     starts = np.flatnonzero(stuck[:-1] & ~stuck[1:]) + 1
     ends = np.flatnonzero(~stuck[:-1] & stuck[1:]) + 1
     slips = [(a, ends[ends > a][0]) for a in starts if np.any(ends > a)]

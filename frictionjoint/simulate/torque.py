@@ -19,8 +19,6 @@ from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, RESOLVED, ROW, bl
 from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
 
-# A joint slower than this fraction of its Stribeck velocity counts as resting.
-_RESTING = 1e-6
 _NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
 
 
@@ -79,7 +77,8 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
 
 def sticks(velocity: float, rate: float, stribeck: float) -> bool:
     """Whether a joint sticks; rate: dz/dx. stribeck: the Stribeck velocity, rad/s."""
-    return rate > 0.5 or abs(velocity) <= _RESTING * stribeck
+    # resting: slower than a millionth of the Stribeck velocity
+    return rate > 0.5 or abs(velocity) <= 1e-6 * stribeck
 
 
 def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float) -> float:

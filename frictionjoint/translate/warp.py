@@ -43,8 +43,6 @@ def expm1(x: Any):
     return below * x / wp.log(u)
 '''
 _OWN = {"log1p", "expm1"}
-# largest number of syntax tree nodes of a kernel that is inlined
-_SMALL = 150
 
 
 def translate(functions: Iterable[Any], size: int, name: str) -> dict[str, Any]:
@@ -104,7 +102,8 @@ class _Function(Kernel):
         arguments = ", ".join(f"{name}: Any" for name in self.parameters)
         # Only the smallest functions are inlined. CUDA's compiler would inline every function
         # everywhere, which takes minutes.
-        small = self.in_line and len([*ast.walk(self.tree)]) <= _SMALL
+        # 150: largest number of syntax tree nodes of a kernel that is inlined
+        small = self.in_line and len([*ast.walk(self.tree)]) <= 150
         decorator = "@wp.func" if small else "@wp.func(inline=False)"
         return f"{decorator}\ndef {self.name}({arguments}):\n{textwrap.indent(code, '    ')}"
 
