@@ -16,6 +16,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
+import numpy as np
+
+import frictionjoint as fj
+from frictionjoint.simulate.carrier import read_friction
+
 ROOT = Path(__file__).resolve().parents[1]
 HELD_OUT = "0.3"
 PLACES = ("body", "joint", "other_joint", "common_to")
@@ -109,6 +115,37 @@ def _read(path: Path) -> str:
         return ""
 
 
+def moves_at_rest(path: Path) -> tuple[float, str]:
+    """Largest movement of a joint within 30 s of rest, rad (m), and the joint's name.
+
+    Without gravity, each joint is loaded by 0.4 of its slow sliding friction, over 5 s and 5 s
+    before: what still rings then is no creep.
+    """
+    model = fj.load_model(path)
+    model.opt.gravity[:] = 0.0
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    data, slow, load = mujoco.MjData(model), np.linspace(0.0, 20.0, 20001), np.zeros(model.nv)
+    names = read_friction(model)
+    dofs = [int(model.joint(name).dofadr[0]) for name in names]
+    for dof, friction in zip(dofs, names.values(), strict=True):
+        torque = fj.friction_torque(friction.parameters, slow, 0.01 * slow)
+        load[dof] = 0.4 * float(torque[-1])
+    places, every = [], max(1, round(0.01 / model.opt.timestep))
+    with fj.attach(model):
+        while data.time < 40.0:
+            data.qfrc_applied[:] = min(1.0, 0.2 * data.time) * load
+            mujoco.mj_step(model, data, every)
+            if data.time > 10.0:
+                places.append(data.qpos[dofs].copy())
+    moved = np.ptp(places, axis=0)
+    return float(moved.max()), list(names)[int(moved.argmax())]
+
+
+def _rest(folder: Path) -> str:
+    moved, joint = moves_at_rest(folder / "model.xml")
+    return f"Loaded at rest, {joint} moves by {moved:.0e} rad in 30 s, the others by less."
+
+
 def section(name: str, folder: Path) -> str:
     """A robot's part of the page."""
     report = json.loads((folder / "report.json").read_text())
@@ -120,7 +157,7 @@ def section(name: str, folder: Path) -> str:
         "",
         f"Torque error {before:.2f} to {after:.2f}% over the joints; all joints together "
         f"{_number(pair[0])} to {_number(pair[1])} rad in replay; {spent['seconds']:.0f} s "
-        f"({spent['cpu_s']:.0f} s of processor time), {spent['peak_gb']:.1f} GB.",
+        f"({spent['cpu_s']:.0f} s of processor time), {spent['peak_gb']:.1f} GB. {_rest(folder)}",
         "",
         *_shared(report),
         "| joint | effects added | torque before | after | replay before | after | |",

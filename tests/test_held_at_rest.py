@@ -7,6 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
+from frictionjoint.effects import nonlinear_viscous
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.motors.library import list_motors
 from tests.standing import (
     LINKAGE,
@@ -65,6 +67,26 @@ def test_viscous_friction_never_turns_a_joint_round(damping, integrator):
     assert min(v) > -1e-6
     # exactly it is exp(-damping); MuJoCo's own damping leaves this
     assert np.exp(-damping) < v[1] < 1.0 / (1.0 + damping)
+
+
+@pytest.mark.parametrize("exponent", [0.1, 0.5, 0.9])
+def test_concave_viscous_friction_neither_turns_a_joint_round_nor_lets_it_creep(exponent):
+    """Its slope at rest is infinite: an explicit torque vibrates there, and friction ratchets."""
+    spec = mujoco.MjSpec.from_string(one_joint(0.1))
+    concave = SimulatedEffect(nonlinear_viscous.EFFECT, (exponent,), (6.0,))
+    fj.install(spec, {"j": law(1.0, 1e4)}, {"j": [concave]})
+    model = spec.compile()
+    data, q, v = mujoco.MjData(model), [], []
+    data.qvel[0] = 1.0
+    with fj.attach(model):
+        while data.time < 10.0:
+            data.qfrc_applied[0] = 0.4 * min(1.0, max(0.0, data.time - 2.0))
+            mujoco.mj_step(model, data)
+            q.append(float(data.qpos[0]))
+            v.append(float(data.qvel[0]))
+    # the elastic contact swings back once
+    assert min(v[:100]) > -0.02
+    assert np.ptp(q[6000:]) < 1e-10
 
 
 def test_the_first_step_after_a_velocity_is_set_only_brakes():

@@ -3,16 +3,23 @@
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import V
+from frictionjoint.effects.signals import HALT, V
 
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """c sgn(v) |v|**p."""
+    """c sgn(v) |v|**p.
+
+    In a simulation, at most what halves the speed within a step: with p < 1 the slope at rest is
+    infinite, and a joint would vibrate and creep.
+    """
     v = sig[V]
     if v == 0.0:
         return 0.0
     magnitude = P[e + 1] * float(abs(v) ** P[e])
+    most = 0.5 * sig[HALT] * abs(v)
+    if most > 0.0:
+        magnitude = min(magnitude, most)
     return magnitude if v > 0.0 else -magnitude
 
 

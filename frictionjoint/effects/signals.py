@@ -15,6 +15,7 @@ RATE   dz/dq of the bristle, 1 at a reversal and 0 in sliding; zero in simulatio
 MOTOR  motor torque, N m, for models fitted to voltages or currents; zero in simulation
 ASKED  commanded motor torque, N m; zero in a log
 LOSS   friction power, W, for `heating`; zero in a log
+HALT   damping that stops the joint within one time step, N m s/rad; zero in a log: no step
 """
 
 import numpy as np
@@ -22,8 +23,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 
 TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
-LOSS = 17
-N_SIGNALS = 18
+LOSS, HALT = 17, 18
+N_SIGNALS = 19
 
 
 def parts_of_load(signals: Array) -> Array:

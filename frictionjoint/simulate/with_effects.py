@@ -13,6 +13,7 @@ from frictionjoint.effects.signals import (
     GEAR,
     GX,
     GY,
+    HALT,
     LOAD,
     LOSS,
     N_SIGNALS,
@@ -80,6 +81,7 @@ def effects_torque(
     sig[GX] = gx
     sig[GY] = gy
     sig[DT] = dt
+    sig[HALT] = (inertia + armature) / dt if dt > 0.0 else 0.0
     sig[ASKED] = asked
     sig[TEMP] = np.nan  # until `heating` says it
     law = x + FRONT
