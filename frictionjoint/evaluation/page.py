@@ -6,9 +6,6 @@ from frictionjoint.evaluation.run import Evaluation, JointCurves, JointEvaluatio
 from frictionjoint.report.charts import Chart, Series
 from frictionjoint.report.html import fill
 
-# largest number of samples drawn per curve
-_DRAWN = 4000
-
 
 def page(evaluation: Evaluation) -> str:
     """A self-contained HTML page."""
@@ -75,4 +72,5 @@ def _loop(joint: JointEvaluation) -> list[Chart]:
 
 
 def _every(curves: JointCurves) -> int:
-    return max(1, len(curves.time) // _DRAWN)
+    # at most 4000 samples per curve
+    return max(1, len(curves.time) // 4000)

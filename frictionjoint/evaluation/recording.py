@@ -19,8 +19,6 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.mend import silent_runs
 
-# longest time step of a simulation, s
-_STEP_S = 1e-3
 # periods of the filter's corner frequency at each end of a log in which the unknown continuation
 # of the log affects the filtered signal
 _SPOILT = 2.0
@@ -69,7 +67,8 @@ class Recording:
         if corner is None:
             corner = max(motion_band(position, sample).whole for position in raw.values())
         corner = min(corner, HIGHEST / sample)
-        up = max(1, int(np.ceil(sample / _STEP_S - 1e-6)))
+        # steps of 1 ms at most
+        up = max(1, int(np.ceil(sample / 1e-3 - 1e-6)))
         finer = LowPass(len(raw_time), sample, corner, steep, 1, up)
         step, n = sample / up, (len(raw_time) - 1) * up + 1
         time = raw_time[0] + step * np.arange(n)

@@ -22,8 +22,6 @@ from frictionjoint.threads import one_thread
 
 # how the integrated law acts in the log of a simulation with MuJoCo's own `frictionloss`
 CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
-# standard error of a stiffness over it, from which on the logs do not determine it
-_UNKNOWN = 0.5
 
 
 @one_thread
@@ -74,7 +72,8 @@ def with_assumed_stiffness(
     if not shape.assumed or not _holds(fitted):
         return fitted
     known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
-    if known.stderr is not None and known.stderr < _UNKNOWN * known.value:
+    # the logs determine a stiffness with a standard error below half of it
+    if known.stderr is not None and known.stderr < 0.5 * known.value:
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
     return found if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY) else fitted

@@ -5,9 +5,6 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.eigen import eigh
 
-# of the largest eigenvalue of the Gram matrix, below which a direction is rounding
-_DEPENDENT = 1e-10
-
 
 def orthonormal(X: Array) -> Array:
     """Orthonormal basis of the columns of X, shape (n, rank).
@@ -16,7 +13,8 @@ def orthonormal(X: Array) -> Array:
         X: columns with similar norms, possibly none, shape (n, k).
     """
     values, vectors = eigh(X.T @ X)
-    independent = values > _DEPENDENT * values.max(initial=0.0)
+    # smaller eigenvalues are rounding
+    independent = values > 1e-10 * values.max(initial=0.0)
     return np.asarray(X @ (vectors[:, independent] / np.sqrt(values[independent])))
 
 

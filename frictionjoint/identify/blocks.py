@@ -30,8 +30,6 @@ _CORRELATION_TIMES = 5.0
 _AR_ORDER = 6
 # logs from which on a fold is a log, and kinds of motion where there are fewer
 _LOGS, _KINDS = 3, 4
-# logs from which on alike ones make a fold together
-_MANY_LOGS = 8
 # times that the blocks are cut into two halves
 _HALVES = 50
 
@@ -205,7 +203,8 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         log += [int(i)] * k
     if len(logs) < _LOGS:
         fold = _kinds(prepared, of_sample)
-    elif len(logs) < _MANY_LOGS:
+    # similar logs do not test each other: with many logs they share a fold
+    elif len(logs) < 8:
         fold = np.array(log)
     else:
         # logs that are alike are no test of each other

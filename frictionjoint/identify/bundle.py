@@ -51,10 +51,6 @@ class Log(Protocol):
         """Commands of its controller, from which the drive was computed."""
 
 
-# bytes of what searches made of the logs that are kept: most of it stays from one point of a search
-# to the next, and where one search ends others begin
-_KEPT = 12_000_000
-
 _Log = TypeVar("_Log", bound=Log)
 # drives of the logs with each filter
 Spectra = list[Spectrum]
@@ -73,7 +69,8 @@ class Bundle(Generic[_Log]):
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
-        self.store = Store(_KEPT)
+        # bytes; most results serve the next point of a search, or the next search
+        self.store = Store(12_000_000)
 
     @cached_property
     def tracks(self) -> Tracks:

@@ -23,8 +23,6 @@ from frictionjoint.parameters import FrictionParameters
 # of it: a lead of any size would take up much in the logs of robots
 LEAD = 0.5 * 0.95 * 0.02
 _LEADS = (0.7 * LEAD, 1.05 * LEAD)
-# rad, until the logs say what they resolve
-_REACH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,8 @@ class ConstraintShape:
 
     static: RivalShape
     lead: float = LEAD
-    reach: float = _REACH
+    # rad, until `with_assumed_stiffness` sets what the logs resolve
+    reach: float = 1e-6
 
     variables = ("excess", "log Vs", "delta", "log V0 of v + lead a over Vs", "log lead")
     damped = False

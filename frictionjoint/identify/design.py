@@ -34,14 +34,9 @@ from frictionjoint.identify.terms import (
 from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import side_by_side, threads_here
 
-# how far a term's shape number may move in one search, over itself
-_REACH = 0.6
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
 # or a stop has none at an impact
 _STEP = 0.015
-# finite-difference step for a time offset, as a fraction of the sample: smaller ones see only
-# threshold crossings
-_TIME_STEP = 0.1
 # of H along a law's tangent
 _SMALL = 1e-4
 
@@ -229,7 +224,8 @@ class Balance:
     def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
         """Derivative by number j of term k, an effect of the drive, shape (n,)."""
         term, x = terms[k], terms[k].free_shape[j]
-        h = _TIME_STEP * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
+        # a smaller step of a time offset would only see threshold crossings
+        h = 0.1 * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
         moved = term.with_shape(_with(term.free_shape, j, x + h))
         changed = (*terms[:k], moved, *terms[k + 1 :])
         there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
@@ -273,7 +269,8 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
         else:
             # a zero was not searched yet: the physical range decides
-            reach = _REACH * abs(x) + 1e-12 if x else np.inf
+            # how far a term's shape number may move in one search, over itself
+            reach = 0.6 * abs(x) + 1e-12 if x else np.inf
         found.append((x, reach))
     return found
 

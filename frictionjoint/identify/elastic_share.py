@@ -12,8 +12,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
 
-# smallest share
-_LEAST = 0.05
 # relative change of a share that does not change a fit noticeably
 RESOLUTION = 0.05
 
@@ -25,5 +23,5 @@ def implied_share(prepared: Prepared, fitted: Fit, i: int) -> float | None:
         return None
     whole = float(np.median([inertia_of(s.signals, GEAR) for s in prepared.segments]))
     (behind,) = fitted.term_coefficients(i)
-    share = float(np.clip(behind / whole, _LEAST, 1.0)) if whole > 0.0 and behind > 0.0 else 1.0
+    share = float(np.clip(behind / whole, 0.05, 1.0)) if whole > 0.0 and behind > 0.0 else 1.0
     return None if abs(share - term.part) <= RESOLUTION * term.part else share

@@ -14,8 +14,6 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing
 
-# of what is left, torque below which a parameter moves nothing
-_NOTHING = 1e-3
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
 
@@ -133,7 +131,8 @@ class Fit:
         size = np.linalg.norm(self.jacobian * self.weight[:, None], axis=0)
         moves = np.zeros(len(size))
         np.multiply(size, reach, out=moves, where=size > 0.0)
-        found = moves > _NOTHING * float(np.linalg.norm(self.residual * self.weight))
+        # a parameter with less influence than this fraction of the residual has none
+        found = moves > 1e-3 * float(np.linalg.norm(self.residual * self.weight))
         found &= ~self.bound
         for i, term in enumerate(self.terms):
             if isinstance(term, Timing):

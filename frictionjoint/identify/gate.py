@@ -36,21 +36,6 @@ from frictionjoint.identify.segment import Prepared, Segment
 MOST_LEFT = 0.95
 # Standard errors from which on a sign is wrong; good logs are on the right side of zero.
 SURE = 5.0
-# Fraction of the drive that a balance of free signs may leave for its signs to mean something, and
-# the fraction that the right signs must leave for another one to be considered.
-_MEANINGFUL, _RIGHT = 0.8, 0.3
-# Change of a drive, of its magnitude, that counts; fraction of the samples that reversals may take;
-# fraction of the top speed that counts as motion.
-_ONE_SIZE, _REVERSALS, _MOVES = 1e-3, 0.2, 0.1
-# Fraction of the samples that must move in the rarer direction to tell a bias from friction.
-_BOTH_WAYS = 0.02
-# Times the model's load from which on the unit of the torque is wrong, and how far what gravity and
-# what inertia say of it may be apart. One of them alone is small in many a model, without the
-# gripper of a wrist or the inertia of its motor.
-_TOO_LARGE, _ALIKE = 10.0, 2.0
-# Effect of the load on the drive, over what a fit leaves, and its standard errors, from which on
-# the load determines the torque per ampere or volt: to about a third.
-_STANDS_OUT = 1.0
 # Samples that the balance is solved on, and blocks of them that count as independent.
 _SAMPLES, _BLOCKS = 6000, 30
 
@@ -164,7 +149,8 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
     load, others = columns[:, own], np.delete(columns, own, axis=1)
     alone = load - others @ _solved(others, load)
     effect = alone * float(fitted.beta[at])
-    if root_mean_square(effect) <= _STANDS_OUT * fitted.rms:
+    # The residual may be correlated with the load, so the load must exceed it.
+    if root_mean_square(effect) <= fitted.rms:
         return False
     error = _errors(alone[:, None], fitted.residual, _blocks(len(alone)))[0, 0]
     return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
@@ -193,8 +179,10 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
             logs.append((s.name, balance.of_log(i), _turned(balance, i)))
     for name, part, turned in logs:
         power, error, free = _friction_power(part)
-        wrong = turned and power < -SURE * error and free < _MEANINGFUL
-        if wrong and _left(part, prepared.gain_unknown) > _RIGHT:
+        # Signs mean something if the balance with free signs explains some of the drive; a wrong
+        # sign is considered only if the right signs leave much of it.
+        wrong = turned and power < -SURE * error and free < 0.8
+        if wrong and _left(part, prepared.gain_unknown) > 0.3:
             raise LogError(driven(prepared, name, -power / error))
 
 
@@ -205,10 +193,12 @@ def _check_drive_changes(prepared: Prepared, names: str) -> None:
     """
     drive = np.concatenate([s.drive for s in prepared.segments])
     v = np.concatenate([s.signals[:, V] for s in prepared.segments])
-    along = (drive * np.sign(v))[np.abs(v) > _MOVES * np.max(np.abs(v))]
+    # Above a tenth of the top speed, and outside reversals (a fifth of the samples), the magnitude
+    # must change by more than 0.1%.
+    along = (drive * np.sign(v))[np.abs(v) > 0.1 * np.max(np.abs(v))]
     size = float(np.median(along)) if len(along) else 0.0
     # around a reversal a resampled drive has other values
-    if size > 0.0 and np.mean(np.abs(along - size) > _ONE_SIZE * size) < _REVERSALS:
+    if size > 0.0 and np.mean(np.abs(along - size) > 1e-3 * size) < 0.2:
         raise LogError(
             f"{names}: the {prepared.drive} has the same magnitude, {size:.4g}, throughout: "
             "friction of that level would explain any speed: record a drive that changes"
@@ -231,7 +221,8 @@ def _free(b: Balance) -> Array:
     distinguished from friction and counts as friction.
     """
     rarer = min(float(np.mean(b.side > 0.0)), float(np.mean(b.side < 0.0)))
-    bias = [b.one] if rarer > _BOTH_WAYS else []
+    # A bias is distinguishable from friction if 2% of the samples move in the rarer direction.
+    bias = [b.one] if rarer > 0.02 else []
     return np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, *bias])
 
 
@@ -259,8 +250,11 @@ def _left(b: Balance, gain_unknown: bool) -> float:
 
 def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
     """Compare the torque's gravity and inertia with the model's."""
-    alike = load.factors.max() < _ALIKE * load.factors.min()
-    if np.min(load.factors - SURE * load.errors) > _TOO_LARGE and alike:
+    # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
+    # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
+    # or the inertia of its motor.
+    alike = load.factors.max() < 2.0 * load.factors.min()
+    if np.min(load.factors - SURE * load.errors) > 10.0 and alike:
         raise LogError(too_large(prepared, names, float(load.factors.mean())))
 
 

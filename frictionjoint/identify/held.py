@@ -23,8 +23,6 @@ _MANY = {
     FREE: (7, "a free joint needs x,y,z and the quaternion w,x,y,z"),
     BALL: (4, "a ball joint needs the quaternion w,x,y,z"),
 }
-# kg m^2, kg: under 1 kN m a joint turns by 0.2 mrad in an hour
-_IMMOVABLE = 1e13
 
 
 def joint_label(model: mujoco.MjModel, j: int) -> str:
@@ -99,7 +97,8 @@ def take_pose(model: mujoco.MjModel, poses: Mapping[int, Array]) -> None:
 def lock(model: mujoco.MjModel, *free: int) -> None:
     """Hold every joint of a model, except some given by index, where it is."""
     others = ~np.isin(model.dof_jntid, free)
-    model.dof_armature[others] = _IMMOVABLE
+    # kg m^2, kg: 1 kN m turns such a joint by 0.2 mrad in an hour
+    model.dof_armature[others] = 1e13
     mujoco.mj_setConst(model, mujoco.MjData(model))
 
 

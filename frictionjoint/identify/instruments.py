@@ -16,9 +16,6 @@ from frictionjoint.identify.smooth import SmoothTerm, TunedTerm
 
 # what the filter of the motion may change of a torque that does not act, and noise make of one
 _ABOUT = 0.1
-# of half the range, how far from an end the joint presses against it; and how much of what exceeds
-# a level may do so
-_END, _MOSTLY = 0.1, 0.5
 
 
 @dataclass(frozen=True)
@@ -56,14 +53,16 @@ class ExcessTerm(TunedTerm):
         q = [s.signals[s.mask, Q] for s in segments]
         whole = np.concatenate(q)
         low, high = whole.min(), whole.max()
-        end = 0.5 * _END * (high - low)
+        # a joint presses against an end within 5% of its range; this may account for half of the
+        # excess
+        end = 0.05 * (high - low)
         for s, x in zip(segments, q, strict=True):
             excess = self.columns(s, s.signals)[s.mask, 0]
             noise += s.noise.torque * min(motion_hz, 0.5 / s.dt) * np.count_nonzero(excess)
             squares += float(np.sum(excess**2))
             outward = np.where(excess > 0.0, x > high - end, x < low + end)
             pressing += float(np.sum(excess[outward] ** 2))
-        return noise < _ABOUT * squares and pressing < _MOSTLY * squares
+        return noise < _ABOUT * squares and pressing < 0.5 * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
         """The level, and the fraction that was not delivered, in a sentence."""

@@ -20,16 +20,10 @@ from frictionjoint.measured.speed import speed_note
 from frictionjoint.measured.validate import check_time
 from frictionjoint.model_files import ONE_DOF
 
-# Change of the load, over its rms, from which on a pose matters.
-_MATTERS = 0.01
 # Samples of a log, arrangements of the other joints, and poses of each, that are tried.
 _SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
 # Travel tried in each direction where the model has no limits: rad, m.
 _TURN, _SHIFT = np.pi, 0.3
-# Travel in a log over the model's range of the joint, from which on it is another unit or joint.
-_BEYOND = 2.0
-# Torque over what the model lets actuators give, from which on it is another unit.
-_BEYOND_LIMIT = 10.0
 
 
 def check_logs(
@@ -81,7 +75,8 @@ def _check_range(log: JointLog, body: RigidBody) -> None:
         return
     low, high = (float(x) for x in model.jnt_range[j])
     travel = float(np.ptp(log.position))
-    if travel > _BEYOND * (high - low):
+    # Twice the model's range is another unit or joint.
+    if travel > 2.0 * (high - low):
         unit = "m" if body.slide else "rad"
         raise LogError(
             f"{log.name}: the position travels {travel:.3g} {unit} where the model's joint "
@@ -119,7 +114,8 @@ def _check_limit(log: JointLog, body: RigidBody) -> None:
         return
     limit = float(np.abs(model.jnt_actfrcrange[j]).max())
     peak = float(np.quantile(np.abs(log.torque), 0.99))
-    if limit > 0.0 and peak > _BEYOND_LIMIT * limit:
+    # Ten times the actuators' limit is another unit.
+    if limit > 0.0 and peak > 10.0 * limit:
         unit, small = ("N", "mN") if body.slide else ("N m", "N mm, mN m")
         raise LogError(
             f"{log.name}: the torque reaches {peak:.3g} {unit} where the model's actuators are "
@@ -191,7 +187,8 @@ def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
                 moved = qpos.copy()
                 _move(model, j, moved, rng)
                 change[j] = max(change[j], root_mean_square(_load(body, moved, qvel, qacc) - load))
-    return [j for j in open_ones if change[j] > _MATTERS * size]
+    # A pose matters if it changes the load by 1%.
+    return [j for j in open_ones if change[j] > 0.01 * size]
 
 
 def _of(log: JointLog, body: RigidBody) -> Iterable[str]:

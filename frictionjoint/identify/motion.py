@@ -15,8 +15,6 @@ from frictionjoint.measured.lowpass import LowPass, steep
 # s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
 # blurred. A slow log is not refined at any cost.
 _STEP_S, _MOST_REFINED = 2.5e-3, 16
-# samples in a period of the motion's corner
-_A_MOTION = 2.5
 
 
 class Motion(NamedTuple):
@@ -53,7 +51,8 @@ def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> M
             acceleration must account for.
     """
     raw_time, raw, sample = on_a_grid(log)
-    finest = min(_STEP_S, 1.0 / (_A_MOTION * corner_hz))
+    # samples per period of the motion's corner
+    finest = min(_STEP_S, 1.0 / (2.5 * corner_hz))
     step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
     corner = min(corner_hz, HIGHEST / sample)
     smooth = LowPass(len(raw_time), sample, corner, steep, step, up)

@@ -21,14 +21,9 @@ from frictionjoint.measured.lowpass import gentle
 
 # part of the spectrum that is taken to hold noise alone, over the sampling frequency
 _ABOVE = (0.25, 0.45)
-# power that the position's noise may add to that of the torque's
-_ADDED = 0.05
 # fraction of the travel by which one position, computed twice, may differ
 _ROUNDING = 1e-12
 _WINDOW = 4096
-# samples of a piece of which a noise's spectrum is averaged, and squared correlation of the spectra
-# of two that overlap by half, each behind a Hann window (Welch 1967)
-_PIECE, _SHARED = 1024, 1.0 / 36.0
 # counts up to which two positions are near, and how far from whole numbers of them they may lie:
 # any differences lie a quarter off on average
 _NEAR, _WHOLE = 50.0, 0.05
@@ -69,7 +64,8 @@ class Noise:
         """Corner frequency of the balance for this noise, within given limits."""
         for corner in np.geomspace(most, least, 60):
             torque, position = self.left(float(corner))
-            if position <= _ADDED * torque:
+            # the position's noise may add 5% to the torque's
+            if position <= 0.05 * torque:
                 return float(corner)
         return least
 
@@ -83,13 +79,15 @@ def density_above(x: Array, dt: float) -> float:
     Args:
         x: shape (n,). dt: sampling interval, s.
     """
-    window = min(len(x), _PIECE)
+    # pieces of 1024 samples with a Hann window that overlap by half; the squared correlation of the
+    # spectra of two is 1/36 (Welch 1967)
+    window = min(len(x), 1024)
     f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")
     above = (f >= _ABOVE[0] / dt) & (f <= _ABOVE[1] / dt)
     if not above.any():
         return 0.0
     pieces = (len(x) - window) // (window - window // 2) + 1
-    freedom = 2.0 * pieces / (1.0 + 2.0 * _SHARED * (1.0 - 1.0 / pieces))
+    freedom = 2.0 * pieces / (1.0 + (2.0 / 36.0) * (1.0 - 1.0 / pieces))
     return float(np.median(power[above]) * freedom / chi2.median(freedom))
 
 

@@ -11,9 +11,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.mend import silent_runs
 
-# of the friction while the drive acts: a coasting joint has about all of it
-_LESS = 1.0 / 3.0
-
 
 def turned_by_another(
     log: JointLog, values: Array, grid: Array, lost: Array, velocity: Array
@@ -32,10 +29,11 @@ def turned_by_another(
     inside = [(grid >= a) & (grid <= b) for a, b in silent]
     driven = ~np.any([np.zeros(len(grid), dtype=bool), *inside], axis=0)
     usual = _friction(lost[driven], velocity[driven])
+    # a coasting joint has about all of its usual friction
     return tuple(
         span
         for span, there in zip(silent, inside, strict=True)
-        if _friction(lost[there], velocity[there]) < _LESS * usual
+        if _friction(lost[there], velocity[there]) < usual / 3.0
     )
 
 

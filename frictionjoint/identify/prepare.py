@@ -42,17 +42,6 @@ from frictionjoint.measured.log import JointLog
 # the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
 # the second; above it only time is spent.
 _LEAST_HZ, _MOST_HZ = 5.0, 60.0
-# samples of the log in a period of the balance's corner: a torque that a controller holds from one
-# to the next is less by 0.6% there, and not every log tells whether it is held
-_A_SAMPLE = 16.0
-# such samples from which on a held torque is like any other: it is less by 0.06%
-_NO_MATTER = 50.0
-# periods of the balance's corner at each end of a log that what lies beyond it spoils, see `gentle`
-_SPOILT = 2.0
-# a drive that stands at the end of its range: within so many times its usual change from sample to
-# sample; so many times as often as just below; so often at the very end; and not half of the time,
-# which one with few values would
-_OF_NOISE, _PILE, _REPEATS, _MOST_AT_LIMIT = 4.0, 4.0, 10, 0.5
 
 
 def prepare(
@@ -115,7 +104,8 @@ def prepare(
 def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:
     """Whether a measured drive may be constant between samples and this matters."""
     samples = [s.sample for s in segments if s.commanded is None]
-    return max(samples, default=0.0) * band.balance * _NO_MATTER >= 1.0
+    # with 50 samples per period, holding lowers a torque by 0.06% only
+    return max(samples, default=0.0) * band.balance * 50.0 >= 1.0
 
 
 def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> float:
@@ -123,7 +113,9 @@ def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> floa
     most = min(_MOST_HZ, motion / 2.0)
     least = min(max(_LEAST_HZ, main), most)
     slowest = max(s.sample for s in segments)
-    most = max(least, min(most, 1.0 / (_A_SAMPLE * slowest)))
+    # 16 samples per period of the corner: a torque that a controller holds for a sample is lower by
+    # 0.6% there, and not every log shows whether it is held
+    most = max(least, min(most, 1.0 / (16.0 * slowest)))
     return float(np.median([s.noise.band_hz(least, most) for s in segments]))
 
 
@@ -161,7 +153,9 @@ def _segment(
     if log.temperature is not None:
         signals[:, TEMP] = uniform(log.time, log.temperature, t)
     mask = np.ones(n, dtype=bool)
-    edge = min(n // 10, max(2, int(_SPOILT / (band.balance * dt))))
+    # two periods of the balance's corner at each end depend on the motion beyond the log, see
+    # `gentle`
+    edge = min(n // 10, max(2, int(2.0 / (band.balance * dt))))
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
     kind, values = _drive(log)
@@ -233,15 +227,18 @@ def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
     found = np.zeros(len(values))
     steps = np.abs(np.diff(values))
     apart = np.diff(np.unique(values))
-    near = _OF_NOISE * max(float(np.median(steps)), float(apart.min(initial=np.inf)))
+    # a drive at its limit: within 4 usual changes per sample of its end, 4 times as often as just
+    # below, 10 times or more at the very end, and less than half of the time, unlike a drive with
+    # few values
+    near = 4.0 * max(float(np.median(steps)), float(apart.min(initial=np.inf)))
     for side in (1.0, -1.0):
         below = np.max(side * values) - side * values
         there = below <= near
         under = np.count_nonzero(below <= 2.0 * near) - np.count_nonzero(there)
-        piled = np.count_nonzero(there) > _PILE * under
-        if piled and np.count_nonzero(below == 0.0) >= _REPEATS:
+        piled = np.count_nonzero(there) > 4.0 * under
+        if piled and np.count_nonzero(below == 0.0) >= 10:
             found[1:-1][there[:-2] & there[1:-1] & there[2:]] = side
-    if not 0 < np.count_nonzero(found) < _MOST_AT_LIMIT * len(found):
+    if not 0 < np.count_nonzero(found) < 0.5 * len(found):
         return None
     return np.round(np.interp(grid, time, found))
 

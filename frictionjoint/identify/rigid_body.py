@@ -21,9 +21,6 @@ from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.carrier import blocks
 from frictionjoint.simulate.native_friction import native_friction
 
-# of a joint's range, how far a limit may give way: a joint that moves beyond does not meet it
-_GIVES_WAY = 0.1
-
 
 @dataclass(frozen=True)
 class RigidBodyTorque:
@@ -119,7 +116,8 @@ class RigidBody:
         """
         low, high = self.limits
         beyond = self.beyond_limits(position)
-        if np.max(beyond, initial=-np.inf) > _GIVES_WAY * (high - low):
+        # a limit may yield by a tenth of the range; a joint that moves further does not meet it
+        if np.max(beyond, initial=-np.inf) > 0.1 * (high - low):
             return np.zeros(len(position), dtype=bool)
         return np.asarray(beyond >= 0.0)
 

@@ -38,10 +38,6 @@ _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
 # Maxwell-slip elements: equal fractions of the level, slip displacements in a geometric row from
 # `length` to `reach` times it
 _ELEMENTS = 8
-# 1/s, a lag of 3 ms: below what a fit's bandwidth resolves
-_PROMPT = 300.0
-# of Vs: a static law has risen to its level before that falls, or its Fs would be nobody's torque
-_RISEN = 0.5
 # starts of the speed at which a static law has risen to its level, over that in `_START`
 _PARTS = (0.1, 1.0, 3.0)
 _START = {
@@ -95,10 +91,11 @@ class RivalShape:
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """See `Shape`."""
         low, high = level_bounds(vmax)
+        # V0 is at most half of Vs: the level is reached before it falls
         reach = {
             **dict(zip(_LEVELS, zip(low, high, strict=True), strict=True)),
             "log length": length_bounds(span),
-            "log V0 over Vs": (np.log(1e-4), np.log(_RISEN)),
+            "log V0 over Vs": (np.log(1e-4), np.log(0.5)),
             "i": (0.0, 4.0),
             "breakaway": (0.0, 0.95),
             "log reach": (0.0, np.log(300.0)),
@@ -203,7 +200,8 @@ def prompt_maxwell_slip() -> tuple[Shape, ...]:
     Its rate of attraction is a frictional lag. A law for the search of effects must not have one,
     because that effect could not be found.
     """
-    return (replace(start_of(MaxwellSlipParameters), least_rate=_PROMPT),)
+    # 1/s: a lag of 3 ms, which a fit's bandwidth does not resolve
+    return (replace(start_of(MaxwellSlipParameters), least_rate=300.0),)
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:

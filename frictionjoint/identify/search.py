@@ -33,8 +33,6 @@ from frictionjoint.threads import one_thread
 # fraction of a range within which a search has arrived at the range's end
 _ON_BOUND = 1e-4
 _MOST_STEPS = 20
-# times that what leaps is sought in finite steps, and what one must gain for another to follow
-_ROUNDS, _GAINED = 3, 1e-3
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 # least that a drive may come to: to compare errors over it
@@ -250,12 +248,13 @@ class Search:
         finite steps."""
         place = self._descended(x, steps, closeness)
         axes = self.leaping if closeness <= CLOSE else []
-        for _ in range(_ROUNDS if axes else 0):
+        # at most three rounds of finite steps, each with a gain of 0.1% or more
+        for _ in range(3 if axes else 0):
             there = compass(self.squares, place.x, axes, *self.bounds)
             found = self._descended(there, steps, closeness)
             gained = place.cost - found.cost
             place = best_of([place, found], lambda p: p.cost)
-            if gained <= _GAINED * place.cost:
+            if gained <= 1e-3 * place.cost:
                 break
         return place
 

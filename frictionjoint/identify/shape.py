@@ -99,13 +99,10 @@ _TORQUES = (0.5, 0.8, 1.0)
 STIFFER = (0.3, 1.0)
 
 
-# Fs / Fc - 1: well oiled, a joint may rest with many times what it slides with
-_MOST_EXCESS = 15.0
-
-
 def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
     """Bounds of excess, log Vs and delta: the Stribeck curve common to the laws."""
-    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [_MOST_EXCESS, float(np.log(0.3 * vmax)), 3.0]
+    # Fs / Fc - 1 up to 15: a well oiled joint may stick at many times its sliding friction
+    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [15.0, float(np.log(0.3 * vmax)), 3.0]
 
 
 def length_bounds(span: float) -> tuple[float, float]:

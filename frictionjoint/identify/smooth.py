@@ -22,8 +22,6 @@ VARIABLES = {
     "time": TIME,
     "temperature_c": TEMP,
 }
-# fraction of a wave in time above which the motion may be its cause
-_MOVED = 0.1
 # quantities of which a model contains a multiple: the torque's gain, viscous friction
 _PROPORTIONAL = ("load", "velocity")
 
@@ -249,7 +247,8 @@ class WaveTerm(TunedTerm):
         """Size and frequency of the wave, in a sentence."""
         size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
         torque = f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz"
-        if self.moved > _MOVED:
+        # a wave that follows time this well may come from the motion
+        if self.moved > 0.1:
             return (
                 f"{torque}. The joint also moves at that frequency, so these logs do not show "
                 "whether the torque depends on time or on the motion."

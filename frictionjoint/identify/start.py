@@ -32,8 +32,6 @@ _TELLS = 0.01
 # corner
 _ALIKE, _REACH = 1e-3, 2.0
 _PASSES = 2
-# singular values below this fraction of the largest hold nothing
-_DEPENDENT = 1e-6
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
@@ -124,7 +122,8 @@ def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: 
     X = np.column_stack([columns, free]) * fitted.weight[:, None]
     size = lengths(X)
     e = fitted.residual * fitted.weight
-    found = np.linalg.lstsq(X / size, e, rcond=_DEPENDENT)[0] / size
+    # smaller singular values are rounding
+    found = np.linalg.lstsq(X / size, e, rcond=1e-6)[0] / size
     if found[0] <= 0.0:
         return prepared
     logs = []

@@ -24,12 +24,6 @@ from frictionjoint.threads import one_thread, side_by_side
 _COARSE = 1500
 # steps that every form is followed for, and the best of them to the end
 _STEPS, _LAST_STEPS = 8, 15
-# cost over the best one's up to which a form is followed further
-_NEAR_BEST, _FINALISTS = 2.0, 2
-# part of an error that damping must leave at most to be known before any law
-_DAMPED = 0.5
-# linear fits of which each weighs the logs for the next
-_WEIGHINGS = 2
 
 
 @one_thread
@@ -46,7 +40,8 @@ def fit(
     """
     progress(f"fitting the friction law in {len(forms)} forms")
     followed = _followed(screened_starts(prepared, terms, forms))
-    finalists = [p for p in followed if p.cost <= _NEAR_BEST * followed[0].cost][:_FINALISTS]
+    # the two best forms, if the second costs at most twice as much
+    finalists = [p for p in followed if p.cost <= 2.0 * followed[0].cost][:2]
     final = []
     for place in finalists:
         shape, moved = place.search.split(place.x)
@@ -85,13 +80,14 @@ def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, S
     `last_freedoms`.
     """
     basis, top = LawBasis(prepared), prepared.top_speed
-    for _ in range(_WEIGHINGS):
+    # each linear fit determines the weights for the next
+    for _ in range(2):
         law = basis.fitted(forms[0], (), prepared.weight)
         parts = [law.sticking(s, top) for s in prepared.segments]
         fractions, stiffnesses = zip(*parts, strict=True)
         prepared = weighted_by(prepared, fractions, stiffnesses, law.level, law.residual)
     damped, without = (basis.fitted(forms[0], (), prepared.weight, x) for x in (True, False))
-    if damped.rms < _DAMPED * without.rms:
+    if damped.rms < 0.5 * without.rms:
         forms = [f.with_damping() if isinstance(f, IntegratedShape) else f for f in forms]
     return prepared, forms
 

@@ -10,11 +10,6 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.effects import command_delay
 from frictionjoint.identify.segment import Segment
 
-# of a sample, from which on a time may be an effect's
-_LATE = 0.9
-# the same, which a controller's tick may lose
-_A_TICK = 0.1
-
 
 @dataclass(frozen=True)
 class Timing:
@@ -39,7 +34,8 @@ class Timing:
     @property
     def at_its_end(self) -> bool:
         """Whether the offset is as long as its sample, so that it cannot be a sampling offset."""
-        return abs(self.shape[0]) > _LATE * self.sample
+        # a longer offset may be an effect's
+        return abs(self.shape[0]) > 0.9 * self.sample
 
     @property
     def free_shape(self) -> tuple[float, ...]:
@@ -112,7 +108,8 @@ class TargetTiming(Timing):
 
         Nothing for a target that acts early either: no file can state that.
         """
-        late = self.shape[0] > _A_TICK * self.sample
+        # a controller's tick may lose a tenth of a sample
+        late = self.shape[0] > 0.1 * self.sample
         return command_delay.figures(controller, self.shape) if late else {}
 
     def says(self, size: str) -> str:

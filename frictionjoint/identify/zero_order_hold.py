@@ -21,12 +21,8 @@ from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
 
-# half angles up to which the corrections are followed, rad: far beyond any band
-_LARGEST = 1.4
 # delays of the drive that may go with either, in samples, and how near to a half is one
 _LATE, _NEAR = np.linspace(-0.5, 2.0, 26), 0.15
-# samples of a coarse balance
-_SAMPLES = 6000
 
 
 def of_acceleration(omega: Array, sample: float) -> Array:
@@ -58,7 +54,8 @@ def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
 
 
 def _half_angle(omega: Array, sample: float) -> Array:
-    return np.clip(0.5 * sample * omega, 1e-9, _LARGEST)
+    # rad, far beyond any band
+    return np.clip(0.5 * sample * omega, 1e-9, 1.4)
 
 
 def _left(segments: Sequence[Segment]) -> Array:
@@ -66,7 +63,8 @@ def _left(segments: Sequence[Segment]) -> Array:
     top = top_speed(segments)
     rows = [_balanced(s, top) for s in segments]
     X, late = (np.concatenate(x) for x in zip(*rows, strict=True))
-    every = max(1, len(X) // _SAMPLES)
+    # about 6000 samples suffice
+    every = max(1, len(X) // 6000)
     X, late = X[::every], late[::every]
     size = np.linalg.norm(X, axis=0)
     Z = np.linalg.svd(X[:, size > 0.0] / size[size > 0.0], full_matrices=False)

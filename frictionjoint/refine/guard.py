@@ -32,10 +32,6 @@ Mask = NDArray[np.bool_]
 
 # kinds of one sort; more are no kinds but single logs
 _MOST_KINDS = 6
-# of a log that is alone, how much is left out at its end
-_LAST = 1.0 / 3.0
-# of that, parts that count as logs of their own
-_PARTS = 10
 # part of the positions that a band holds and to within what, and least standard error of one, rad
 # (m)
 BAND, _CLOSE, _LEAST_WIDTH = 0.95, 1e-6, 1e-9
@@ -50,7 +46,8 @@ def kinds(courses: Sequence[Course]) -> list[Mask]:
     lengths = [len(c.position) for c in courses]
     if len(courses) == 1:
         n = lengths[0]
-        return [np.arange(n) >= round((1.0 - _LAST) * n)]
+        # the last third of a single log is left out
+        return [np.arange(n) >= round(2.0 / 3.0 * n)]
     of_log = np.repeat(np.arange(len(courses)), lengths)
     return [np.isin(of_log, group) for group in _groups(courses)]
 
@@ -212,7 +209,8 @@ def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
     """
     if len(courses) == 1:
         left_out = errors[0, ~np.isnan(errors[0])]
-        parts = np.array_split(left_out, min(_PARTS, len(left_out)))
+        # ten parts of it count as logs
+        parts = np.array_split(left_out, min(10, len(left_out)))
         return np.array([np.mean(np.abs(part)) for part in parts])
     ends = np.cumsum([len(c.position) for c in courses])[:-1]
     return np.array([np.nanmean(np.abs(part)) for part in np.split(errors, ends, axis=1)])

@@ -11,11 +11,6 @@ from frictionjoint.refine.motion import errors
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 
-# samples with one error in common: as one number a tenth of a second
-_CORRELATED = 10.0
-# rad, least error that counts as small
-_LEAST = 1e-4
-
 
 class Objective:
     """Soft errors of all samples, then those of the prior, at numbers in units of the prior.
@@ -32,7 +27,8 @@ class Objective:
         self, vector: Vector, courses: Sequence[Course], window_s: float | None, x: Array
     ) -> None:
         self.vector, self.courses, self.window_s = vector, courses, window_s
-        self.size = max(float(np.median(np.abs(self.errors(self.units(x))))), _LEAST)
+        # rad
+        self.size = max(float(np.median(np.abs(self.errors(self.units(x))))), 1e-4)
         self._last: tuple[bytes, Array] | None = None
 
     def of(self, courses: Sequence[Course]) -> "Objective":
@@ -66,7 +62,8 @@ class Objective:
     def soft(self, e: Array) -> Array:
         """Errors after the soft loss."""
         x = e / self.size
-        return np.asarray(np.sign(e) * np.sqrt(2.0 * (np.sqrt(1.0 + x**2) - 1.0) / _CORRELATED))
+        # ten neighbouring samples share one error, as a tenth of a second would
+        return np.asarray(np.sign(e) * np.sqrt(2.0 * (np.sqrt(1.0 + x**2) - 1.0) / 10.0))
 
     def __call__(self, z: Array) -> Array:
         """Soft errors, then the numbers themselves, shape (samples + p,)."""

@@ -30,8 +30,6 @@ from frictionjoint.replay.closed_loop import Course
 
 # steps of each round of a stage, rounds, and the fraction of the squares that one must take away
 _MOST, _ROUNDS, _ENOUGH = 10, 4, 2e-2
-# squares of a start over those of the nearest one, up to which it is searched from too
-_AS_NEAR = 1.25
 
 
 class Tried:
@@ -100,7 +98,8 @@ def tried(
     objective = Objective(vector, courses, None, starts[0])
     progress(f"refining by simulation of whole logs, error {1e3 * objective.size:.3g} mrad")
     costs = [_cost(objective, start) for start in starts]
-    some = [x for x, cost in zip(starts, costs, strict=True) if cost <= _AS_NEAR * min(costs)]
+    # starts nearly as good as the best one
+    some = [x for x, cost in zip(starts, costs, strict=True) if cost <= 1.25 * min(costs)]
     x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
     return Tried(vector, windows, objective, x, J)
 

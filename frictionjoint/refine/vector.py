@@ -20,14 +20,6 @@ from frictionjoint.identify.timing import DriveTiming, Timing
 _WIDER = 10.0
 # least and largest unit of the prior, over the number itself
 _LEAST, _MOST = 0.05, 0.5
-# of the law's level, over the torque's rms, where the balance has found none
-_LEVEL = 0.05
-# least level of a law, over the torque's rms
-_LOWEST = 1e-6
-# s, for which a simulation in steps of 1 ms holds a torque on the mean
-_HELD = 0.5e-3
-# of a length, a speed or a frequency, over the balance's: none of them is nothing
-_LEAST_SCALE = 1e-3
 
 
 def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
@@ -78,7 +70,8 @@ class Vector:
         levels = slice(self.has_gain, len(self.layout.base))
         speed = float(np.quantile(_speeds(prepared), 0.99)) or 1.0
         names = fitted.names[levels]
-        torque = _LEVEL * fitted.target_rms
+        # where the torque fit found no level
+        torque = 0.05 * fitted.target_rms
         least = [torque if n == "Fc" else torque / speed for n in names]
         size[levels] = np.maximum(size[levels], least)
         if self.has_gain:
@@ -97,7 +90,8 @@ class Vector:
         for i, term in enumerate(fitted.terms):
             if isinstance(term, Timing):
                 at = self.layout.numbers(i)
-                self.unit[at] = np.maximum(self.unit[at], _HELD)
+                # s: a simulation in steps of 1 ms holds a torque for half a step on average
+                self.unit[at] = np.maximum(self.unit[at], 0.5e-3)
 
     def _of(self, fitted: Fit) -> Array:
         """Numbers of a fit with this structure, within the bounds, shape (p,)."""
@@ -114,7 +108,8 @@ class Vector:
             low, high = [-np.inf], [np.inf]
         names = self.fitted.names[self.has_gain : len(self.layout.base)]
         # a law has a level, however small
-        low += [_LOWEST * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
+        # least level of a law, over the torque's rms
+        low += [1e-6 * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
         high += [np.inf] * len(names)
         for term in self.fitted.terms:
             bounds: tuple[tuple[float, float], ...] = ()
@@ -132,7 +127,8 @@ class Vector:
         low += list(least_law)
         high += list(most_law)
         for term in self.fitted.terms:
-            limits, scale = shape_limits(term), _LEAST_SCALE
+            # a length, a speed or a frequency is not zero
+            limits, scale = shape_limits(term), 1e-3
             if isinstance(term, DriveTiming):  # a simulation knows no torque before its cause
                 limits, scale = ((0.0, 0.05),), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):

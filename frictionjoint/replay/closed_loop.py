@@ -37,8 +37,6 @@ from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 _STEP = 1e-3
 # of a step, by which a number of steps may be off a whole one
 _WHOLE = 1e-6
-# steps from one evaluation of the load among other joints to the next
-_LOAD_STRIDE = 4
 
 
 @dataclass(frozen=True)
@@ -228,7 +226,8 @@ def _step(duration: float, period: float) -> float:
 
 def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:
     """Load at each step. With other joints, whose motion is smooth, it is interpolated."""
-    at = np.arange(0, len(velocity), _LOAD_STRIDE)
+    # every fourth step: the motion of other joints is smooth
+    at = np.arange(0, len(velocity), 4)
     coarse = {name: (x[at], v[at], a[at]) for name, (x, v, a) in others.items()}
     load = load_of(body, velocity[at], coarse)
     if load.numbers.shape[1] == 1:

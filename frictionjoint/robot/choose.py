@@ -36,8 +36,6 @@ _MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
-# leaders that are compared on halves of the blocks
-_CONTENDERS = 6
 
 
 @dataclass(frozen=True)
@@ -279,7 +277,8 @@ def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> fl
     best: dict[str, Array] = {}
     for row in rows:
         key = row.candidate.changed
-        if len(best) < _CONTENDERS or key == thing:
+        # the six best are compared
+        if len(best) < 6 or key == thing:
             best.setdefault(key, row.left.sum(axis=0))
     names, left = list(best), np.array(list(best.values()))
     first = first_least(left @ halves(left.shape[1], rng).T)

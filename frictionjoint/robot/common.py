@@ -18,9 +18,6 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.joint import FittedJoint
 
-# shapes of two joints' grids that are one: logs of each begin and end with its own motion
-_ALIKE = 0.1
-
 
 @dataclass(frozen=True)
 class Common:
@@ -64,10 +61,12 @@ def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
         if not all(testable(j.prepared, effect, x) for j, x in zip(joints, signals, strict=True)):
             continue
         first, *others = (effect.shapes(x) for x in signals)
+        # grids of two joints differ a little, because each joint's logs begin and end with its own
+        # motion
         found += [
             EffectTerm(effect, shape)
             for shape in first
-            if all(any(np.allclose(shape, s, rtol=_ALIKE) for s in grid) for grid in others)
+            if all(any(np.allclose(shape, s, rtol=0.1) for s in grid) for grid in others)
         ]
     return found
 

@@ -10,9 +10,6 @@ from frictionjoint.diagnose.decisions import DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.report.robot_report import HARM
 from frictionjoint.robot.stack import Stack
 
-# squares over presumed variances: about as far as one number is presumed to be off
-_NEARER = 1.0
-
 
 def enough(stack: Stack, before: Array, after: Array) -> bool:
     """Whether the reduction is larger than the laws' own errors could produce."""
@@ -65,7 +62,8 @@ def nearer(strayed: float, other: float) -> bool:
     Args:
         strayed, other: squared numbers over their prior variances.
     """
-    return strayed < other - _NEARER
+    # by about the square of one presumed deviation
+    return strayed < other - 1.0
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:

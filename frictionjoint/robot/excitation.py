@@ -28,8 +28,6 @@ from frictionjoint.robot.regressor import Regressor
 
 _SECONDS, _HARMONICS, _SAMPLES, _TRIALS = 20.0, 5, 400, 60
 _RATE_HZ = 100.0
-# part of a range or of the largest torque that may be used, and speed over that of the logs
-_RANGE, _TORQUE, _FASTER = 0.9, 0.9, 1.25
 # travel beyond that of the logs, over it, where the model states no range
 _FURTHER = 0.25
 _SHRUNK, _SHRINKS = 0.8, 12
@@ -95,12 +93,13 @@ def _limits(model: mujoco.MjModel, joints: Sequence[FittedJoint]) -> _Limits:
         low, high = low - room, high + room
         j = model.joint(joint.name).id
         if model.jnt_limited[j]:
-            middle, half = np.mean(model.jnt_range[j]), 0.5 * _RANGE * np.ptp(model.jnt_range[j])
+            # 90% of ranges and torques, 125% of the speeds of the logs
+            middle, half = np.mean(model.jnt_range[j]), 0.45 * np.ptp(model.jnt_range[j])
             low, high = float(middle - half), float(middle + half)
         torque = float(np.abs(drive).max())
         if model.jnt_actfrclimited[j]:
-            torque = _TORQUE * float(np.abs(model.jnt_actfrcrange[j]).min())
-        rows.append((low, high, _FASTER * float(np.abs(signals[:, V]).max()), torque))
+            torque = 0.9 * float(np.abs(model.jnt_actfrcrange[j]).min())
+        rows.append((low, high, 1.25 * float(np.abs(signals[:, V]).max()), torque))
     return _Limits(*np.array(rows).T)
 
 

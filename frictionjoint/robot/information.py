@@ -23,8 +23,6 @@ from frictionjoint.robot.joint import FittedJoint
 
 # singular values below this fraction of the largest: exact columns of a parameter that never shows
 _STRUCTURAL = 1e-7
-# of the largest eigenvalue, below which one is rounding
-_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
@@ -166,4 +164,5 @@ def base_parameters(found: Information) -> BaseParameters:
 def errors(found: Information, base: Sequence[int]) -> Array:
     """Relative standard errors of base parameters, for independent samples, shape (b,)."""
     at = list(base)
-    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], _ROUNDING))))
+    # smaller eigenvalues are rounding
+    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], 1e-15))))

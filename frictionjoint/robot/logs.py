@@ -16,8 +16,6 @@ from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.report.joint_report import LogEntry, Role
 
-# travel below which a joint stands still, rad (m)
-_STILL = 1e-3
 # of a log among those of a joint: its name, and how many before it have that
 Place = tuple[str, int]
 
@@ -114,8 +112,9 @@ class RobotLogs:
         names = dict.fromkeys(self.fit)
         for logs in self.fit.values():
             for log in logs:
+                # rad (m)
                 names |= dict.fromkeys(
-                    n for n, q in log.other_positions.items() if np.ptp(q) > _STILL
+                    n for n, q in log.other_positions.items() if np.ptp(q) > 1e-3
                 )
         return list(names)
 

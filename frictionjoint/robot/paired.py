@@ -13,8 +13,6 @@ from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.report.robot_report import Interval
 
 _CORRELATION_TIMES = 5.0
-# 0.975: of both sides together 5% is left out
-_QUANTILE = 0.975
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
@@ -61,5 +59,6 @@ def _interval(sums: Array, counts: Array, both: float) -> Interval:
         return -np.inf, np.inf
     spread = sums - mean * counts
     error = float(np.sqrt(blocks / (blocks - 1) * (spread @ spread))) / n
-    half = float(student.ppf(_QUANTILE, blocks - 1)) * error
+    # two-sided 95%
+    half = float(student.ppf(0.975, blocks - 1)) * error
     return (mean - half) / both, (mean + half) / both

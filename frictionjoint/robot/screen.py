@@ -20,9 +20,6 @@ from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Stack
 
-# norm of a column over the largest one's, below which it is the rounding of a difference
-_NOTHING = 1e-8
-
 
 @dataclass(frozen=True)
 class Screened:
@@ -80,7 +77,8 @@ def screen(
     grams = []
     acts: dict[int, list[str]] = {}
     for joint, x, norm in zip(joints, parts, norms, strict=True):
-        at = np.flatnonzero(norm > _NOTHING * norm.max(initial=0.0))
+        # smaller columns are rounding of a difference
+        at = np.flatnonzero(norm > 1e-8 * norm.max(initial=0.0))
         for k in at:
             acts.setdefault(int(k), []).append(joint.name)
         grams.append(gram_of(joint, x, at, clock))

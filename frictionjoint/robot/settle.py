@@ -26,17 +26,6 @@ _T = TypeVar("_T")
 _R = TypeVar("_R")
 Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
 
-# how often the numbers and the laws follow each other
-_MOST_LAWS = 4
-# fraction of the squares left that a turn must take away to be followed by another one
-_SETTLED = 1e-3
-# part of a joint's squares from which on the causes have changed it so much that its law is fitted
-# from everywhere
-_CHANGED = 0.3
-# of the largest eigenvalue, below which a direction of the numbers is not determined, and its part
-# in a number from which on that is not
-_DETERMINED, _OPEN = 1e-8, 1e-4
-
 
 @dataclass(frozen=True)
 class Settled:
@@ -74,10 +63,11 @@ def settle(
             now = _fitted_again(now, _again, each)
         return Settled(found, now, clock(now))
     before: tuple[FittedJoint, ...] | None = None
-    for _ in range(_MOST_LAWS):
+    for _ in range(4):
         stepped = descended(now, clock(now), found, lambda label: label in beside)
         trial = _fitted_again([j.corrected(stepped.state) for j in now], _followed, each)
-        if before is not None and _cost(trial, before) > 1.0 - _SETTLED:
+        # a gain below 0.1% ends the iteration
+        if before is not None and _cost(trial, before) > 0.999:
             break
         found, now, before = stepped, trial, trial
     seen = screened(now, clock(now), found, beside)
@@ -102,7 +92,8 @@ def _followed(joint: FittedJoint) -> FittedJoint:
     if joint.shift is not None and not np.any(joint.shift):
         return replace(joint, shift=None)
     again = joint.refitted()
-    if again.rms**2 > (1.0 - _CHANGED) * joint.rms**2:
+    # if the causes removed 30% of the squares, the law may be in another minimum
+    if again.rms**2 > 0.7 * joint.rms**2:
         return again
     anew = again.refitted(anew=True)
     return anew if anew.rms < again.rms else again
@@ -156,13 +147,14 @@ def covariance(stack: Stack, at: Columns) -> Array:
     G = stack.presumed_apart(at)
     scale = roots(G)
     values, vectors = eigh(G / np.outer(scale, scale))
-    determined = values > _DETERMINED * values[-1]
+    # directions of smaller eigenvalues are undetermined, and numbers that contain them
+    determined = values > 1e-8 * values[-1]
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
     scores = stack.products(at, np.zeros(0, dtype=np.int64))[1] / scale
     blocks = len(scores)
     spread = scores.T @ scores * blocks / max(1, blocks - len(at))
     cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
-    open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > _OPEN
+    open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > 1e-4
     cov[open_ones, open_ones] = np.inf
     return np.asarray(cov)
 

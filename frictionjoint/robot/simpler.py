@@ -26,11 +26,6 @@ from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import squares_left
 from frictionjoint.robot.stack import Columns
 
-# single causes of which pairs are tried, those that explain most
-_LEADERS = 8
-# part of the squares by which sets differ that no log distinguishes
-_ALIKE = 1e-3
-
 
 def simpler(
     joints: Sequence[FittedJoint],
@@ -142,7 +137,8 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
     """Fewest numbers, then the smallest sum of squares; among equals, the catalogue's first."""
     fewest = min(numbers for numbers, _, _ in tried)
     left = min(squares for numbers, squares, _ in tried if numbers == fewest)
-    alike = [x for n, squares, x in tried if n == fewest and squares <= (1.0 + _ALIKE) * left]
+    # no log distinguishes sets within 0.1%
+    alike = [x for n, squares, x in tried if n == fewest and squares <= 1.001 * left]
     return min(alike, key=lambda several: sorted(c.order for c in several))
 
 
@@ -156,7 +152,8 @@ def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ..
     inside = [within_bounds(stack, c, known) for c in seen.candidates]
     pool = [one or c for one, c in zip(inside, seen.candidates, strict=True)]
     pool.sort(key=lambda c: float(stack.held_out(_with(known, (c,))).sum()))
-    pairs = itertools.product(pool[:_LEADERS], pool)
+    # pairs contain one of the eight best causes
+    pairs = itertools.product(pool[:8], pool)
     return [(c,) for c in inside if c is not None] + [
         (a, b)
         for a, b in pairs

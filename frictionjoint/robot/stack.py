@@ -20,8 +20,6 @@ from frictionjoint.robot.clock import Clock
 Columns = NDArray[np.int64]
 
 _RCOND = 1e-8
-# part of a column, below which nothing is left of it
-_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,8 @@ def joint_gram(
     before = np.linalg.norm(U, axis=0)
     U = without(U, law / lengths(law))
     # what the law explains whole leaves rounding
-    U[:, np.linalg.norm(U, axis=0) < _ROUNDING * before] = 0.0
+    # part of a column, below which nothing is left of it
+    U[:, np.linalg.norm(U, axis=0) < 1e-6 * before] = 0.0
     grams = np.zeros((blocks, U.shape[1], U.shape[1]))
     order = np.argsort(of_block, kind="stable")
     edges = np.searchsorted(of_block[order], np.arange(blocks + 1))

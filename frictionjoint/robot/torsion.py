@@ -26,13 +26,6 @@ from frictionjoint.report.robot_report import Torsion
 
 # standard errors from which on a part of the twist is there
 _SURE = 4.0
-# what a gear to another joint leaves of the twist's squares: a torque is never so nearly in
-# proportion to a position
-_GEARED = 0.01
-# part of the twist's variance that a gap or a hysteresis must explain beside the rest
-_SHARE = 0.02
-# twist over the travel, below which the second position was computed from the first
-_COMPUTED = 1e-6
 # rise of the torque over its span within which the contact comes to slide
 _REACHES = (0.02, 0.05, 0.1, 0.2, 0.4)
 # torque over its largest below which it changes its side: loads in the gap and the filter blur it
@@ -55,7 +48,8 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
     offsets = _offsets(prepared)
     size = root_mean_square(twist - offsets @ _mean(offsets, twist))
-    if size <= _COMPUTED * span or not np.ptp(torque):
+    # with no twist the second position was computed from the first
+    if size <= 1e-6 * span or not np.ptp(torque):
         return None
     link = np.concatenate([kept(s, s.signals[:, [Q, V]]) for s in prepared.segments])
     known = np.column_stack([offsets, link, torque])
@@ -128,7 +122,9 @@ def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
     while rest := [name for name in others if name not in names]:
         tried = {n: _regressed([motor, *(others[x] for x in (*names, n))], link) for n in rest}
         best = min(rest, key=lambda name: tried[name][1])
-        if tried[best][1] > _GEARED * left:
+        # a gear to another joint leaves almost nothing of the twist; a torque is never so nearly
+        # proportional to a position
+        if tried[best][1] > 0.01 * left:
             break
         names, (known, left) = (*names, best), tried[best]
     return float(known[0]), {n: -float(x) for n, x in zip(names, known[1:], strict=True)}
@@ -180,7 +176,8 @@ def _pruned(model: _Model) -> _Model:
     whole = _cost(model.without("torque").without("gap").without("lag"))
     for name in ("gap", "lag"):
         less = model.without(name)
-        if _cost(less) - _cost(model) < _SHARE * whole or model.estimate(name) is None:
+        # a gap or a hysteresis must explain 2% of the variance
+        if _cost(less) - _cost(model) < 0.02 * whole or model.estimate(name) is None:
             model = less
     return model
 

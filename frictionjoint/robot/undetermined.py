@@ -9,12 +9,8 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
 
-# coefficient, over the largest of a sum, from which on a parameter is a part of it
-_PART = 1e-3
 # standard error over the value from which on a parameter is loose
 _LOOSE = 0.5
-# samples are correlated: as many count as one
-_CORRELATED = 10.0
 
 
 def undetermined(
@@ -46,7 +42,8 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
     for k, other in enumerate(base.others):
         p = found.parameters[other]
         c = np.abs(base.sums[:, k])
-        parts = [found.parameters[base.base[i]] for i in np.flatnonzero(c > _PART * c.max())]
+        # parameters with a noticeable coefficient in the sum
+        parts = [found.parameters[base.base[i]] for i in np.flatnonzero(c > 1e-3 * c.max())]
         names, partners = owners.setdefault(p.owner, ([], []))
         names.append(p.name)
         partners += [x.owner for x in parts]
@@ -67,7 +64,8 @@ def _unseen(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
 
 
 def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
-    error = errors(found, base.base) * np.sqrt(_CORRELATED)
+    # ten correlated samples count as one
+    error = errors(found, base.base) * np.sqrt(10.0)
     loose = [k for k, e in zip(base.base, error, strict=True) if e > _LOOSE]
     return _by_owner(
         found, loose, "loose", f"known to no better than {_LOOSE:.0%} of the model's own size"

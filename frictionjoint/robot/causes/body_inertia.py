@@ -17,9 +17,6 @@ from frictionjoint.robot.inertia import NAMES, UNITS, about_centre, of_body, of_
 
 Form = Literal["mass", "mass and centre", "all ten"]
 _SIZES: dict[Form, int] = {"mass": 1, "mass and centre": 4, "all ten": 10}
-# standard deviation of the relative change of each entry of T: what the logs do not determine
-# stays near the model's own figures
-_PRESUMED = 1.0
 # beyond it, a factor of twenty in mass, it is another body
 _FURTHEST = 3.0
 # of T, below its diagonal
@@ -63,7 +60,9 @@ class BodyInertia(Cause):
     @property
     def prior(self) -> Array:
         """See `Cause`."""
-        found = np.full(_SIZES[self.form], _PRESUMED)
+        # standard deviation of the relative change of each entry of T: undetermined numbers stay
+        # near the model's
+        found = np.ones(_SIZES[self.form])
         if self.form == "mass and centre":
             found[1:] = self.size
         return found
