@@ -129,8 +129,8 @@ def motion(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     steps = rng.normal(size=SAMPLES) * 10 ** rng.uniform(-6, -2.5, SAMPLES)
     steps = np.abs(steps) * np.repeat(rng.choice([-1.0, 1.0], SAMPLES // 6), 6)
     steps[rng.random(SAMPLES) < 0.1] = 0.0
-    # forth, back by less, and forth again beyond where it had turned
-    steps[-18:] = rng.uniform(1e-5, 5e-5) * np.repeat([1.0, -1.0, 1.0], (7, 4, 7))
+    # forth, back, forth by half of it, and back beyond: the inner loop closes from any state
+    steps[-18:] = rng.uniform(1e-6, 5e-6) * np.repeat([1.0, -1.0, 1.0, -1.0], (3, 6, 3, 6))
     return t, np.cumsum(steps)
 
 
